@@ -1,17 +1,18 @@
 //! The most instructions that each part of a control period may take on the microcontroller, a Cortex-M4F at 170 MHz: what
 //! `cargo xtask thumb` and `cargo xtask cycles` hold the programs to. Each reads this file.
 
-/// One tick of the enhanced law by itself, for any input. 600 is aimed at, 3.5 us at an instruction a cycle; it took 696 at worst
+/// One tick of the enhanced law by itself, for any input. 600 is aimed at, 3.5 us at an instruction a cycle. It took 696 at worst
 /// since the energy of the mass that is left behind is paid for, and 712 since the force limit bounds the offset, until that path is
 /// shorter.
 pub const ENHANCED: u64 = 720;
 
-/// One tick of three axes: surface point, shell, friction and guard; a law an axis is the worst. 2,500 was aimed at; it takes 2,557
+/// One tick of three axes: surface point, shell, friction and guard. A law an axis is the worst. 2,500 was aimed at; it takes 2,557
 /// since the enhanced law has a damper.
 /// Another compiler may take some more.
 pub const SPACE: u64 = 2_620;
 
-/// All that the law's side of a control tick may choose: the law, the estimator of its states and the guard of its energy. 5 us.
+/// Bound for everything that the law's side of a control tick may run: the law, its estimator and the energy guard. 5
+/// us.
 pub const LAW: u64 = 850;
 
 /// The control interrupt, in any state and with any fault. 20.6 us: with the current loop twice on top 32 of a period's 100 us at the

@@ -17,16 +17,16 @@ use touchstone_control::{
 /// Validates settings and computes a law's coefficients.
 ///
 /// # Errors
-/// As [`Controller::new`].
+/// Same as [`Controller::new`].
 #[inline(never)]
 pub fn set_up(settings: &Settings) -> Result<Controller<Fixed32>, SettingsError> {
     Controller::new(settings)
 }
 
-/// The same in 16 bits.
+/// Same as [`set_up`], in 16 bits.
 ///
 /// # Errors
-/// As [`Controller::new`].
+/// Same as [`Controller::new`].
 #[inline(never)]
 pub fn set_up_16(settings: &Settings) -> Result<Controller<Fixed16>, SettingsError> {
     Controller::new(settings)
@@ -44,13 +44,13 @@ pub fn penetration(scale: &CountScale, count: i64) -> Position<Fixed32> {
     scale.penetration(count)
 }
 
-/// One control period: penetration to force.
+/// Runs one control period in 32 bits: takes the penetration, returns the force.
 #[inline(never)]
 pub fn tick(wall: &mut Controller<Fixed32>, e: Position<Fixed32>) -> Force<Fixed32> {
     wall.tick(e)
 }
 
-/// The same in 16 bits.
+/// Runs one control period in 16 bits: takes the penetration, returns the force.
 #[inline(never)]
 pub fn tick_16(wall: &mut Controller<Fixed16>, e: Position<Fixed16>) -> Force<Fixed16> {
     wall.tick(e)
@@ -65,7 +65,7 @@ pub fn view(wall: &Controller<Fixed32>) -> View<Fixed32> {
 /// Walls and detents behind one guard.
 ///
 /// # Errors
-/// As [`Environment::new`].
+/// Same as [`Environment::new`].
 #[inline(never)]
 pub fn surround(
     settings: &Settings,
@@ -75,7 +75,7 @@ pub fn surround(
     Environment::new(settings, walls, detents)
 }
 
-/// One control period among them: encoder count to force.
+/// Runs one control period of an environment: takes the encoder's count, returns the force.
 #[inline(never)]
 pub fn surrounded_tick(
     environment: &mut Environment<Fixed32>,
@@ -85,7 +85,7 @@ pub fn surrounded_tick(
     environment.tick(at, since_change)
 }
 
-/// Both observers on their own.
+/// Runs both energy observers without a law.
 #[inline(never)]
 pub fn observe(
     exact: &mut ExactObserver<Fixed32>,

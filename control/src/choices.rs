@@ -3,7 +3,7 @@
 pub use crate::observer::ObserverForm;
 
 crate::choice! {
-    /// Which law.
+    /// The law in use.
     LawKind {
         /// Virtual spring (1.6).
         Spring = "spring",
@@ -35,11 +35,11 @@ crate::choice! {
 }
 
 crate::choice! {
-    /// Which stiffness the offset regulates.
+    /// The stiffness that the offset regulates.
     Regulate {
         /// Force over position of the virtual mass, towards `k_de`: the HIP feels less, by (3.4).
         Mass = "mass",
-        /// The same, towards the stiffness of (3.5), so that the HIP feels `k_de`; needs `k_de < k_f`.
+        /// As `mass`, but regulated to the stiffness of (3.5), so that the HIP feels `k_de`; needs `k_de < k_f`.
         MassCompensated = "mass-compensated",
         /// Force over position of the HIP, towards `k_de` (3.6).
         #[default]
@@ -48,11 +48,11 @@ crate::choice! {
 }
 
 crate::choice! {
-    /// When the offset is changed.
+    /// The moments at which the offset is changed.
     OffsetUpdate {
-        /// When the motion turns from outward to inward (2.14).
+        /// The offset changes when the motion turns from outward to inward (2.14).
         TurnInward = "turn-inward",
-        /// At every inward tick (3.2, Algorithm 3.1).
+        /// The offset changes at every inward tick (3.2, Algorithm 3.1).
         Inward = "inward",
         /// At every tick of contact, in the direction of the error. Inward-only is a ratchet: it moves on only as long as
         /// something jitters, and overshoots what it cannot take back.
@@ -62,7 +62,7 @@ crate::choice! {
 }
 
 crate::choice! {
-    /// What the offset's ideal step supposes of the hand.
+    /// The assumption about the hand behind the step of the offset.
     IdealStep {
         /// The position stays: `|k_de e - |f||/k_v` (3.7). A soft hand gives way by as much as the offset grows, so that this
         /// step is too long by `k_de/k_v`, and `c` must be chosen anew for every `k_de`.
@@ -75,20 +75,20 @@ crate::choice! {
 }
 
 crate::choice! {
-    /// What the law is told of position and velocity.
+    /// The position and velocity that the law gets.
     StatesKind {
         /// The measured penetration, and its change since the last tick.
         #[default]
         Measured = "measured",
-        /// What an estimator makes of it, for the time at which the force will act.
+        /// The estimator's prediction for the time at which the force will act.
         Estimated = "estimated",
     }
 }
 
 crate::choice! {
-    /// What the law spring-damper takes for the velocity.
+    /// The velocity that the law spring-damper uses.
     VelocityKind {
-        /// What every law is told: the difference of two positions, or the estimator's.
+        /// The displacement that every law gets: the difference of two positions, or the estimator's.
         #[default]
         Told = "told",
         /// The difference through a first-order filter.
@@ -97,18 +97,18 @@ crate::choice! {
         Foaw = "foaw",
         /// A Kalman filter for constant velocity, in its steady state.
         Kalman = "kalman",
-        /// The same for constant acceleration.
+        /// A steady Kalman filter for constant acceleration.
         KalmanAcceleration = "kalman-acceleration",
     }
 }
 
 crate::choice! {
-    /// What is known of the position at the instant at which a new force takes the place of the old one.
+    /// How the position is known at the instant at which a new force replaces the old one.
     ChangeOfForce {
         /// Nothing: positions are taken once a tick. Each change of force is charged for what can have happened.
         #[default]
         Estimated = "estimated",
-        /// It is measured as well, `delay` after the tick: nothing is charged for the delay.
+        /// The position is measured a second time, `delay` after the tick, so the guard charges nothing for the delay.
         Measured = "measured",
     }
 }

@@ -11,10 +11,10 @@ use crate::validate::{Field, SettingsError, gain, ratio};
 use crate::velocity::Velocity;
 use crate::{Compliance, Divisor, Energy, Force, Number, ObserverForm, Ratio, Stiffness};
 
-/// What all laws have.
+/// Settings that all laws share.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Common<N: Number> {
-    /// `k_de`.
+    /// Desired stiffness: `k_de`.
     desired: Stiffness<N>,
     limit: Force<N>,
     energy_cap: Energy<N>,
@@ -25,7 +25,7 @@ fn stiffness<N: Number>(field: Field, value: Si) -> Result<Stiffness<N>, Setting
 }
 
 impl<N: Number> Common<N> {
-    /// Of settings that are valid.
+    /// The coefficients of valid settings.
     pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
         settings.validate()?;
         Ok(Self {
@@ -41,7 +41,7 @@ impl<N: Number> Common<N> {
         })
     }
 
-    /// With damping over a tick.
+    /// The spring with damping over a tick.
     pub const fn spring(&self, damping: Stiffness<N>) -> Spring<N> {
         Spring {
             desired: self.desired,
@@ -50,7 +50,7 @@ impl<N: Number> Common<N> {
         }
     }
 
-    /// With virtual damping, and its velocity, if that is no difference of the law's own.
+    /// A spring with virtual damping, and the filter of its velocity unless the law takes plain differences.
     pub fn damped(
         &self,
         settings: &Settings,
@@ -139,7 +139,7 @@ impl<N: Number> Common<N> {
         })
     }
 
-    /// What the enhanced law lends.
+    /// The energy that the enhanced law lends at each contact.
     fn credit(&self, settings: &Settings) -> Result<Energy<N>, SettingsError> {
         // The published observer reports the sampling leak as a gain, and so lends what it needs by itself.
         let lent = match settings.observer {
@@ -164,8 +164,8 @@ fn damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>, SettingsError>
     stiffness(Field::VirtualDamping, per_tick)
 }
 
-/// The same of the enhanced law's spring, up to `k_v`: in proportion to `k_de`, since a wall of half the stiffness under the same damper
-/// would creep for twice as long.
+/// The damper of the enhanced law's spring, up to `k_v`. It is in proportion to `k_de`: with the same damper a wall of
+/// half the stiffness would creep for twice as long.
 pub(crate) fn soft_damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>, SettingsError> {
     let whole = settings.derived().virtual_damping_per_tick;
     let share = over(settings.k_desired, settings.k_soft);
@@ -181,7 +181,7 @@ fn compliance<N: Number>(
     ratio::<N>(field, over(share, settings.k_soft)).map(Compliance)
 }
 
-/// A share per millisecond as one per tick, so that the offset is as fast at every rate; at most all of it.
+/// A share per millisecond as a share per tick, at most 1, so that the offset is as fast at every rate.
 #[inline]
 fn share_of_tick(settings: &Settings, per_ms: Si) -> Si {
     let per_s = per_ms.saturating_mul(const { Si::const_from_int(1000) });

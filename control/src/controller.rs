@@ -16,7 +16,7 @@ use crate::{Force, Guard, Guarded, Number, Position, States, Stiffness};
 pub enum AnyLaw<N: Number> {
     /// Virtual spring, with or without damping; also the enhanced law below `k_v` (§3.1).
     Spring(Spring<N>, SpringState),
-    /// Virtual spring with virtual damping and a velocity of its own.
+    /// Virtual spring with virtual damping, whose velocity comes from its own filter.
     Damped(Damped<N>, DampedState<N>),
     /// Time-domain passivity approach.
     Tdpa(Tdpa<N>, TdpaState<N>),
@@ -61,7 +61,7 @@ impl<N: Number> AnyLaw<N> {
         })
     }
 
-    /// One control period: where the HIP is and how it moves, to the force pushing out.
+    /// Runs one control period: takes where the HIP is and how it moves, returns the force pushing out.
     // A law called from two places, by itself and in an environment, would be a call in both, and another fifteen instructions and more.
     #[inline(always)]
     pub fn tick(&mut self, e: Sample<N>) -> Force<N> {
@@ -75,7 +75,7 @@ impl<N: Number> AnyLaw<N> {
         }
     }
 
-    /// All memory is new.
+    /// Clears all memory.
     pub fn forget(&mut self) {
         match self {
             Self::Spring(_, state) => *state = SpringState::default(),
@@ -87,7 +87,7 @@ impl<N: Number> AnyLaw<N> {
         }
     }
 
-    /// The inside after the last tick.
+    /// The law's internal values after the last tick.
     pub fn view(&self) -> View<N> {
         match self {
             Self::Spring(law, state) => law.view(state),
@@ -109,11 +109,11 @@ impl<N: Number> AnyLaw<N> {
 pub struct Controller<N: Number> {
     /// The law.
     pub law: AnyLaw<N>,
-    /// The stage before it.
+    /// The stage before the law.
     pub states: States<N>,
-    /// The stage after it.
+    /// The stage after the law.
     pub guard: Option<Guarded<N>>,
-    /// What was commanded at the last tick, after every stage that may change it.
+    /// The force commanded at the last tick, after every later stage that may change it.
     commanded: Force<N>,
 }
 
@@ -136,7 +136,7 @@ impl<N: Number> Controller<N> {
         Ok(Self::of_parts(law, states, guard))
     }
 
-    /// Of a law, what is before it and what is after it, each made of its settings.
+    /// A controller of a law, its source of states and its guard, each already made of its settings.
     #[must_use]
     pub fn of_parts(law: AnyLaw<N>, states: States<N>, guard: Option<Guarded<N>>) -> Self {
         Self {
@@ -171,7 +171,8 @@ impl<N: Number> Controller<N> {
         }
     }
 
-    /// One control period: the sampled penetration `e = x - x_s` (positive inside) to the force pushing out.
+    /// Runs one control period: takes the sampled penetration `e = x - x_s` (positive inside), returns the force
+    /// pushing out.
     ///
     /// If a later stage changes that force, [`Controller::commanded`] must follow.
     #[inline]
@@ -179,7 +180,7 @@ impl<N: Number> Controller<N> {
         self.tick_with_change(e, None)
     }
 
-    /// The same where the penetration was also measured when the force changed since the last tick.
+    /// Same as [`Controller::tick`], for a penetration that was also measured when the force changed since the last tick.
     #[inline]
     pub fn tick_with_change(&mut self, e: Position<N>, at_change: Option<Position<N>>) -> Force<N> {
         self.states.commanded(self.commanded);
@@ -223,14 +224,15 @@ impl<N: Number> Controller<N> {
         self.guard.as_ref().is_some_and(|guard| guard.tripped)
     }
 
-    /// Whether a position is so deep inside of the wall that the guard lets no force pass: too near to where positions end.
+    /// Whether a position is so deep inside the wall, near the end of the position format, that the guard lets no
+    /// force pass.
     #[must_use]
     pub fn is_beyond_reach(&self, e: Position<N>) -> bool {
         let guard = self.guard.as_ref();
         e > Position::zero() && guard.is_some_and(|guard| guard.is_beyond_edge(e))
     }
 
-    /// The inside after the last tick.
+    /// The law's internal values after the last tick.
     pub fn view(&self) -> View<N> {
         self.law.view()
     }

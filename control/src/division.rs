@@ -48,7 +48,7 @@ macro_rules! long_division {
         }
 
         $(#[$doc])*
-        /// For a quotient of one word.
+        /// The reciprocal for a quotient of one word.
         #[inline(always)]
         fn $short(dividend: $wide, divisor: $word) -> $word {
             const WORD: u32 = <$word>::BITS;
@@ -95,12 +95,12 @@ macro_rules! long_division {
     };
 }
 long_division!(
-    /// What the microcontroller runs.
+    /// The 32-bit version, which the microcontroller runs.
     #[cfg_attr(not(target_pointer_width = "32"), allow(dead_code))]
     long_32, short_32, u32, u64
 );
 long_division!(
-    /// The same source at 8 bits, to be checked exhaustively.
+    /// The 8-bit version of the same source, small enough to be checked exhaustively.
     #[cfg(test)]
     long_8, short_8, u8, u16
 );

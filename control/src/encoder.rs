@@ -1,18 +1,18 @@
-//! From encoder count to penetration: the first step of the tick, in integers on every machine.
+//! Converts the encoder count to penetration: the first step of the tick, in integers on every machine.
 
 use crate::number::Saturates as _;
 use crate::{Number, Position, Si};
 
 /// Fractional bits of the angle of one count. 48 keep a turn of 40,000 counts exact to 1.4e-10 rad.
 const STEP_BITS: u32 = 48;
-/// Of them more than [`Si`] has.
+/// Bits of the step beyond those that [`Si`] has.
 const LOST: u32 = STEP_BITS - Si::FRAC_NBITS;
 /// `round(2 π · 2^48)`.
 const TURN: i64 = 1_768_559_438_007_110;
 
 /// Angle of an encoder's counts relative to a wall's surface.
 ///
-/// **No end after many turns.** [`CountScale::angle`], [`CountScale::turn`] and [`CountScale::moved`] are the same at every turn, to the bit:
+/// **No end after many turns.** [`CountScale::angle`], [`CountScale::turn`] and [`CountScale::moved`] are the same at every turn, bit for bit:
 /// the counts are reduced to a turn before anything is rounded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CountScale {
@@ -23,22 +23,22 @@ pub struct CountScale {
     counts: i64,
     /// Share of a turn of one count, 2^-64, to the nearest.
     share: u64,
-    /// Half a turn; where a count is there, its angle, so that both ways to it meet.
+    /// Half a turn as the encoder counts it: where there is a count, its angle, so that both directions meet there.
     half_turn: Si,
 }
 
-/// A count as whole turns, to the nearest, and what is beyond them; of a count below zero, those of its negative.
+/// A count split into whole turns, to the nearest, and the rest; for a count below zero the parts of its negative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Turned {
     turns: i64,
-    /// At most half a turn.
+    /// The resting error is at most half a turn.
     rest: i64,
     below: bool,
 }
 
 impl CountScale {
-    /// For an encoder with so many counts a revolution (all edges counted) and a surface at an angle in rad.
-    /// `None` for an encoder without counts.
+    /// The scale of an encoder with this number of counts a revolution (all edges counted) and a surface at an angle
+    /// in rad. `None` for an encoder without counts.
     #[must_use]
     pub fn new(counts_per_rev: u32, surface: Si) -> Option<Self> {
         let counts = i64::from(counts_per_rev);
@@ -100,7 +100,7 @@ impl CountScale {
         .cast_signed()
     }
 
-    /// How far so many counts are, to the step of the format that is next towards zero, saturating.
+    /// The distance of a number of counts, rounded towards zero to a step of the format, saturating.
     #[inline]
     #[must_use]
     pub fn moved<N: Number>(&self, counts: i64) -> Position<N> {
@@ -116,7 +116,7 @@ impl CountScale {
         Position(N::saturating_signal(way))
     }
 
-    /// The same encoder before another surface.
+    /// Same encoder with another surface.
     #[inline(always)]
     #[must_use]
     pub fn before(self, surface: Si) -> Self {
@@ -130,7 +130,8 @@ impl CountScale {
         self.on_steps(count, Si::DELTA)
     }
 
-    /// The same in whole steps of such a size, a power of two: within a turn to the nearest, and a turn is a whole number of steps.
+    /// The angle in whole steps of this size, a power of two: within a turn to the nearest step; a turn is a whole
+    /// number of steps.
     #[inline]
     #[must_use]
     pub fn on_steps(&self, count: i64, step: Si) -> Si {
@@ -141,7 +142,7 @@ impl CountScale {
         if below { size.saturating_neg() } else { size }
     }
 
-    /// The same encoder, with its counts from whole turns further on and before another surface.
+    /// Same as [`CountScale::penetration`], with counts that start `turns` whole turns further on, before another surface.
     #[inline(always)]
     #[must_use]
     pub fn penetration_from<N: Number>(&self, turns: i32, surface: Si, count: i64) -> Position<N> {

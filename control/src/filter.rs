@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Backward Euler is passive at the HIP's discrete port for every `M, k_f, C, G >= 0`; `F` is passive at the physical port
-//! where the device damps at least `k_f T/2 + c_f`. `d'` is one quotient of exact sums rounded towards zero: what the
+//! where the device damps at least `k_f T/2 + c_f`. `d'` is one quotient of exact sums rounded towards zero. What the
 //! rounding leaves, `r = N0 - f_p - D d'`, has the sign of `d'`, so it acts like dry friction and can only dissipate.
 //! `f_p` is chosen from the mass' position *before* the update, which can inject energy unless `c_env >= k_v T/2`.
 
@@ -19,15 +19,15 @@ use crate::{Divisor, Energy, Force, Number, Position, Stiffness, Tension};
 /// Coefficients of the virtual mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VirtualMass<N: Number> {
-    /// `m/T²`.
+    /// Inertia: `m/T²`.
     pub inertia: Stiffness<N>,
-    /// `k_f`.
+    /// Stiffness: `k_f`.
     pub stiffness: Stiffness<N>,
-    /// `c_f/T`.
+    /// Damping: `c_f/T`.
     pub damping: Stiffness<N>,
     /// `m/T² + k_f + c_f/T + c_env/T`, never zero.
     pub total: Stiffness<N>,
-    /// The same sum, to divide by.
+    /// `D`, prepared as a divisor.
     pub by_total: Divisor<N>,
 }
 
@@ -41,7 +41,7 @@ pub struct MassState<N: Number> {
 }
 
 impl<N: Number> MassState<N> {
-    /// After a displacement.
+    /// The filter after a displacement.
     #[inline(always)]
     #[must_use]
     pub fn moved_by(self, step: Position<N>) -> Self {
@@ -64,14 +64,14 @@ impl<N: Number> VirtualMass<N> {
             .plus_fitting(self.damping * moved)
     }
 
-    /// What drives the mass while the HIP is not coupled to it: its own motion.
+    /// The sum that drives the mass while the HIP is not coupled to it: its own motion alone.
     #[inline(always)]
     pub fn coast(&self, mass: &MassState<N>) -> Tension<N> {
         self.inertia * mass.moved
     }
 
-    /// Displacement under the drive and the wall's force, towards zero, and not beyond the range of positions: what the
-    /// observer counts must be what the mass moves.
+    /// Displacement under the drive and the wall's force, rounded towards zero and kept within the range of positions:
+    /// the observer must count exactly what the mass moves.
     #[inline(always)]
     pub fn displacement(
         &self,

@@ -66,7 +66,7 @@ pub mod table;
 pub mod validate;
 pub mod velocity;
 
-/// The crate of the fixed-point types, so that nobody needs its version by heart.
+/// The crate of the fixed-point types, re-exported so that a user need not match its version.
 pub use fixed;
 
 pub use choices::*;

@@ -12,7 +12,7 @@ use core::hint::cold_path;
 
 /// A word and the double-width word that holds its products without loss.
 pub trait Word: Copy + Debug + Ord + 'static {
-    /// Twice the width.
+    /// An integer of twice the width.
     type Wide: Copy + Debug + Ord + 'static;
     /// Number of bits of the word.
     const BITS: u32;
@@ -22,7 +22,7 @@ pub trait Word: Copy + Debug + Ord + 'static {
     const MAX_SIGNED: Self;
     /// Zero.
     const WIDE_ZERO: Self::Wide;
-    /// One.
+    /// The value 1 in this word's format.
     const WIDE_ONE: Self::Wide;
     /// The largest magnitude of the signed double-width word.
     const WIDE_MAX_SIGNED: Self::Wide;
@@ -174,7 +174,7 @@ word!(
     division::short_quotient
 );
 
-/// What a passivity step decides: the energy left, the force allowed.
+/// Result of a passivity step: the energy left and the force allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Step<W: Word> {
     /// Energy after the step.
@@ -215,7 +215,7 @@ pub fn passivity_step<W: Word>(energy: W::Wide, force: W, moved: W, inward: bool
     }
 }
 
-/// A retreat that stored energy pays for, and what is left of the energy after it.
+/// Result of a retreat that stored energy pays for: how far it goes, and the energy left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Retreat<W: Word> {
     /// Displacement: `floor(energy / force)`, saturating.
@@ -243,12 +243,12 @@ pub fn affordable<W: Word>(energy: W::Wide, force: W) -> Retreat<W> {
     }
 }
 
-/// A root in the making: the digits found so far, with their square.
+/// State of a square root being computed: the digits found so far, and their square.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Root<W: Word> {
     /// The digits found so far.
     pub root: W,
-    /// Its square, never above the radicand.
+    /// The square of `root`, never above the radicand.
     pub square: W::Wide,
 }
 

@@ -11,7 +11,7 @@ pub enum NotSet {
     NoValue,
 }
 
-/// A value of its kind from a text; `None` where it is none.
+/// Parses a text as a value of this kind; `None` if it is no such value.
 macro_rules! parse {
     ($text:ident: choice ($choice:ident)) => {
         Choice::of_word($text)
@@ -48,13 +48,13 @@ macro_rules! set {
 }
 
 impl Settings {
-    /// Sets one by its path, as scenes have it, and a decimal text or a word:
+    /// Sets a setting by its path, as scenes write it, to a decimal number or a word:
     /// `settings.set_by_path("wall.k_desired_n_m_per_rad", "5")`, `settings.set_by_path("law.kind", "tdpa")`.
     ///
-    /// Ranges depend on each other, so that they are checked when all are set: [`Settings::validate`].
+    /// Ranges depend on each other, so they are checked once all are set: [`Settings::validate`].
     ///
     /// # Errors
-    /// No setting has this path, or the text is no value of it. Nothing is changed then.
+    /// No setting has this path, or the text is no value for it. Nothing is changed then.
     pub fn set_by_path(&mut self, path: &str, text: &str) -> Result<(), NotSet> {
         crate::law_settings!(set self path text:);
         Err(NotSet::UnknownPath)

@@ -9,7 +9,7 @@
 use crate::{Energy, Force, Number, Position, Stiffness};
 
 crate::choice! {
-    /// Which force an observer pairs with the displacement that just happened.
+    /// The force that an observer pairs with the displacement that just happened.
     ObserverForm {
         /// The previous force: the true energy of the port under a zero-order hold.
         #[default]
@@ -19,13 +19,13 @@ crate::choice! {
     }
 }
 
-/// `c/T · Δ²`: what a damper took over one displacement, rounded down.
+/// `c/T · Δ²`: the energy that a damper took over one displacement, rounded down.
 #[inline(always)]
 pub fn damping_loss<N: Number>(damping: Stiffness<N>, moved: Position<N>) -> Energy<N> {
     (damping * moved).towards_zero() * moved
 }
 
-/// The exact observer on its own, for whoever only wants to watch.
+/// The exact observer without a law, for monitoring.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ExactObserver<N: Number> {
     /// Energy so far, J.

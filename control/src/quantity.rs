@@ -104,7 +104,7 @@ macro_rules! signal_quantity {
             }
         }
         impl<N: Number> $name<N> {
-            /// One step of the format.
+            /// The smallest step of the format.
             #[inline(always)]
             #[must_use]
             pub fn quantum() -> Self {
@@ -133,7 +133,7 @@ macro_rules! signal_quantity {
             pub fn from_si(si: Si) -> Option<Self> {
                 N::signal(si).map(Self)
             }
-            /// The same value in SI, exact. The fixed formats have it: each of their steps is a step of [`Si`].
+            /// The value in SI, exact. The fixed formats have it, since each of their steps is a step of [`Si`].
             #[must_use]
             pub fn to_si(self) -> Si
             where
@@ -162,8 +162,8 @@ impl<N: Number> Mul<Force<N>> for Compliance<N> {
     }
 }
 impl<N: Number> Ratio<N> {
-    /// That share of a displacement and the deformation of a spring under a force, rounded down once, where the caller knows
-    /// that it fits.
+    /// This share of a displacement plus the deformation of a spring under a force, rounded down once. The caller
+    /// knows that it does not overflow.
     #[inline(always)]
     #[must_use]
     pub fn of_and_fitting(self, x: Position<N>, spring: Compliance<N>, f: Force<N>) -> Position<N> {
@@ -205,7 +205,7 @@ impl<N: Number> Energy<N> {
     pub fn from_si(si: Si) -> Option<Self> {
         N::energy(si).map(Self)
     }
-    /// In SI, to the step of [`Si`] below (2.3e-10 J); the fixed formats have it.
+    /// The value in J, rounded down to a step of [`Si`] (2.3e-10 J); for the fixed formats.
     #[must_use]
     pub fn to_si(self) -> Si
     where
@@ -225,8 +225,8 @@ impl<N: Number> Energy<N> {
     pub fn minus_fitting(self, other: Self) -> Self {
         Self(N::sub_energy_fitting(self.0, other.0))
     }
-    /// The energy in the digits of a position, rounded down, where the caller knows that it fits: a stiffness of `1/d` makes
-    /// the force of it that it pays for over `d`.
+    /// The energy in the digits of a position, rounded down; the caller knows that it does not overflow. A stiffness
+    /// of `1/d` turns it into the force that this energy pays for over `d`.
     #[inline(always)]
     #[must_use]
     pub fn digits_fitting(self) -> Position<N> {
@@ -238,7 +238,7 @@ impl<N: Number> Energy<N> {
     pub fn per_displacement(self, d: Position<N>) -> Force<N> {
         Force(N::energy_per(self.0, d.0))
     }
-    /// How far `f` may be pushed back until this energy is used up, and what is left of it then.
+    /// How far `f` may be pushed back until this energy is used up, and the energy left then.
     #[inline(always)]
     #[must_use]
     pub fn affordable(self, f: Force<N>) -> (Position<N>, Self) {
@@ -328,7 +328,7 @@ impl<N: Number> Tension<N> {
     }
 }
 impl<N: Number> Force<N> {
-    /// The same force with the digits of a [`Tension`].
+    /// The force with the digits of a [`Tension`].
     #[inline(always)]
     #[must_use]
     pub fn lift(self) -> Tension<N> {

@@ -15,7 +15,7 @@ pub fn quotient(a: Si, b: Si) -> Si {
     }
 }
 
-/// The same for a `b` that is positive if it is of any use: the largest value if not.
+/// `a / b` for a divisor that is meant to be positive; for any other the largest value.
 pub(crate) fn over(a: Si, b: Si) -> Si {
     if b <= Si::ZERO {
         Si::MAX

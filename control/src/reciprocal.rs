@@ -17,7 +17,7 @@ macro_rules! reciprocal {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
         pub struct $name {
-            /// What is divided by.
+            /// The divisor.
             pub divisor: $word,
             /// The power of two that shifts the divisor up; to multiply by it is to shift, in fewer instructions.
             pub scale: $word,
@@ -77,12 +77,12 @@ reciprocal!(
     Reciprocal32, u32, u64, high_64
 );
 reciprocal!(
-    /// The same source at 8 bits, to be checked exhaustively.
+    /// The 8-bit version of the same source, small enough to be checked exhaustively.
     Reciprocal8, u8, u16, high_16
 );
 #[cfg(test)]
 reciprocal!(
-    /// The same source at 16 bits.
+    /// The 16-bit version of the same source.
     Reciprocal16, u16, u32, high_32
 );
 
@@ -159,7 +159,7 @@ mod tests {
         );
     }
 
-    /// Around `quotient · divisor`, where the quotient steps.
+    /// Checks dividends around `quotient · divisor`, where the quotient changes.
     fn check_around(reciprocal: &Reciprocal32, divisor: u32, quotient: u32) {
         let multiple = u64::from(quotient).wrapping_mul(divisor.into());
         check(reciprocal, divisor, multiple);

@@ -1,5 +1,5 @@
-//! Settings: what a person chooses, in SI, exact and without floats, so that a microcontroller validates the very same
-//! values by the very same code as the desktop.
+//! Settings: what a user chooses, in SI, exact and without floats. So a microcontroller validates the very same values
+//! with the same code as the desktop.
 
 /// An SI value in `I32F32`: ±2.1e9 in steps of 2.3e-10.
 pub type Si = fixed::types::I32F32;
@@ -16,7 +16,7 @@ macro_rules! structs {
             /// Everything that a law needs to know, in SI.
             Settings { $($timing)* $($wall)* $($law)* } {
                 $($(#[$doc])* $group $Group)+
-                /// What is known of the measured position. No row: it follows from the encoder.
+                /// How finely the position is measured. Not a row: it follows from the encoder.
                 position PositionSettings
             }
         }
@@ -73,7 +73,7 @@ impl Settings {
     }
 }
 
-/// What is known of the measured position.
+/// How finely the position is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PositionSettings {
     /// A count of the encoder, or else twice the largest error of a measured position, rad (m); 0 where it is exact.
@@ -81,7 +81,7 @@ pub struct PositionSettings {
 }
 
 impl PositionSettings {
-    /// Of an encoder with so many counts in a revolution, at least one; rounded up.
+    /// The settings for an encoder with this number of counts a revolution, at least one; rounded up.
     #[must_use]
     pub fn of_counts_per_rev(counts: u32) -> Self {
         let counts = Si::saturating_from_num(counts.max(1));

@@ -1,4 +1,4 @@
-//! What a law is told of the device: what was measured, or what an estimator makes of it.
+//! Where a law's input comes from: the measured position, or an estimator.
 
 use crate::estimator::{Estimator, EstimatorState};
 use crate::law::Sample;
@@ -25,7 +25,7 @@ impl<N: Number> Default for States<N> {
 }
 
 impl<N: Number> States<N> {
-    /// What the law is told of a measured penetration.
+    /// The law's input for a measured penetration.
     #[inline]
     pub fn sample(&mut self, e: Position<N>) -> Sample<N> {
         match self {
@@ -38,7 +38,7 @@ impl<N: Number> States<N> {
         }
     }
 
-    /// All memory is new.
+    /// Clears all memory.
     pub fn forget(&mut self) {
         match self {
             Self::Measured { last } => *last = Position::zero(),

@@ -7,7 +7,7 @@
 //! Variant field, name: kind(range) = default, "unit", "words";
 //! ```
 //!
-//! - `field` is its name in [`crate::Settings`], where one number serves an angle or a length; `name` ends in the unit for one
+//! - `field` is its name in [`crate::Settings`], where one number serves an angle or a length. `name` ends in the unit for one
 //!   degree of freedom, and is its last word in scenes and on devices.
 //! - kinds: `number(least, most)` with exact decimal texts, `u32(least, most)`, `flag()`, `choice(Enum)`, and `choice_of_law(Enum)`, which
 //!   a scene may leave out: the law then has its own.
@@ -123,7 +123,7 @@ macro_rules! law_settings {
                 GuardChange change, change: choice(ChangeOfForce) = Estimated, "",
                     "what is known of the position when the force changes (measured: the encoder is also read then)";
             }
-            /// The velocity of the law spring-damper, made of the penetrations that the law is told.
+            /// The velocity filter of the law spring-damper. It works on the penetrations that the law gets.
             velocity VelocitySettings {
                 VelocityFrom from, from: choice(VelocityKind) = Told, "",
                     "what the law spring-damper takes for the velocity (told: as every law, by law.states)";
@@ -137,8 +137,8 @@ macro_rules! law_settings {
     };
 }
 
-/// Hands what the thesis' law has otherwise than the table's defaults to a macro, as `(table) field, name = value`; beside these it
-/// is told what was measured (`law.states`), and has no guard (`law.guard.on`).
+/// Hands the thesis' settings that differ from the table's defaults to a macro, as `(table) field, name = value`.
+/// Beside these the thesis uses measured states (`law.states`) and no guard (`law.guard.on`).
 #[macro_export]
 macro_rules! thesis_settings {
     ($with:ident $($more:tt)*) => {
@@ -214,12 +214,12 @@ macro_rules! setting_path {
 
 /// A setting that is one of a few words.
 pub trait Choice: Copy + PartialEq + 'static {
-    /// All of them; the place in it is the number on the wire, so new ones go to the end.
+    /// All variants; the place in the list is the number on the wire, so new ones go to the end.
     const ALL: &'static [Self];
     /// Their words, in the order of [`Choice::ALL`].
     const WORDS: &'static [&'static str];
 
-    /// Its place in [`Choice::ALL`].
+    /// The variant's place in [`Choice::ALL`].
     #[must_use]
     fn number(self) -> u32 {
         // At most as many as there are words.
@@ -229,7 +229,7 @@ pub trait Choice: Copy + PartialEq + 'static {
             .map_or(0, |(number, _)| number)
     }
 
-    /// Its word.
+    /// The variant's word in scenes and on devices.
     #[must_use]
     fn word(self) -> &'static str {
         Self::ALL
@@ -288,10 +288,10 @@ const UNITS: &[(&str, &str)] = &[
     ("per_rev", "counts/rev"),
 ];
 
-/// What a name ends in whose unit a person reads so: `N·m/rad` gives `n_m_per_rad`. For constants.
+/// The ending of a name for a unit as people read it: `N·m/rad` gives `n_m_per_rad`. For constants only.
 ///
 /// # Panics
-/// If no setting has such a unit. Constants alone call it, so that this stops the compiler and no program.
+/// No setting has such a unit. Only constants call it, so this stops the compiler and never a program.
 #[must_use]
 pub const fn suffix(unit: &str) -> &'static str {
     let mut index = 0;
@@ -327,7 +327,7 @@ mod tests {
     macro_rules! rows {
         ($($(#[$doc:meta])* $table:ident $($group:ident)? { $($variant:ident $field:ident, $name:ident:
             $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+ })+) => {
-            /// Path, unit, words.
+            /// The rows of the table: path, unit and words of each setting.
             const ROWS: &[(Field, &str, &str, &str)] = &[$($((Field::$variant, stringify!($name), $unit, $about),)+)+];
         };
     }

@@ -1,4 +1,5 @@
-//! Validation of settings: errors refuse, warnings name a passivity bound that was left and what is lost by it.
+//! Validation of settings. An error refuses; a warning names a passivity bound that is exceeded and what is lost by
+//! it.
 
 use crate::{GuardedDevice, LawKind, Number, Regulate, Settings, Si, StatesKind};
 use core::fmt;
@@ -27,10 +28,10 @@ macro_rules! fields {
         }
 
         impl Field {
-            /// All of them.
+            /// All settings.
             pub const ALL: &[Field] = &[$($(Field::$variant,)+)+];
 
-            /// Its path, in scenes and on devices.
+            /// The path of the setting in scenes and on devices.
             #[must_use]
             pub fn path(self) -> &'static str {
                 match self {
@@ -86,9 +87,9 @@ pub(crate) fn within(field: Field, value: Si, min: Si, max: Si) -> Result<(), Se
 pub enum SettingsError {
     /// Outside its physical range.
     OutOfRange {
-        /// Which setting.
+        /// The setting that was refused.
         field: Field,
-        /// Its value, SI.
+        /// The refused value in SI units.
         value: Si,
         /// Smallest allowed value, SI.
         min: Si,
@@ -97,7 +98,7 @@ pub enum SettingsError {
     },
     /// A value, or the coefficient made of it, does not fit the number format.
     OutOfFormat {
-        /// Which setting.
+        /// The setting that was refused.
         field: Field,
         /// The coefficient, SI (e.g. `m/T²` for the filter's mass).
         value: Si,
@@ -111,11 +112,11 @@ pub enum SettingsError {
         /// Coupling stiffness.
         k_filter: Si,
     },
-    /// The encoder's counts are too far apart for the guard's books.
+    /// The encoder's counts are too far apart for the guard's energy account.
     TooCoarse {
         /// A count, rad (m).
         count: Si,
-        /// The coarsest.
+        /// Largest allowed count, rad (m).
         coarsest: Si,
     },
 }
@@ -177,23 +178,23 @@ impl fmt::Display for SettingsError {
 pub enum Warning {
     /// `k_v > k_c`: the soft spring itself needs more damping than the device has.
     SoftAboveCritical {
-        /// `k_v`.
+        /// Soft stiffness: `k_v`.
         k_soft: Si,
         /// `k_c = 2 c_i/T`.
         k_critical: Si,
     },
     /// `k_f > 2 (c_i - c_f - B)/T`: the coupling is not passive at the physical port under sampling.
     CouplingAboveBound {
-        /// `k_f`.
+        /// Stiffness of the filter: `k_f`.
         k_filter: Si,
-        /// The bound.
+        /// Value of the bound.
         bound: Si,
     },
     /// `c_env < k_v T/2`: the force taken from the previous mass position may inject energy into the filter.
     GroundDampingBelowBound {
-        /// `c_env/T`.
+        /// Ground damping per tick: `c_env/T`.
         ground_damping_per_tick: Si,
-        /// `k_v/2`.
+        /// Bound: `k_v/2`.
         bound: Si,
     },
     /// The thesis' observer reports the sampling leak with the wrong sign.
@@ -209,7 +210,7 @@ pub enum Warning {
     GuardSoftensAtForceLimit {
         /// `C`, J.
         capacity: Si,
-        /// What the force limit needs, J.
+        /// Energy that the force limit needs, J.
         needed: Si,
     },
     /// Without a refill, rounding and one-count chatter use the account up in time, in the quietest hold.
@@ -291,13 +292,13 @@ impl fmt::Display for Warning {
 pub struct Derived {
     /// `k_c = 2 c_i/T`.
     pub k_critical: Si,
-    /// `m/T²`.
+    /// Mass over the squared tick: `m/T²`.
     pub mass_per_tick2: Si,
-    /// `c_f/T`.
+    /// Filter damping per tick: `c_f/T`.
     pub filter_damping_per_tick: Si,
-    /// `c_env/T`.
+    /// Ground damping per tick: `c_env/T`.
     pub ground_damping_per_tick: Si,
-    /// `c_i/T`.
+    /// Device damping per tick: `c_i/T`.
     pub device_damping_per_tick: Si,
     /// Virtual damping per tick.
     pub virtual_damping_per_tick: Si,
@@ -359,7 +360,7 @@ impl Settings {
         Ok(())
     }
 
-    /// What the guard must know of the device behind it.
+    /// The properties of the device that the guard needs.
     #[must_use]
     pub fn guarded_device(&self) -> GuardedDevice {
         GuardedDevice {

@@ -81,7 +81,7 @@ fn the_damper_changes_no_memory_and_adds_its_force() {
     );
 }
 
-/// From `k_v` up it is whole; below, in proportion to the stiffness.
+/// From `k_v` up the damper acts fully; below, in proportion to the stiffness.
 #[test]
 fn up_to_the_soft_stiffness_the_law_is_the_damped_spring() {
     let soft = settings("5", "0").k_soft;

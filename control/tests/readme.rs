@@ -1,4 +1,4 @@
-//! The README shows the example as it is.
+//! The README's example is the compiled one.
 
 #[test]
 fn the_example_in_the_readme_is_the_one_that_is_compiled() {

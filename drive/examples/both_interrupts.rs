@@ -14,7 +14,7 @@ use touchstone_drive::{
 /// Validates settings and computes everything.
 ///
 /// # Errors
-/// As [`Device::new`].
+/// Same as [`Device::new`].
 #[inline(never)]
 pub fn set_up(settings: &DeviceSettings, hardware: &Hardware) -> Result<Device, SettingsError> {
     Device::new(settings, hardware)
@@ -23,7 +23,7 @@ pub fn set_up(settings: &DeviceSettings, hardware: &Hardware) -> Result<Device, 
 /// Other settings.
 ///
 /// # Errors
-/// As [`Device::configure`].
+/// Same as [`Device::configure`].
 #[inline(never)]
 pub fn configure(
     device: &mut Device,
@@ -33,7 +33,7 @@ pub fn configure(
     device.configure(settings, hardware)
 }
 
-/// What the start tells.
+/// Reports the start.
 #[inline(never)]
 pub fn started(device: &mut Device, flags: &ResetFlags) {
     device.started(ResetReason::of(flags));
@@ -47,7 +47,7 @@ pub fn control(device: &mut Device, ring: &mut Ring, input: &ControlInput) -> Co
     output
 }
 
-/// The mailbox down.
+/// The mailbox from the control tick to the current loop.
 #[inline(never)]
 pub fn down(output: &ControlOutput) -> CommandWords {
     output.mailbox().to_words()
@@ -65,19 +65,19 @@ pub fn current(
     (output, current.report().to_words())
 }
 
-/// Other coefficients for it.
+/// Gives the current loop other coefficients.
 #[inline(never)]
 pub fn reconfigure(current: &mut CurrentLoop, config: &CurrentConfig) {
     current.reconfigure(*config);
 }
 
-/// The mailbox up.
+/// The mailbox from the current loop to the control tick.
 #[inline(never)]
 pub fn up(words: &ReportWords) -> CurrentReport {
     CurrentReport::from_words(words)
 }
 
-/// The last second.
+/// A record of the last second before a fault.
 #[inline(never)]
 pub fn oldest(ring: &mut Ring, index: usize) -> Option<CompactRecord> {
     let record = ring.get(index).map(CompactRecord::from_bytes);

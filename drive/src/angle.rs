@@ -3,7 +3,7 @@
 /// An angle as a `u16` fraction of a turn: 0x4000 is a quarter turn, and a full turn is zero again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Angle(
-    /// In turns/65,536.
+    /// An angle in turns/65,536.
     pub u16,
 );
 
@@ -11,7 +11,7 @@ pub struct Angle(
 const STEPS: usize = 256;
 /// Bits of an angle between two entries of the table.
 const STEP_BITS: u32 = 8;
-/// One more than a turn, so that each entry has a neighbour.
+/// A table with one entry more than a turn needs, so that each entry has a neighbour.
 const TABLE: [i16; STEPS + 1] = table();
 
 /// `2 π` with 60 fractional bits.

@@ -27,7 +27,7 @@ type Law = Controller<Fixed32>;
 pub struct Surrounding {
     environment: Environment<Fixed32>,
     is_more: bool,
-    /// The settings' wall.
+    /// The wall of the device's settings.
     first: WallSettings,
     per_tick: Force<Fixed32>,
 }
@@ -36,7 +36,7 @@ impl Surrounding {
     /// Checks and computes.
     ///
     /// # Errors
-    /// What is refused.
+    /// The setting that is refused.
     #[cold]
     #[inline(never)]
     pub fn new(
@@ -53,10 +53,10 @@ impl Surrounding {
     }
 }
 
-/// An environment, whose guard knows of the board's own delay where the position is measured when the force changes.
+/// An environment. Where the position is measured when the force changes, its guard also gets the board's own delay.
 ///
 /// # Errors
-/// What is refused.
+/// The setting that is refused.
 pub fn built(
     settings: &DeviceSettings,
     hardware: &Hardware,
@@ -96,7 +96,7 @@ pub struct Around {
 }
 
 impl Around {
-    /// The wall alone.
+    /// An environment with one wall and nothing else.
     #[must_use]
     #[allow(clippy::new_without_default, reason = "for a static")]
     pub const fn new() -> Self {
@@ -177,7 +177,7 @@ impl Around {
         self.runs = false;
     }
 
-    /// After an arming: with what was prepared last, from its beginning.
+    /// Starts, after an arming, the environment that was prepared last.
     #[cold]
     #[inline(never)]
     fn begin(&mut self, law: &Law) {
@@ -321,7 +321,7 @@ impl Scenery for Around {
     }
 }
 
-/// The inside of the wall that is touched; of detents alone there is none.
+/// Inner values of the wall that is touched; detents alone have none.
 #[inline(never)]
 fn seen(environment: &Environment<Fixed32>) -> View<Fixed32> {
     environment.view().unwrap_or(View {
@@ -332,7 +332,7 @@ fn seen(environment: &Environment<Fixed32>) -> View<Fixed32> {
     })
 }
 
-/// The environment's tick, a function of its own in every program, as the law's.
+/// The environment's tick. It is a function of its own in every program, as the law's tick is.
 #[inline(never)]
 fn environment_tick(
     environment: &mut Environment<Fixed32>,

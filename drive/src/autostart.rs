@@ -1,4 +1,4 @@
-//! A board that starts by itself when power comes on: it asks for what a person would ask for, calibrate and arm, and for nothing else.
+//! A board that starts by itself when power comes on. It asks for what a person would ask for, calibrate and arm, and for nothing else.
 //!
 //! The fault machine and the supervisor know nothing of it: every limit holds as for a command from the desktop, and the force fades in as
 //! after any arming. It is tried once. A desktop that speaks before the board is armed has the word: nothing starts by itself any more.
@@ -16,20 +16,20 @@ use touchstone_protocol::{Command, SelfStart, State};
 /// A step is to be made so often, ms.
 pub const STEP_MS: u32 = 10;
 
-/// So long, in steps, supply and shaft must be as they should: half a second.
+/// Supply and shaft must be in order for this many steps: half a second.
 const REST: u32 = 500 / STEP_MS;
-/// So long after the check: a fifth of a second.
+/// Time at rest after the check: a fifth of a second.
 const REST_AGAIN: u32 = 200 / STEP_MS;
-/// So long the supply and the shaft are waited for: ten seconds, and three after the check.
+/// The board waits this many steps for supply and shaft: ten seconds, and three after the check.
 const PATIENCE: u32 = 10_000 / STEP_MS;
 const PATIENCE_AGAIN: u32 = 3_000 / STEP_MS;
 /// Counts that a shaft at rest may jitter.
 const JITTER: u64 = 4;
 
-/// What a step is told.
+/// Inputs of one step.
 #[derive(Debug, Clone, Copy)]
 pub struct Glance {
-    /// Where the device stands.
+    /// State of the device.
     pub state: State,
     /// The supply is within its limits.
     pub is_supplied: bool,
@@ -41,11 +41,11 @@ pub struct Glance {
     pub desktop_spoke: bool,
 }
 
-/// The start by itself.
+/// The unattended start.
 #[derive(Debug, Clone, Copy)]
 pub struct Autostart {
     told: SelfStart,
-    /// Steps in this part, and those of them for which all was as it should be.
+    /// Steps in this phase, and how many of them were in order.
     steps: u32,
     rest: u32,
     /// Where the shaft rests.
@@ -53,7 +53,8 @@ pub struct Autostart {
 }
 
 impl Autostart {
-    /// At the start: whether it is asked for, why the processor started, and whether there is an alignment to be checked.
+    /// The state at power-up, given whether autostart is on, why the processor started, and whether there is an
+    /// alignment to check.
     #[must_use]
     pub fn new(is_asked: bool, reason: ResetReason, has_alignment: bool) -> Self {
         let told = if !is_asked {
@@ -73,7 +74,7 @@ impl Autostart {
         }
     }
 
-    /// What became of it so far.
+    /// State of the unattended start so far.
     #[must_use]
     pub const fn told(&self) -> SelfStart {
         self.told

@@ -9,7 +9,7 @@
 //! 2. A current along a field that stands still is raised slowly; the rotor turns into it, at most half an electrical turn. One that
 //!    stood against the field comes loose late, and swings about it: as long as it does, up to three seconds, the field waits.
 //! 3. The field turns one electrical turn and then one mechanical turn forward (`pole pairs` electrical turns), and all of it back;
-//!    the rotor follows. The first electrical turn of each way is not looked at: it frees a rotor that happened to stand
+//!    the rotor follows. The first electrical turn of each way is not examined: it frees a rotor that happened to stand
 //!    against the field, and takes up friction. The counts moved in the mechanical turn give direction and pole pairs.
 //! 4. On the way, at each eighth of an electrical turn, the difference between field and count is taken. Friction makes the
 //!    rotor lag; it lags the other way on the way back, so the mean of both ways is right, and being that of a whole turn, so
@@ -49,7 +49,7 @@ pub enum Reason {
     NotBack = 3,
     /// The shaft did not follow the field: held fast, loaded, or the encoder is not on the motor's shaft.
     Uneven = 4,
-    /// The current did not reach what was asked: a phase is open, or the bus is too low.
+    /// The current did not reach the wanted value: a phase is open, or the bus voltage is too low.
     NoCurrent = 5,
     /// A push of the measurement hardly moved the shaft: it is held, or its friction is more than the push.
     Held = 6,
@@ -59,14 +59,15 @@ pub enum Reason {
     KeptNotFollowed = 8,
     /// The shaft did not come to rest, so that a kept alignment could be checked.
     KeptTurning = 9,
-    /// The board measures no current, and was not told the motor's resistance, inductance or torque constant.
+    /// The board measures no current, and the motor's resistance, inductance or torque constant is not set.
     MotorUntold = 10,
-    /// The same current took a different voltage in another direction: a current sensor's gain is false, or a phase's resistance.
+    /// The same current needed a different voltage in another direction: the gain of a current sensor, or the
+    /// resistance of a phase, is wrong.
     Unbalanced = 11,
 }
 
 impl Reason {
-    /// All of them.
+    /// All reasons.
     pub const ALL: [Self; 11] = [
         Self::OffsetsLate,
         Self::PolePairs,
@@ -88,7 +89,7 @@ impl Reason {
     }
 }
 
-/// What a calibration finds.
+/// Result of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Alignment {
     /// Electrical angle at count 0 of the unwrapped encoder.
@@ -100,7 +101,7 @@ pub struct Alignment {
 /// How far a calibration is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// Goes on, with this for the current loop.
+    /// The calibration goes on; holds the command for the current loop.
     Running(CurrentCommand),
     /// Done.
     Done(Alignment),
@@ -137,18 +138,18 @@ pub struct Calibration {
     current: Amps,
     /// Where the field is, 2^-32 electrical turns.
     field: i64,
-    /// Its speed, the same a tick.
+    /// Speed of the field, in units of its angle per tick.
     speed: u32,
     /// Counts where the mechanical turn began and ended, forward; before it the ends of where the rotor was in the last quarter of a second.
     began: i64,
     ended: i64,
     /// Quarters of a second in which it swung.
     swung: u8,
-    /// For a count that rises with the field, and for one that falls.
+    /// Offsets for a count that rises with the field and for one that falls.
     along: Fit,
     against: Fit,
     samples: i32,
-    /// Voltage along the field: a mean over 16 ticks, and the least and the most of it where samples are taken.
+    /// Voltage along the field: the mean over 16 ticks, and its extremes at the places where samples are taken.
     volts: Volts,
     least: Volts,
     most: Volts,
@@ -157,7 +158,7 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// Begins.
+    /// Begins a calibration.
     #[must_use]
     pub const fn new(config: CalibrationConfig) -> Self {
         Self {
@@ -181,7 +182,7 @@ impl Calibration {
         }
     }
 
-    /// One control tick with a good reading: the unwrapped count and the current loop's report.
+    /// Runs one control tick with a good reading: takes the unwrapped count and the current loop's report.
     ///
     /// A tick without a good reading is left out: the outputs are off in it, and the field waits.
     pub fn tick(&mut self, tick: u32, count: i64, report: &CurrentReport) -> Progress {
@@ -357,11 +358,12 @@ impl Calibration {
         self.volts = self.volts.saturating_add(Volts::from_bits(step));
     }
 
-    /// Whether one current took much more voltage in one direction than in another.
+    /// Whether the same current took much more voltage in one direction than in another.
     ///
-    /// With a sensor of phase A that reads `1/(1 + ε)` of its current, the loop holds `1 + ε/2 (1 + cos 2θ + sin 2θ/√3)` of what was asked
-    /// along the field: the voltage goes up and down by `±0.58 ε`. A quarter and half a volt (dead time, the rotor's swing, cogging) are
-    /// `ε = 0.3` for the shipped motor. A warmer winding changes all directions alike, so the resistance need not be known.
+    /// If the sensor of phase A reads `1/(1 + ε)` of its current, the loop drives `1 + ε/2 (1 + cos 2θ + sin 2θ/√3)`
+    /// of the wanted current along the field, so the voltage varies by `±0.58 ε`. The limit of a quarter and half a
+    /// volt (dead time, the rotor's swing, cogging) corresponds to `ε = 0.3` for the shipped motor. A warmer winding
+    /// changes all directions alike, so the resistance need not be known.
     fn is_unbalanced(&self) -> bool {
         let quarter = Volts::from_bits(self.least.max(Volts::ZERO).to_bits() >> 2);
         let half_volt = Volts::from_bits(1 << 15);

@@ -1,7 +1,7 @@
 //! Where the device is when the force changes: one more reading of the encoder in a tick, and how the way of a tick is shared
 //! between the old force and the new one.
 //!
-//! A command that a control tick gives is seen by the current loop a period later and acts from half a period after that on; then
+//! A command that a control tick gives is seen by the current loop a period later and acts from half a period after that on. Then
 //! the current follows as the loop lets it. Let `H(t)` be the share of a change of force that is still missing a time `t` after the
 //! encoder was read. Over a tick the port takes `f₁ Δx - g ∫ H dx`, with the change `g`. With one more reading, after `q` periods, the
 //! way `Δx = u + w` is known in its two parts, and over all that a hand can have done within each of them
@@ -30,23 +30,25 @@ const BITS: u32 = 28;
 const ONE: i64 = 1 << BITS;
 /// What may be missing of a change of force when the next one begins: a fiftieth.
 const REST_MAX: i64 = ONE / 50;
-/// `2π`.
+/// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
 
-/// The current loop's answer to a step, as it is computed and as its bridge acts: how much of it is still missing, quarter by quarter
-/// of a PWM period. What a sample finds missing acts from half a period later on for a whole one, and turns the current by `ω T` of it.
+/// The current loop's answer to a step of the wanted current, as computed and as its bridge acts: the share that is
+/// still missing, quarter by quarter of a PWM period. An error that a sample finds acts half a period later, for a
+/// whole period, and changes the current by `ω T` of itself.
 struct Answer {
-    /// `ω T/4`: what an error turns the current by in a quarter of a period.
+    /// `ω T/4`: share of an error by which the current changes in a quarter of a period.
     step: i64,
-    /// What the sample before found, which acts in the first half of a period.
+    /// Error found by the sample before the last, which acts in the first half of a period.
     before: i64,
-    /// What the last sample found. The one of the tick itself did not know of the step.
+    /// Error found by the last sample. The sample of the tick itself did not see the step yet.
     last: i64,
-    /// `H`.
+    /// Share of the change that is still missing: `H`.
     missing: i64,
     /// Quarters of periods since the tick's sample.
     quarter: u32,
-    /// A voltage in place of a current: the share of what is missing that the winding takes in a quarter.
+    /// For a drive by voltage instead of current: the share of the missing current that the winding takes up in a
+    /// quarter.
     #[cfg(feature = "voltage")]
     winding: Option<i64>,
 }
@@ -70,8 +72,8 @@ impl Answer {
         }
     }
 
-    /// `s/(1 + s)` with `s = R/4L T`: a backward step, after which no less is missing than of the exponential. Of a motor that was not told
-    /// nothing is: it is never driven.
+    /// `s/(1 + s)` with `s = R/4L T`: a backward step, which leaves at least as much missing as the exponential does.
+    /// 0 for a motor whose values are not set, as it is never driven.
     #[cfg(feature = "voltage")]
     #[inline]
     fn winding(motor: &MotorSettings, is_untold: bool, quarters_per_s: Si) -> i64 {
@@ -120,7 +122,7 @@ struct Part {
 }
 
 impl Part {
-    /// A quarter more.
+    /// Adds a quarter of a period.
     #[inline(never)]
     fn add(&mut self, from: i64, to: i64) {
         self.quarters += 1;
@@ -141,32 +143,33 @@ impl Part {
     }
 }
 
-/// Products of what is at most some hundreds, with [`BITS`] fractional bits.
+/// Product of two values of at most some hundreds, with [`BITS`] fractional bits.
 #[inline]
 fn times(a: i64, b: i64) -> i64 {
     (a * b) >> BITS
 }
 
-/// When the encoder is read once more, and what is made of it.
+/// The time of the encoder's second reading and the use of that reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChangeConfig {
     /// PWM periods from the reading of a control tick to the one more.
     pub read_at: u16,
-    /// Share of the way before it that was under the new force, beside what the guard itself takes for that, 2^-28.
+    /// Share of the way before the second reading that was under the new force, beyond what the guard itself charges
+    /// for it, 2^-28.
     pub before: i32,
-    /// Of the way after it.
+    /// The share of the way after the second reading.
     pub after: i32,
     /// From the reading of a tick to the change of force, in the mean, without the lag below, s.
     pub delay_s: Si,
-    /// What one more reading leaves open, as a lag, s.
+    /// The uncertainty that a second reading leaves, as a lag, s.
     pub lag_s: Si,
 }
 
 impl ChangeConfig {
-    /// From settings; `None` where the guard is off or told to estimate.
+    /// From settings; `None` where the guard is off or estimates the position at the change.
     ///
     /// # Errors
-    /// A drive without a current loop of ours, or one that is not done with a change of force when the next one begins.
+    /// A drive without our current loop, or one that has not finished a change of force when the next one begins.
     #[inline]
     pub fn new(
         settings: &DeviceSettings,
@@ -257,11 +260,11 @@ impl ChangeConfig {
     }
 }
 
-/// What the law of a device is given: its settings, with what the board knows of its own delay where the position is measured when
-/// the force changes.
+/// The settings for a device's law: where the position is measured when the force changes, the board's own delay is
+/// added.
 ///
 /// # Errors
-/// As [`ChangeConfig::new`].
+/// Same as [`ChangeConfig::new`].
 #[inline]
 pub fn law_settings(
     settings: &DeviceSettings,

@@ -23,7 +23,7 @@ const REST_BITS: u32 = 16 - PLACES_LOG2;
 /// The map may be this part of the current limit: with more, there is too little left to push with.
 pub const SHARE: i32 = 4;
 
-/// `2π`.
+/// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
 /// PWM periods from the reading of a tick until its command acts, in the mean, without the current loop's own lag.
 const ACTS_AFTER_PERIODS: i64 = 2;
@@ -31,7 +31,7 @@ const ACTS_AFTER_PERIODS: i64 = 2;
 /// A map made ready for the control tick.
 #[derive(Debug, Clone)]
 pub struct Played {
-    /// 2^-13 A, along the count.
+    /// The current by position in a turn, in 2^-13 A.
     table: [i16; PLACES],
     scale: ElectricalScale,
     /// How far ahead of the shaft it is looked up, 2^-16 turns per rad/s.
@@ -72,7 +72,7 @@ impl Played {
         }
     }
 
-    /// The current at so many counts from the encoder's own zero at a speed, along the count.
+    /// The current along the count, for a place in counts from the encoder's zero and a speed.
     #[inline]
     #[must_use]
     pub const fn current(&self, place: i64, rad_per_s: I16F16) -> Amps {

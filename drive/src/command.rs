@@ -1,4 +1,4 @@
-//! What becomes of a torque: a current for this board's bridge, or a voltage for somebody else's amplifier.
+//! From a torque to a drive command: a current for this board's bridge, or a voltage for an external amplifier.
 
 use crate::Amps;
 use crate::angle::Angle;
@@ -14,7 +14,7 @@ use touchstone_protocol::{DeviceSettings, Limit, Limits};
 /// A code of the 12-bit output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DacCode(
-    /// 0 to 4,095.
+    /// Code of the output, 0 to 4,095.
     pub u16,
 );
 
@@ -23,14 +23,14 @@ impl DacCode {
     pub const ZERO: Self = Self(2_048);
 }
 
-/// What the drive is told for a control period.
+/// Command to the drive for a control period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DriveCommand {
-    /// Nothing moves: bridge off, amplifier disabled and its input at zero.
+    /// The drive is off: bridge off, amplifier disabled and its input at zero.
     Off,
-    /// For the current loop.
+    /// A command for the current loop.
     Current(CurrentCommand),
-    /// For the amplifier, which is enabled.
+    /// A command for the amplifier, which is enabled.
     Analogue(DacCode),
 }
 
@@ -47,20 +47,20 @@ pub struct Rotor {
     pub against: bool,
     /// Share of the current limit that the temperature leaves, in 1/65,536; at most 65,536.
     pub derating: u32,
-    /// What the map of the cogging adds to a current along `+x`.
+    /// Current that the cogging map adds, along `+x`.
     #[cfg(feature = "large")]
     pub map: Amps,
 }
 
 impl Rotor {
-    /// What the map of the cogging adds, where there is one, within the current that is left.
+    /// The cogging map's current, limited to the current that is left; 0 without a map.
     #[inline(always)]
     #[cfg(feature = "large")]
     fn added(&self, left: Amps) -> Amps {
         self.map.min(left).max(left.saturating_neg())
     }
 
-    /// Nothing.
+    /// Adds nothing: this build keeps no map.
     #[inline(always)]
     #[cfg(not(feature = "large"))]
     const fn added(&self, _left: Amps) -> Amps {
@@ -87,10 +87,10 @@ impl Rotor {
     }
 }
 
-/// What a drive makes of a torque.
+/// The drive command for a torque, and which limits acted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Driven {
-    /// What it is told.
+    /// The command to the drive.
     pub command: DriveCommand,
     /// The limits that the torque met.
     pub limits: Limits,
@@ -115,7 +115,7 @@ pub struct ThreePhase {
 }
 
 impl ThreePhase {
-    /// From the motor's settings.
+    /// Computes it from the motor's settings.
     ///
     /// # Errors
     /// A torque constant whose inverse does not fit.
@@ -177,7 +177,7 @@ pub struct Analogue {
 }
 
 impl Analogue {
-    /// From the amplifier's settings.
+    /// Computes it from the amplifier's settings.
     ///
     /// # Errors
     /// A full scale whose inverse does not fit.
@@ -211,14 +211,14 @@ impl Drive for Analogue {
 /// Either, chosen by the settings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AnyDrive {
-    /// On this board's bridge.
+    /// The command goes to this board's three-phase bridge.
     ThreePhase(ThreePhase),
-    /// At the analogue output.
+    /// The command goes to the analogue output.
     Analogue(Analogue),
 }
 
 impl AnyDrive {
-    /// From the settings.
+    /// Computes it from the settings.
     ///
     /// # Errors
     /// A coefficient that does not fit.

@@ -25,32 +25,32 @@ use touchstone_protocol::settings::{SettingsError, refused};
 /// What settings are computed into.
 #[derive(Debug, Clone, Copy)]
 pub struct Config {
-    /// The current loop's.
+    /// Coefficients of the current loop.
     pub current: CurrentConfig,
     /// Limits that are faults.
     pub supervisor: SupervisorConfig,
-    /// The calibration's.
+    /// Coefficients of the calibration.
     pub calibration: CalibrationConfig,
-    /// Of a measurement that follows the calibration.
+    /// Coefficients of a measurement that follows the calibration.
     pub measurement: MeasurementConfig,
-    /// Of a sweep that follows it.
+    /// Coefficients of a cogging sweep that follows the calibration.
     #[cfg(feature = "large")]
     pub sweep: crate::sweep::SweepConfig,
     /// What makes a current or a voltage of a torque.
     pub drive: AnyDrive,
     /// The law at its beginning.
     pub law: Controller<Fixed32>,
-    /// Force from which on a tick is told to be at the limit, N·m.
+    /// Force from which on a tick is reported as being at the limit, N·m.
     pub force_limit: I8F24,
     /// From counts to penetration.
     pub scale: CountScale,
     /// From counts to the electrical angle.
     pub electrical: ElectricalScale,
-    /// From the converter's code to the temperature.
+    /// Converts the converter's code to the temperature.
     pub thermistor: Thermistor,
     /// The position when the force changes, where it is measured.
     pub change: Option<ChangeConfig>,
-    /// By how much the torque's share grows in a tick while it fades in, 2^-32.
+    /// Growth of the torque's share in a tick while it fades in, 2^-32.
     pub fade_step: u32,
 }
 
@@ -58,7 +58,7 @@ impl Config {
     /// Validates and computes.
     ///
     /// # Errors
-    /// As [`validate`], and coefficients that do not fit their formats.
+    /// Same as [`validate`], and coefficients that do not fit their formats.
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Result<Self, SettingsError> {
         validate(settings, hardware)?;
@@ -162,7 +162,7 @@ impl Configs {
         }
     }
 
-    /// For the next turn.
+    /// Prepares a configuration for the next turn.
     pub(crate) const fn prepare(&mut self, config: Config) {
         if self.use_second {
             self.first = config;
@@ -178,7 +178,7 @@ impl Configs {
         self.has_next
     }
 
-    /// Changes over to what was prepared; whether there was anything.
+    /// Switches to the prepared configuration; returns whether there was one.
     pub(crate) const fn turn(&mut self) -> bool {
         let turns = self.has_next;
         self.use_second ^= turns;

@@ -51,16 +51,17 @@ pub struct Device {
 }
 
 impl Device {
-    /// Just switched on.
+    /// The state just after power-on.
     ///
     /// # Errors
-    /// As [`Config::new`].
+    /// Same as [`Config::new`].
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Result<Self, SettingsError> {
         Ok(Self::of(Config::new(settings, hardware)?, Memory::new()))
     }
 
-    /// At a memory; for whoever restores or examines one. Supervisor and law have seen nothing yet, and no calibration runs.
+    /// A device with a given memory, for restoring or examining one. Supervisor and law start anew, and no calibration
+    /// runs.
     #[must_use]
     pub fn of(config: Config, memory: Memory) -> Self {
         Self {
@@ -77,7 +78,7 @@ impl Device {
         }
     }
 
-    /// What the next tick finds.
+    /// The memory that the next tick starts from.
     #[must_use]
     pub const fn memory(&self) -> &Memory {
         &self.memory
@@ -100,9 +101,10 @@ impl Device {
         }
     }
 
-    /// Latches a fault that another part of the firmware saw, with the next tick; the first of several.
+    /// Reports a fault that another part of the firmware found; the next tick latches the first one reported.
     ///
-    /// [`FaultCode::SettingsInvalid`] stays until [`Device::configure`] succeeds: until then every calibration ends with it.
+    /// [`FaultCode::SettingsInvalid`] stays until [`Device::configure`] succeeds: until then every calibration ends
+    /// with it.
     pub fn report_fault(&mut self, code: FaultCode, value: i32) {
         self.memory.reported.get_or_insert((code, value));
         self.memory.settings_refused |= code == FaultCode::SettingsInvalid;
@@ -114,11 +116,11 @@ impl Device {
         matches!(self.memory.machine.outputs(), Outputs::Off)
     }
 
-    /// Other settings; they count from the next calibration on. Whoever calls it asks [`Device::may_configure`] first; at any other
-    /// time it changes nothing that runs.
+    /// Takes other settings, which are used from the next calibration on. Ask [`Device::may_configure`] before; at any
+    /// other time nothing that runs changes.
     ///
     /// # Errors
-    /// As [`Config::new`]; nothing is changed then.
+    /// Same as [`Config::new`]; nothing is changed then.
     pub fn configure(
         &mut self,
         settings: &DeviceSettings,
@@ -128,7 +130,7 @@ impl Device {
         Ok(())
     }
 
-    /// As [`Device::configure`], with coefficients that were computed before: takes no time, needs no stack.
+    /// Same as [`Device::configure`], with coefficients that were computed before: takes no time and no stack.
     pub fn prepare(&mut self, config: Config) {
         self.configs.prepare(config);
         self.memory.settings_refused = false;
@@ -151,7 +153,7 @@ impl Device {
         self.configs.now().current
     }
 
-    /// Where the device stands.
+    /// State of the device.
     #[must_use]
     pub const fn state(&self) -> State {
         self.memory.machine.state()
@@ -169,7 +171,7 @@ impl Device {
         self.memory.record
     }
 
-    /// What a measurement of the motor is about.
+    /// The present part of a measurement of the motor; `None` while none runs.
     #[must_use]
     pub fn measuring(&self) -> Option<MeasuringPart> {
         #[cfg(feature = "large")]
@@ -179,14 +181,15 @@ impl Device {
         self.measurement.as_ref().map(Measurement::part)
     }
 
-    /// What the last calibration found: electrical angle at the encoder's zero, and direction.
+    /// Result of the last calibration: electrical angle at the encoder's zero, and direction.
     #[must_use]
     pub const fn alignment(&self) -> Alignment {
         self.memory.alignment
     }
 
-    /// What the encoder says at the time that [`CurrentOutput::reads_change`](crate::CurrentOutput::reads_change) names, for the next tick.
-    /// Of a tick that drives and in which this was not called, or with a reading that is bad, the next one is without a good reading as well.
+    /// Takes the encoder's second reading, at the time that
+    /// [`CurrentOutput::reads_change`](crate::CurrentOutput::reads_change) names, for the next tick. If a tick drives
+    /// and this is not called, or the reading is bad, the next tick counts as one without a good reading.
     pub fn read_change(&mut self, reading: EncoderReading) {
         let config = self.configs.now();
         if config.change.is_none() {
@@ -203,8 +206,8 @@ impl Device {
         });
     }
 
-    /// Whether the tick drives, and the reading for [`Device::read_change`] has not come yet. Whoever holds the control tick off for long
-    /// meanwhile takes the reading away from the next tick.
+    /// Whether the tick drives and the second reading is still missing. Code that delays the control tick for long in
+    /// that time makes the next tick lose that reading.
     #[must_use]
     pub fn awaits_reading(&self) -> bool {
         self.memory.record.law_ran
@@ -212,12 +215,12 @@ impl Device {
             && self.configs.now().change.is_some()
     }
 
-    /// One control tick, with the wall of the settings alone.
+    /// Runs one control tick with the single wall of the settings.
     pub fn tick(&mut self, input: &ControlInput) -> ControlOutput {
         self.tick_with(input, &mut WallAlone)
     }
 
-    /// One control tick, with what there is to touch.
+    /// Runs one control tick with an environment.
     #[cfg(feature = "large")]
     pub fn tick_around(&mut self, input: &ControlInput, around: &mut Around) -> ControlOutput {
         self.tick_with(input, around)
@@ -302,7 +305,7 @@ impl Device {
         }
     }
 
-    /// One tick of the calibration; without a motor to be aligned there is nothing to find out.
+    /// Runs one tick of the calibration; a drive without a motor to align needs none.
     fn calibrate(
         &mut self,
         tick: u32,
@@ -345,7 +348,8 @@ impl Device {
         }
     }
 
-    /// One tick of the measurement that follows. Apart, so that the ticks of the wall pay nothing for it.
+    /// Runs one tick of the measurement after a calibration. It is a function of its own, so that it costs the wall's
+    /// ticks nothing.
     #[cold]
     #[inline(never)]
     fn measure(&mut self, tick: u32, count: i64) -> Progress {
@@ -388,7 +392,7 @@ impl Device {
         }
     }
 
-    /// What a change of state brings with it; whether the current loop must be rebuilt.
+    /// Carries out a change of state; returns whether the current loop must be rebuilt.
     fn change(
         &mut self,
         before: State,
@@ -473,7 +477,7 @@ impl Device {
     }
 }
 
-/// What a calibration asks of the drive; off in the tick that begins it, and in ticks without a reading.
+/// The drive command of a calibration; off in its first tick and in ticks without a reading.
 const fn calibration_drive(progress: Option<Progress>) -> DriveCommand {
     match progress {
         Some(Progress::Running(command)) => DriveCommand::Current(command),

@@ -24,13 +24,13 @@ impl CommandBox {
         Self(Down::new())
     }
 
-    /// By the control tick only.
+    /// Called only by the control tick.
     #[inline(never)]
     pub fn put(&self, command: &CurrentCommand) {
         self.0.put(&command.to_words());
     }
 
-    /// By the current loop only.
+    /// Called only by the current loop.
     #[inline(never)]
     #[must_use]
     pub fn get(&self) -> CurrentCommand {
@@ -38,7 +38,7 @@ impl CommandBox {
     }
 }
 
-/// From the current loop to the control tick, which is interrupted by the writing.
+/// Passes a report from the current loop to the control tick; the writing interrupts the reading.
 #[derive(Debug)]
 pub struct ReportBox(Up<REPORT_WORDS>);
 
@@ -50,13 +50,13 @@ impl ReportBox {
         Self(Up::new())
     }
 
-    /// By the current loop only.
+    /// Called only by the current loop.
     #[inline(never)]
     pub fn put(&self, report: &CurrentReport) {
         self.0.put(&report.to_words());
     }
 
-    /// By the control tick only.
+    /// Called only by the control tick.
     #[inline(never)]
     #[must_use]
     pub fn get(&self) -> CurrentReport {
@@ -95,7 +95,7 @@ struct Down<const N: usize> {
 }
 
 impl<const N: usize> Down<N> {
-    /// All zeros.
+    /// A box that holds zeros.
     const fn new() -> Self {
         Self {
             first: zeros(),
@@ -104,7 +104,7 @@ impl<const N: usize> Down<N> {
         }
     }
 
-    /// From one priority only.
+    /// Must be called from one priority only.
     #[inline(always)]
     fn put(&self, values: &[u32; N]) {
         let second = !self.use_second.load(Ordering::Relaxed);
@@ -114,7 +114,7 @@ impl<const N: usize> Down<N> {
         self.use_second.store(second, Ordering::Relaxed);
     }
 
-    /// From a higher priority than [`Self::put`]'s.
+    /// Must be called from a higher priority than [`Self::put`].
     #[inline(always)]
     fn get(&self) -> [u32; N] {
         load(if self.use_second.load(Ordering::Relaxed) {
@@ -125,19 +125,20 @@ impl<const N: usize> Down<N> {
     }
 }
 
-/// From a higher priority to a lower one. The reader says which of two places it reads before it does, and the writer writes the
-/// other one as long as it does: no value is ever torn, however often the reader is interrupted, and nobody tries twice.
+/// Passes words from a higher priority to a lower one. The reader first announces which of two places it reads, and
+/// meanwhile the writer writes the other. So no value is ever torn, however often the reader is interrupted, and
+/// neither side has to retry.
 #[derive(Debug)]
 struct Up<const N: usize> {
     first: Words<N>,
     second: Words<N>,
-    /// Which place has the last value, and which one is being read.
+    /// The places of the last value and of the value being read.
     last_is_second: AtomicBool,
     reads_second: AtomicBool,
 }
 
 impl<const N: usize> Up<N> {
-    /// All zeros.
+    /// A box that holds zeros.
     const fn new() -> Self {
         Self {
             first: zeros(),
@@ -147,7 +148,7 @@ impl<const N: usize> Up<N> {
         }
     }
 
-    /// From one priority only.
+    /// Must be called from one priority only.
     #[inline(always)]
     fn put(&self, values: &[u32; N]) {
         let second = !self.reads_second.load(Ordering::Relaxed);
@@ -156,13 +157,13 @@ impl<const N: usize> Up<N> {
         self.last_is_second.store(second, Ordering::Relaxed);
     }
 
-    /// From one lower priority than [`Self::put`]'s.
+    /// Must be called from a single priority that is lower than [`Self::put`]'s.
     #[inline(always)]
     fn get(&self) -> [u32; N] {
         self.get_interrupted(|| ())
     }
 
-    /// The same, with what may come between any two of its steps.
+    /// Same as `get`, with a function that stands for an interrupt between any two of the steps.
     #[inline(always)]
     fn get_interrupted(&self, mut interrupt: impl FnMut()) -> [u32; N] {
         let second = self.last_is_second.load(Ordering::Relaxed);
@@ -208,7 +209,7 @@ mod tests {
             assert_eq!(reports.get(), report);
         }
     }
-    /// Every way in which up to eleven writes can fall between the steps of a read: a word between any two of them.
+    /// Tries every way in which up to eleven writes can fall between the steps of a read: one word of bits says which.
     #[test]
     fn no_report_is_torn_however_often_its_reading_is_interrupted() {
         const WORDS: usize = 6;

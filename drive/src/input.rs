@@ -1,18 +1,18 @@
-//! What a control tick is given.
+//! Inputs of a control tick.
 
 use crate::current::CurrentReport;
 use crate::encoder::EncoderReading;
 use crate::timing::TickTiming;
 use touchstone_protocol::Command;
 
-/// What the firmware read for a control tick.
+/// The values that the firmware read for a control tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ControlInput {
     /// The encoder.
     pub encoder: EncoderReading,
     /// The current loop's mailbox; the default for a board without one.
     pub current: CurrentReport,
-    /// What a person or the desktop asks for, if anything.
+    /// The command of a person or the desktop, if there is one.
     pub command: Option<Command>,
     /// The hardware break has pulled since [`ControlOutput::clear_latches`](crate::ControlOutput::clear_latches) was last given.
     pub hardware_break: bool,
@@ -22,6 +22,6 @@ pub struct ControlInput {
     pub stop_button: bool,
     /// The desktop was heard since the last tick: a whole frame came.
     pub host_heard: bool,
-    /// Cycles.
+    /// Processor cycles of the tick.
     pub timing: TickTiming,
 }

@@ -34,7 +34,7 @@ const fn high(word: u32) -> u16 {
 }
 
 impl CurrentCommand {
-    /// To words.
+    /// Packs it into words for the exchange between interrupts.
     #[inline]
     #[must_use]
     pub const fn to_words(&self) -> CommandWords {
@@ -47,7 +47,7 @@ impl CurrentCommand {
         ]
     }
 
-    /// From words.
+    /// Unpacks it from the words of the exchange between interrupts.
     #[inline]
     #[must_use]
     pub const fn from_words(words: &CommandWords) -> Self {
@@ -70,7 +70,7 @@ impl CurrentCommand {
 }
 
 impl CurrentReport {
-    /// To words.
+    /// Packs it into words for the exchange between interrupts.
     #[inline]
     #[must_use]
     pub fn to_words(&self) -> ReportWords {
@@ -99,7 +99,7 @@ impl CurrentReport {
         ]
     }
 
-    /// From words.
+    /// Unpacks it from the words of the exchange between interrupts.
     #[inline]
     #[must_use]
     pub fn from_words(words: &ReportWords) -> Self {

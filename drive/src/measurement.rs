@@ -37,7 +37,7 @@ pub struct MeasurementConfig {
     /// Whether there is one at all.
     pub(crate) wanted: bool,
     current: Amps,
-    /// By how much the fast field's current is raised in a tick.
+    /// Rise of the fast field's current in a tick.
     current_step: Amps,
     /// The fast field's turn in a control period, 2^-32 turns.
     field_per_tick: u32,
@@ -55,7 +55,7 @@ pub struct MeasurementConfig {
 }
 
 impl MeasurementConfig {
-    /// From validated settings.
+    /// Computes it from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -86,7 +86,7 @@ impl MeasurementConfig {
 /// How far a measurement is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measuring {
-    /// Goes on, with this for the current loop.
+    /// The calibration goes on; holds the command for the current loop.
     Running(CurrentCommand),
     /// Done.
     Done,
@@ -112,7 +112,7 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// Begins, with the shaft at a count.
+    /// Begins with the shaft at a count.
     #[must_use]
     pub const fn new(config: MeasurementConfig, count: i64) -> Self {
         Self {
@@ -127,13 +127,13 @@ impl Measurement {
         }
     }
 
-    /// What it is about.
+    /// The present part of the measurement.
     #[must_use]
     pub const fn part(&self) -> MeasuringPart {
         self.part
     }
 
-    /// One control tick with a good reading: the unwrapped count, the shaft's speed and where the rotor is.
+    /// Runs one control tick with a good reading: takes the unwrapped count, the shaft's speed and the rotor's angle.
     ///
     /// A tick without a good reading is left out: the outputs are off in it.
     pub fn tick(&mut self, count: i64, speed: I16F16, rotor: &Rotor) -> Measuring {
@@ -230,7 +230,7 @@ impl Measurement {
     }
 }
 
-/// The bridge is off, and the loop hears of it.
+/// A measurement with the bridge off; the current loop gets this command.
 const fn off(tick: u32) -> Measuring {
     Measuring::Running(CurrentCommand {
         tick,

@@ -7,7 +7,7 @@ use crate::Volts;
 use crate::transform::AlphaBeta;
 use crate::units::{clamp_i32, product};
 
-/// The timer and what the sampling of currents needs of it.
+/// The timer's range, and the time that sampling the currents needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Modulator {
     /// Compare value at which a phase is always high: the timer's reload value.

@@ -1,11 +1,11 @@
-//! What a control tick gives.
+//! Outputs of a control tick.
 
 use crate::command::{DacCode, DriveCommand};
 use crate::current::CurrentCommand;
 use crate::record::Record;
 use touchstone_protocol::Outputs;
 
-/// What the firmware does after a control tick.
+/// The actions of the firmware after a control tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ControlOutput {
     /// Whether anything may be on at all; `Off` clears the main output enable. `Off` exactly when `drive` is.

@@ -29,17 +29,17 @@ pub struct PiGains {
     pub share: u16,
 }
 
-/// `2π`.
+/// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
 
 impl PiGains {
-    /// For a loop that never drives.
+    /// Gains of a loop that never drives.
     pub const NONE: Self = Self {
         proportional: I16F16::ZERO,
         share: 0,
     };
 
-    /// For a winding (phase to star point) and a bandwidth, at a rate of the loop.
+    /// Gains for a winding (phase to star point), a bandwidth and the loop's rate.
     ///
     /// # Errors
     /// A gain that does not fit: an inductance so large or so small that a period does not resolve the winding.
@@ -69,26 +69,27 @@ impl PiGains {
     }
 }
 
-/// One controller's memory: what the resistance and the motion take, V.
+/// Memory of one controller: its integral, which settles at the voltage of resistance and motion, V.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Pi {
     integral: Volts,
 }
 
 impl Pi {
-    /// With what is remembered, V.
+    /// A controller with a given integral, V.
     #[must_use]
     pub const fn of(integral: Volts) -> Self {
         Self { integral }
     }
 
-    /// What is remembered, V.
+    /// The integral, V.
     #[must_use]
     pub const fn integral(&self) -> Volts {
         self.integral
     }
 
-    /// One period: the error of the current to a voltage within `-limit..=limit`, and whether the limit acted.
+    /// Runs one period: takes the error of the current, returns a voltage within `-limit..=limit` and whether the
+    /// limit acted.
     #[inline]
     pub fn tick(&mut self, gains: &PiGains, error: Amps, limit: Volts) -> (Volts, bool) {
         let wanted = Volts::from_bits(product(gains.proportional.to_bits(), error.to_bits(), 16))

@@ -1,4 +1,4 @@
-//! What a control tick tells: the telemetry record.
+//! The telemetry record of a control tick.
 
 use crate::timing::TickTiming;
 use crate::transform::Dq;
@@ -32,11 +32,11 @@ pub struct Record {
     pub offset: Position<Fixed32>,
     /// The law's observed energy, J; `None` if it observes none.
     pub energy: Option<Energy<Fixed32>>,
-    /// Where the contact stands.
+    /// Phase of the contact.
     pub contact: Contact,
-    /// Torque asked of the drive, along `+x`, N·m: the force's negative, faded in.
+    /// Wanted torque, along `+x`, N·m: the negative of the force, faded in.
     pub torque: Force<Fixed32>,
-    /// Current `i_q` asked of the current loop; zero for an analogue drive.
+    /// Wanted current `i_q`; zero for an analogue drive.
     pub current_command: Amps,
     /// Currents measured.
     pub current: Dq,
@@ -51,7 +51,7 @@ pub struct Record {
 }
 
 impl Record {
-    /// Before the first tick.
+    /// The state before the first tick.
     #[must_use]
     pub fn empty() -> Self {
         Self {

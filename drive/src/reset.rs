@@ -9,7 +9,7 @@ pub struct ResetFlags {
     pub brown_out: bool,
     /// The reset pin; set by every other reset too, as it pulls the pin.
     pub pin: bool,
-    /// By software.
+    /// The reset was caused by software.
     pub software: bool,
     /// Independent watchdog.
     pub independent_watchdog: bool,
@@ -33,9 +33,9 @@ pub enum ResetReason {
     PowerOn,
     /// Power dipped, and came back before memory was lost.
     BrownOut,
-    /// Somebody pressed reset.
+    /// The reset button was pressed.
     Pin,
-    /// The program asked for it, or a debugger.
+    /// The program or a debugger reset the processor.
     Software,
     /// The independent watchdog was not fed.
     IndependentWatchdog,

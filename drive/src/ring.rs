@@ -1,4 +1,5 @@
-//! The last second, for whoever asks after a fault: 1,000 compact records of 12 bytes, frozen when a fault is latched.
+//! A record of the last second, to be read after a fault: 1,000 compact records of 12 bytes, frozen when a fault is
+//! latched.
 
 use crate::record::Record;
 use touchstone_protocol::{Limits, State};
@@ -47,7 +48,7 @@ fn short(bits: i32, shift: u32) -> i16 {
 }
 
 impl CompactRecord {
-    /// What is kept of a record.
+    /// The part of a record that is kept.
     #[must_use]
     pub fn of(record: &Record) -> Self {
         Self {
@@ -164,7 +165,7 @@ impl Ring {
         self.length = (self.length + 1).min(RECORDS);
     }
 
-    /// Goes on after a fault, empty.
+    /// Empties the ring and goes on after a fault.
     pub fn thaw(&mut self) {
         self.frozen = false;
         self.length = 0;
@@ -190,7 +191,7 @@ impl Ring {
         self.length
     }
 
-    /// Whether there is none.
+    /// Whether the ring has no records.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.length == 0

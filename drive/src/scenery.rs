@@ -1,4 +1,4 @@
-//! What there is to touch: the wall of the settings alone, or on boards with room for it an environment in its place.
+//! What the knob displays: the single wall of the settings, or an environment on boards with room for it.
 //!
 //! Not a part of the device: an environment is some kilobytes, too large for a stack.
 
@@ -22,23 +22,25 @@ pub(crate) struct Here {
     pub since_change: Option<Position<Fixed32>>,
 }
 
-/// What a control tick does with what there is to touch. The law of the settings' wall is the device's own.
+/// What a control tick needs of the displayed wall or environment. The law of the settings' wall belongs to the
+/// device.
 pub(crate) trait Scenery {
     /// The device was just armed: all memory is new but the guard's account.
     fn armed(&mut self, law: &mut Law, fresh: &Law);
-    /// The same where it stays armed, after a motion too fast for any force.
+    /// Restarts the law where the device stays armed, after a motion too fast for any force.
     fn again(&mut self, law: &mut Law, fresh: &Law);
-    /// One tick while armed: the force against `+x`. The encoder's scale apart, as a copy of it takes its time.
+    /// Runs one tick while armed; returns the force against `+x`. The encoder's scale is passed by reference, as a
+    /// copy takes time.
     fn tick(&mut self, law: &mut Law, scale: &CountScale, here: &Here) -> Force<Fixed32>;
     /// What became of that force.
     fn commanded(&mut self, law: &mut Law, force: Force<Fixed32>);
-    /// The outputs are switched off, after a tick whose force was none, or at a time that nobody knows.
+    /// The outputs are switched off, after a tick that commanded no force, or at an unknown time.
     fn switched_off(&mut self, law: &mut Law);
     /// Whether the guard has switched the force off for overspeed.
     fn is_tripped(&self, law: &Law) -> bool;
-    /// Whether a wall is off, since the device is deeper inside of it than positions reach.
+    /// Whether a wall gives no force because the device is deeper inside it than positions reach.
     fn is_beyond_reach(&self, law: &Law, penetration: Position<Fixed32>) -> bool;
-    /// The inside of what is touched.
+    /// Inner values of the wall that is touched.
     fn view(&self, law: &Law) -> View<Fixed32>;
     /// Whether an environment runs in the place of the wall alone.
     fn runs(&self) -> bool;
@@ -109,7 +111,8 @@ impl Scenery for WallAlone {
     }
 }
 
-/// The law's tick, a function of its own in every program: so that what it costs can be counted (`cargo xtask cycles`).
+/// The law's tick. It is a function of its own in every program, so that its cost can be counted (`cargo xtask
+/// cycles`).
 #[inline(never)]
 pub(crate) fn law_tick(
     law: &mut Law,

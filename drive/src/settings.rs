@@ -1,4 +1,4 @@
-//! What a board's power stage allows of the ranges of [`DeviceSettings`], and the bounds that settings set each other.
+//! The ranges of [`DeviceSettings`] that a board's power stage allows, and the bounds between settings.
 
 use crate::change::ChangeConfig;
 use crate::hardware::Hardware;

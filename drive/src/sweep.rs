@@ -1,4 +1,4 @@
-//! What a calibration that looks for cogging does with the motor: it turns the shaft slowly and evenly, one way and back, and tells what
+//! What a calibration that looks for cogging does with the motor. It turns the shaft slowly and evenly, one way and back, and tells what
 //! current that takes at which place. What is made of it is in `touchstone_lab::identify::cogging`.
 //!
 //! ```text
@@ -18,20 +18,20 @@ use fixed::types::I16F16;
 use touchstone_control::Si;
 use touchstone_protocol::{DeviceSettings, MeasuringPart};
 
-/// Turns of each way that are looked at.
+/// Turns of each way that are examined.
 pub const TURNS: i64 = 2;
 /// Quarters of a turn in a second.
 pub const QUARTERS_PER_S: i64 = 1;
 /// A shaft that is a 16th of a turn behind is held.
 const HELD: i64 = 16;
 
-/// `2π`.
+/// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
 /// The loop's frequency `ω`, rad/s: 20 Hz.
 const OMEGA: Si = Si::lit("125.66");
-/// Its damping, of critical.
+/// Damping of the position loop, as a share of the critical one.
 const DAMPING: Si = Si::lit("0.7");
-/// What the integral adds in a second, of the proportional part.
+/// Growth of the integral part in a second, as a multiple of the proportional part.
 const INTEGRAL_PER_S: Si = Si::lit("25");
 
 /// Coefficients of a sweep.
@@ -41,13 +41,13 @@ pub struct SweepConfig {
     /// Speed, 2^-16 counts a tick, and by how much it changes in one.
     speed: i64,
     speed_step: i64,
-    /// The same speed's rad/s, per 2^-16 counts a tick, with 32 fractional bits.
+    /// Speed in rad/s per 2^-16 counts a tick, with 32 fractional bits.
     rad_per_s: i64,
     /// A per count, with 32 fractional bits.
     stiffness: i64,
-    /// Of that, what a tick adds to the integral, with 32 fractional bits more.
+    /// What a tick adds to the integral, as a share of the proportional part, with 32 more fractional bits.
     integral: i64,
-    /// A·s/rad.
+    /// Damping of the sweep's position loop, A·s/rad.
     damping: I16F16,
     limit: Amps,
     /// Ticks that the shaft is held at the end.
@@ -55,7 +55,7 @@ pub struct SweepConfig {
 }
 
 impl SweepConfig {
-    /// From validated settings. The loop rests on `law.estimator.inertia_kg_m2`, within a factor of two.
+    /// Computes it from validated settings. The loop rests on `law.estimator.inertia_kg_m2`, within a factor of two.
     #[must_use]
     pub fn new(settings: &DeviceSettings) -> Self {
         let rate = settings.timing.rate_hz.max(1);
@@ -113,7 +113,7 @@ pub struct Running {
 }
 
 impl Running {
-    /// Begins, with the shaft at a count.
+    /// Begins with the shaft at a count.
     #[must_use]
     pub const fn new(config: SweepConfig, count: i64) -> Self {
         Self {
@@ -127,7 +127,7 @@ impl Running {
         }
     }
 
-    /// What it is about; nothing while the shaft stands at the end.
+    /// The present part of the sweep; `None` while the shaft stands at the end.
     #[must_use]
     pub const fn part(&self) -> Option<MeasuringPart> {
         match self.way {
@@ -137,7 +137,8 @@ impl Running {
         }
     }
 
-    /// One control tick with a good reading: the count, the shaft's speed, where the rotor is, and what a map adds.
+    /// Runs one control tick with a good reading: takes the count, the shaft's speed, the rotor's angle, and the
+    /// current that a map adds.
     ///
     /// A tick without a good reading is left out: the outputs are off in it.
     pub fn tick(&mut self, count: i64, speed: I16F16, rotor: &Rotor, map: Amps) -> Measuring {

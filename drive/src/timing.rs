@@ -1,6 +1,6 @@
 //! Cycles and lateness of a control tick.
 
-/// What the firmware measured of a control tick.
+/// Timing of a control tick, as the firmware measured it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TickTiming {
     /// Cycles from the moment that the tick was due to its first instruction.

@@ -15,7 +15,7 @@ use fixed::types::I16F16;
 /// `2^31/√3`, rounded.
 const ONE_OVER_ROOT_3: i64 = 1_239_850_262;
 
-/// A vector that stands still: α along phase A, β a quarter turn ahead.
+/// A vector in the stationary frame: α along phase A, β a quarter turn ahead.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct AlphaBeta {
     /// Along phase A.
@@ -77,7 +77,7 @@ impl Dq {
 }
 
 impl Rotation {
-    /// For the rotor's electrical angle.
+    /// Sine and cosine for the rotor's electrical angle.
     #[inline]
     #[must_use]
     pub const fn of(angle: Angle) -> Self {

@@ -1,7 +1,7 @@
 //! The model beside a device: the same law on the motion that the device measured, tick by tick.
 //!
-//! A record tells penetration and force in full, so that the model's force is the device's to the bit, as long as every tick's record
-//! arrives and nothing stands between the two that no record tells.
+//! A record has penetration and force in full, so the model's force equals the device's bit for bit. That holds as long
+//! as every tick's record arrives, and nothing happens between two ticks that no record shows.
 
 use crate::command::{Drive, Rotor};
 use crate::config::Config;
@@ -17,12 +17,12 @@ use touchstone_protocol::{Board, DeviceSettings, Limit, Limits, Phase, Telemetry
 /// within some periods of its bandwidth, has found the motion again by then.
 const FINDS_IN: u32 = 500;
 
-/// How well the model knows what the device's law remembers.
+/// How much of the memory of the device's law the model knows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Knows {
-    /// All of it, since the tick that armed.
+    /// The whole run: the model has followed since the tick that armed.
     All,
-    /// Nothing yet; so many ticks outside the wall so far.
+    /// Too little for a verdict; holds the number of ticks outside the wall so far.
     Little(u32),
 }
 
@@ -44,7 +44,7 @@ impl Twin {
     /// Beside a device with these settings, which calibrated with them.
     ///
     /// # Errors
-    /// As [`Config::new`].
+    /// Same as [`Config::new`].
     pub fn new(settings: &DeviceSettings, board: Board) -> Result<Self, SettingsError> {
         let config = Config::new(settings, hardware(board))?;
         Ok(Self {
@@ -127,7 +127,7 @@ impl Twin {
         self.law.switched_off();
     }
 
-    /// Tells the law what became of its force, as the device does.
+    /// Passes on to the law which force was commanded in the end, as the device does.
     fn becomes_of(&mut self, force: Force<Fixed32>, record: &Telemetry) {
         let limits = Limits::from_wire(record.limits);
         let fading = self.fade < u32::MAX;

@@ -31,7 +31,7 @@ pub const fn product(a: i32, b: i32, shift: u32) -> i32 {
     clamp_i32((a as i64 * b as i64) >> shift)
 }
 
-/// So much of a way, a share in 1/65,536, to the nearest. Of a way between two words.
+/// A share of a way, in 1/65,536, to the nearest. The way lies between two words.
 #[inline(always)]
 #[must_use]
 pub const fn share_of(way: i64, share: u16) -> i64 {

@@ -31,7 +31,8 @@ pub fn checked(settings: &DeviceSettings, board: Board) -> Result<(), SettingsEr
     validate(settings, hardware(board))
 }
 
-/// What a measurement tells beside the record. Apart from it, so that the ticks of the wall pay nothing for it.
+/// The part of a measurement that is sent beside the record. It is separate, so that it costs the wall's ticks
+/// nothing.
 #[cold]
 #[inline(never)]
 #[must_use]

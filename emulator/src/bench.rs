@@ -35,7 +35,7 @@ impl Default for Setup {
 }
 
 impl Setup {
-    /// On a board, with what is mounted there.
+    /// The bench of a board, with the parts that are usually mounted on it.
     #[must_use]
     pub fn on(board: Board) -> Self {
         Self {
@@ -48,9 +48,9 @@ impl Setup {
 
 /// A device, its world, and the desktop's end of its serial port.
 pub struct Bench {
-    /// The machine.
+    /// The fault machine.
     pub machine: Machine,
-    /// The desktop's end.
+    /// The desktop's end of the serial link.
     pub link: Link,
     /// Why the machine has halted, if it has.
     pub halted: Option<Halt>,
@@ -60,7 +60,7 @@ impl Bench {
     /// Mounts a board and switches it on.
     ///
     /// # Errors
-    /// What the emulator refuses.
+    /// The emulator refuses the program.
     pub fn new(program: &Program, setup: &Setup) -> Result<Self, String> {
         let mut world = World::new(&setup.parts, 0.3);
         world.bridge.bus_v = setup.board.supply_v;
@@ -82,7 +82,7 @@ impl Bench {
         self.machine.chip().core.now
     }
 
-    /// Lets time pass, and takes what the device sends.
+    /// Lets time pass, and receives what the device sends.
     ///
     /// # Errors
     /// The machine halted.
@@ -98,10 +98,10 @@ impl Bench {
         })
     }
 
-    /// Runs until something is so, looked at every 100 us.
+    /// Runs until something is so, examined every 100 us.
     ///
     /// # Errors
-    /// It was not within the time, or the machine halted.
+    /// The condition did not occur within the time, or the machine halted.
     pub fn run_until(
         &mut self,
         what: &str,
@@ -127,10 +127,10 @@ impl Bench {
         self.machine.chip_mut().link().put(bytes, now);
     }
 
-    /// Asks and waits for the answer.
+    /// Sends a request and waits for the reply.
     ///
     /// # Errors
-    /// No answer within a second, or a halt.
+    /// No reply within a second, or a halt.
     pub fn ask(&mut self, request: Request<'_>) -> Result<Result<Reply, Refusal>, String> {
         let what = format!("an answer to {request:?}");
         let (id, frame) = self.link.ask(request);
@@ -143,10 +143,10 @@ impl Bench {
         answer.ok_or(what)
     }
 
-    /// Asks for something that must be granted.
+    /// Sends a request that must be granted.
     ///
     /// # Errors
-    /// It was refused, or not answered.
+    /// The request was refused or not answered.
     pub fn demand(&mut self, request: Request<'_>) -> Result<Reply, String> {
         let what = format!("{request:?}");
         self.ask(request)?
@@ -161,7 +161,7 @@ impl Bench {
         Ok(self.ask(Request::Command(command))?.is_ok())
     }
 
-    /// Where the device stands.
+    /// State of the device.
     ///
     /// # Errors
     /// No answer.
@@ -183,7 +183,7 @@ impl Bench {
     /// Waits for a phase, asking every 5 ms.
     ///
     /// # Errors
-    /// It did not come within the time.
+    /// The state did not come within the time.
     pub fn wait_for(&mut self, phase: Phase, within: u64) -> Result<(), String> {
         let end = self.now() + within;
         loop {
@@ -207,7 +207,7 @@ impl Bench {
     /// Waits until the device answers at all.
     ///
     /// # Errors
-    /// It does not within half a second.
+    /// The device does not do so within half a second.
     pub fn boot(&mut self) -> Result<Reply, String> {
         self.run(20 * MS)?;
         // What noise there was while the port was not set up.
@@ -218,7 +218,7 @@ impl Bench {
     /// Changes the settings. The bench says nothing for seconds, so the device waits for no desktop unless `change` says so.
     ///
     /// # Errors
-    /// They are refused.
+    /// The settings are refused.
     pub fn configure(&mut self, change: impl FnOnce(&mut DeviceSettings)) -> Result<(), String> {
         let mut settings = self.settings()?;
         if let Some(motor) = self.machine.chip().board.told {
@@ -252,7 +252,7 @@ impl Bench {
     /// Calibrates and arms.
     ///
     /// # Errors
-    /// Either fails.
+    /// One of the two fails.
     pub fn arm(&mut self) -> Result<(), String> {
         self.calibrate()?;
         self.demand(Request::Command(DeviceCommand::Arm))?;
@@ -284,10 +284,10 @@ impl Bench {
         self.press_at(hand, torque_n_m, ramp_s, hold_s, surface, counts, stiffness)
     }
 
-    /// The same, where the settings are known: the surface, rad, the counts of a turn, the stiffness, N·m/rad.
+    /// Same as [`Bench::press`] with given settings: the surface, rad, the counts of a turn, the stiffness, N·m/rad.
     ///
     /// # Errors
-    /// There was no telemetry to tell where the wall is.
+    /// There was no telemetry to find the wall by.
     #[allow(clippy::too_many_arguments)]
     pub fn press_at(
         &mut self,
@@ -326,7 +326,7 @@ pub fn number(value: Si) -> f64 {
     value.to_num()
 }
 
-/// From 0 to 1, as people move.
+/// A smooth rise from 0 to 1, as a person's hand moves.
 #[must_use]
 pub fn minimum_jerk(share: f64) -> f64 {
     let s = share.clamp(0.0, 1.0);

@@ -1,4 +1,4 @@
-//! What is soldered around the chip: which pin sees what, at which scale.
+//! The board around the chip: which pin measures which quantity, at which scale.
 
 mod told;
 
@@ -20,7 +20,7 @@ pub fn code(volts: f64) -> u16 {
     code_with(volts, 0.0)
 }
 
-/// The same with an error, codes.
+/// Same as `code`, with an added error in codes.
 #[must_use]
 pub fn code_with(volts: f64, error: f64) -> u16 {
     (volts / REFERENCE_V * 4_095.0 + error)
@@ -28,10 +28,10 @@ pub fn code_with(volts: f64, error: f64) -> u16 {
         .clamp(0.0, 4_095.0) as u16
 }
 
-/// Which encoder is mounted.
+/// The encoder that is mounted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Encoder {
-    /// Two tracks, this many counts a turn.
+    /// Two tracks with this many counts a turn.
     Incremental(u32),
     /// AS5047P.
     As5047p,
@@ -40,7 +40,7 @@ pub enum Encoder {
 }
 
 impl Encoder {
-    /// As the settings know it.
+    /// The encoder's kind in the settings.
     #[must_use]
     pub fn kind(self) -> EncoderKind {
         match self {
@@ -59,7 +59,7 @@ impl Encoder {
     }
 }
 
-/// What goes to a converter's pin.
+/// The quantity at a converter's pin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
     /// Current of a phase, 0 to 2.
@@ -70,7 +70,7 @@ pub enum Source {
     Temperature,
 }
 
-/// What is wrong between the world and the chip's pins.
+/// Faults between the world and the chip's pins.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Wiring {
     /// A voltage at a pin instead of the right one.
@@ -90,7 +90,7 @@ pub struct Wiring {
 pub struct Board {
     /// Name, as the firmware's binary.
     pub name: &'static str,
-    /// Which encoder is mounted.
+    /// The encoder that is mounted.
     pub encoder: Encoder,
     /// The button that the program takes for its stop: port and pin; high while pressed, pulled down on the board.
     pub button: Option<(usize, usize)>,
@@ -108,7 +108,7 @@ pub struct Board {
     pub ram_bytes: usize,
     /// The CCM at its own address, bytes; 0 where it is used at its second one. Both at once are not modelled.
     pub ccm_bytes: usize,
-    /// (converter, channel) to what is there.
+    /// The quantity at each (converter, channel).
     pub pins: &'static [(usize, u32, Source)],
     /// The gate drivers behind TIM1's outputs.
     pub gates: GateDriver,
@@ -120,7 +120,7 @@ pub struct Board {
     /// The line of a driver that reports by it, and is enabled by it: port and pin that it is linked to. Open drain, and not pulled up on
     /// the board.
     pub driver_line: Option<(usize, usize)>,
-    /// Current at which the drivers' own protection acts, A; infinite where there is none.
+    /// Current at which the drivers' own protection acts, A; infinite where there is no such protection.
     pub break_a: f64,
     /// Pins at which the shunts are seen before their amplifiers: port and pin, and the phase.
     pub shunts: &'static [((usize, usize), usize)],
@@ -138,19 +138,19 @@ pub struct Board {
     pub field_turns_per_s: Si,
     /// Stiffnesses that are pressed, N·m/rad.
     pub walls: [Si; 2],
-    /// What a person says of the motor, where the board cannot measure it.
+    /// The motor's values that a person has to set where the board cannot measure them.
     pub told: Option<ToldMotor>,
-    /// What is wrong.
+    /// Faults of the wiring.
     pub wiring: Wiring,
 }
 
-/// What is mounted and pressed on the boards for larger motors.
+/// Encoder, motor and press on the boards for larger motors.
 const THESIS: ([Si; 2], f64, f64) = ([Si::lit("1"), Si::lit("5")], 0.1, 0.45);
 
 /// TIM1_BKIN's pin on the boards with a driver's line: port and pin.
 pub const BREAK_PIN: (usize, usize) = (1, 12);
 
-/// To which pin the X-NUCLEO-IHM16M1 links EN\FAULT: shields differ.
+/// The pin to which the X-NUCLEO-IHM16M1 links EN\FAULT: shields differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FaultLink {
     /// R37: PB12.
@@ -396,7 +396,7 @@ impl Board {
         self.wiring.encoder_held.unwrap_or(count) + self.wiring.encoder_moved
     }
 
-    /// Whether the driver pulls its own line: by itself, or made to.
+    /// Whether the driver pulls its line low, because of its own protection or because a test makes it.
     #[must_use]
     pub fn driver_pulls(&mut self, world: &World) -> bool {
         let over = world.hardware_over_current();
@@ -417,7 +417,7 @@ impl Board {
 
     /// Volts at a pin of [`Board::shunts`] for a current through its shunt to ground: 3 mOhm, with 1.5 kohm from it to the pin, 22 kohm from the
     /// pin to 3.3 V and 2.2 kohm to ground. That 4/7 of the shunt's voltage are left before an amplifier of 16 is SimpleFOC's
-    /// `LowsideCurrentSense(0.003f, -64.0f/7.0f, ...)` for this board (its example `B_G431B_ESC1.ino`); the resistors are ones that give it, as
+    /// `LowsideCurrentSense(0.003f, -64.0f/7.0f, ...)` for this board (its example `B_G431B_ESC1.ino`). The resistors are ones that give it, as
     /// the schematic (MB1419) was not read.
     #[must_use]
     pub fn shunt_pin_v(&self, amps: f64) -> f64 {

@@ -1,4 +1,5 @@
-//! What the program costs: instructions and table cycles of the law, of the control interrupt, of the current loop; the stack.
+//! Costs of the program: instructions and table cycles of the law, of the control interrupt and of the current loop;
+//! the stack.
 
 use touchstone_control::{ChangeOfForce, Si};
 use touchstone_protocol::settings::DeviceSettings;
@@ -104,7 +105,7 @@ const FAULTS: &[(&str, Fault)] = &[
     ("  comparator of phase A stays", Fault::Comparator(1, 0)),
 ];
 
-/// What was counted.
+/// The counted costs.
 #[derive(Debug, Clone, Copy, Default)]
 struct Counted {
     law: Cost,
@@ -121,7 +122,7 @@ struct Table {
 }
 
 impl Table {
-    /// Prints what was counted since the last time.
+    /// Prints the costs since the last row.
     fn row(&mut self, name: &str, result: Result<(), String>, bench: &mut Bench, stack_top: u32) {
         let counted = take(bench);
         let show = |cost: Cost| {
@@ -332,7 +333,7 @@ fn can_have(board: &Board, fault: Fault) -> bool {
     }
 }
 
-/// What was counted since the last call.
+/// The costs since the last call.
 fn take(bench: &mut Bench) -> Counted {
     let chip = bench.machine.chip_mut();
     let mut counted = Counted::default();

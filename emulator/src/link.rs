@@ -3,22 +3,22 @@
 use touchstone_protocol::frame::{Decoder, FRAME_MAX, encode, message};
 use touchstone_protocol::{FromDevice, Refusal, Reply, Request, Telemetry, ToDevice};
 
-/// The desktop's end.
+/// The desktop's end of the serial link.
 #[derive(Debug, Default)]
 pub struct Link {
     decoder: Decoder,
     next_id: u8,
     answers: Vec<(u8, Result<Reply, Refusal>)>,
-    /// Telemetry so far.
+    /// Telemetry received so far.
     pub telemetry: Vec<Telemetry>,
     /// Payloads that were whole but no message.
     pub not_understood: u64,
-    /// Bytes so far.
+    /// Bytes received so far.
     pub bytes: u64,
 }
 
 impl Link {
-    /// Decodes what the device has sent.
+    /// Decodes bytes from the device.
     pub fn receive(&mut self, bytes: &[u8]) {
         self.bytes += bytes.len() as u64;
         for byte in bytes {

@@ -38,7 +38,7 @@ const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
 const FAILED: u8 = 1;
 const WRONG_USAGE: u8 = 2;
 
-/// What of the campaign is wanted.
+/// The selected part of the campaign.
 #[derive(Debug, Default)]
 struct Wanted<'a> {
     sample: Option<Asked<'a>>,
@@ -94,7 +94,7 @@ fn read(elf: &str) -> Result<Program, u8> {
     })
 }
 
-/// The boards' programs and what is wanted of them, in any order.
+/// Parses the boards' programs and the selection, in any order.
 fn boards<'a>(mut options: &[&'a str]) -> Result<(Programs, Wanted<'a>), u8> {
     let mut programs = Programs::default();
     let mut wanted = Wanted::default();
@@ -235,7 +235,7 @@ fn play(
     ))
 }
 
-/// Boots, and writes what the RAM holds then.
+/// Boots, and writes the content of the RAM to a file.
 fn ram(program: &Program, board: Board, file: &Path) -> Result<String, String> {
     let ram_bytes = board.ram_bytes;
     let mut bench = Bench::new(program, &Setup::on(board))?;

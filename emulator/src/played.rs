@@ -1,5 +1,6 @@
-//! A hand's programme, played on the emulated board: what `touchstone scorecard --programme` wrote is done by a hand in the world, deed by
-//! deed, and written down tick by tick: what the board told, as `touchstone monitor` keeps it, and beside it what the shaft did.
+//! Plays a hand's programme on the emulated board. A hand in the simulated world does, action by action, what
+//! `touchstone scorecard --programme` wrote. Each tick is recorded: the board's telemetry, as `touchstone monitor`
+//! keeps it, and the shaft's true motion.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -14,24 +15,24 @@ use crate::world::ShaftBooks;
 
 /// Cycles of a second.
 const SECOND: u64 = 1_000 * MS;
-/// The torque fades in after arming, and a deed begins with all of it.
+/// The torque fades in after arming, and an action begins with all of it.
 const FADED_IN: u64 = 300 * MS;
-/// Between two deeds: to where the next one begins, and at rest there.
+/// Between two actions: to where the next one begins, and at rest there.
 const OUT_S: f64 = 0.5;
 const REST: u64 = SECOND / 4;
 /// A mechanical step of the world, us.
 const STEP_US: u64 = 25;
-/// Until the last records are here.
+/// Waiting time until the last records have arrived.
 const ON_THE_LINE: u64 = 20 * MS;
 /// In nearly all ticks the count is the one that belongs to the shaft's angle, or the next: the shaft moves on between sample and reading.
 const IN_STEP: f64 = 0.99;
 
-/// What one hand does, by the programme's words.
+/// The motion of one hand for one action of the programme.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HandDeed {
-    /// How it grips.
+    /// The grip of the hand.
     pub grip: String,
-    /// What it does.
+    /// The action in words.
     pub deed: String,
     /// Where it means to be, rad, a value a tick.
     pub rest_rad: Vec<f64>,
@@ -44,7 +45,7 @@ pub struct HandProgramme {
     pub surface_rad: f64,
     /// Ticks a second.
     pub rate_hz: u32,
-    /// Deed after deed.
+    /// The actions, in order.
     pub deeds: Vec<HandDeed>,
 }
 
@@ -52,7 +53,7 @@ impl HandProgramme {
     /// Reads a file of `touchstone scorecard --programme`.
     ///
     /// # Errors
-    /// What is wrong with it, and where.
+    /// The problem, and its place in the file.
     pub fn read(file: &Path) -> Result<Self, String> {
         let text = std::fs::read_to_string(file);
         let text = text.map_err(|error| format!("{}: {error}", file.display()))?;
@@ -115,13 +116,14 @@ fn hand_of(grip: &str) -> Result<Hand, String> {
     }
 }
 
-/// Columns of the recording: those of `touchstone monitor` that tell of the wall, and what only a test stand sees.
+/// Columns of the recording: those of `touchstone monitor` that concern the wall, and those that only a test stand
+/// measures.
 const COLUMNS: &str = "grip,deed,tick,time_s,count,penetration_rad,force_n_m,state,limits,angle_rad,velocity_rad_per_s,motor_force_n_m,absorbed_j,device_loss_j,surface_rad";
 
-/// Plays a programme on a board, each grip on a device of its own; the recording's text.
+/// Plays a programme on a board, each grip on a new device; returns the recording as text.
 ///
 /// # Errors
-/// What failed.
+/// The step that failed.
 pub fn played(
     program: &Program,
     setup: &Setup,
@@ -176,14 +178,14 @@ struct Stand {
     first_tick: Option<u32>,
 }
 
-/// What was seen of some ticks, and of the first one after them.
+/// Observations of some ticks, and of the first one after them.
 struct Course {
     shaft: Vec<ShaftBooks>,
     told: Vec<Telemetry>,
 }
 
 impl Stand {
-    /// Calibrated, in the hand, which goes to where the first deed begins.
+    /// Calibrated, in the hand, which goes to where the first action begins.
     fn new(
         program: &Program,
         setup: &Setup,
@@ -234,7 +236,7 @@ impl Stand {
         Ok(stand)
     }
 
-    /// A shaft's angle as it is in the programme, where a count's middle is the angle that it says.
+    /// A shaft's angle in the programme's frame, where the middle of a count is its angle.
     fn in_programme(&self, world_rad: f64) -> f64 {
         world_rad + (self.ahead as f64 - 0.5) * self.step_rad
     }
@@ -277,7 +279,7 @@ impl Stand {
         self.watch_from_here(from, ticks)
     }
 
-    /// The same, in the handler of the first one; `from`: records that there were before.
+    /// Same as `watch`, started in the handler of the first tick; `from`: number of records before.
     fn watch_from_here(&mut self, from: usize, ticks: usize) -> Result<Course, String> {
         let begin = self.bench.now();
         let period = SECOND / u64::from(self.rate_hz);
@@ -332,7 +334,7 @@ impl Stand {
         (shaft.angle_rad / self.step_rad).floor() as i64
     }
 
-    /// Share of the ticks whose count is that of the shaft's angle, or next to it.
+    /// Share of the ticks whose count is that of the shaft's angle or a neighbour of it.
     fn share(&self, course: &Course, first: usize, ahead: i64, off: i64) -> f64 {
         let pairs = course.told.iter().skip(first).zip(&course.shaft);
         let here = |shaft: &ShaftBooks| self.count_of(shaft) + ahead;
@@ -342,7 +344,7 @@ impl Stand {
         right as f64 / course.shaft.len() as f64
     }
 
-    /// A deed, from outside of the wall and with the law as after arming, and out again.
+    /// An action, from outside of the wall and with the law as after arming, and out again.
     fn play(&mut self, deed: &HandDeed) -> Result<Course, String> {
         self.put(&hand_of(&deed.grip)?, self.in_world(deed.rest_rad[0]))?;
         let bench = &mut self.bench;

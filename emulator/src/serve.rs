@@ -16,7 +16,7 @@ use crate::world::Parts;
 pub struct Wanted {
     /// A hand presses into the wall every four seconds while the device is armed, and lets go when it no longer is.
     pub hand: bool,
-    /// Ends after so many seconds.
+    /// Ends after this many seconds.
     pub for_s: Option<u64>,
     /// Motor and knob.
     pub parts: Parts,

@@ -1,5 +1,5 @@
-//! What an oscilloscope, a current probe and `touchstone monitor` see at a first power-up, of the emulated board: tables, of which
-//! `cargo xtask traces` draws the pictures of the build guide.
+//! Signals of a first power-up on the emulated board, as an oscilloscope, a current probe and `touchstone monitor`
+//! show them. They are written as tables; `cargo xtask traces` draws the pictures of the build guide from them.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -13,7 +13,7 @@ use crate::board::Source;
 use crate::cpu::elf::Program;
 use crate::peripheral::CORE_HZ;
 
-/// What is looked at.
+/// A signal to record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trace {
     /// The bridge's pins with a wall that is on and no force, and when the converters sample.
@@ -22,12 +22,12 @@ pub enum Trace {
     Step,
     /// The shaft and a phase's current in a calibration.
     Calibration,
-    /// A press on the wall, and the letting go, as the board tells them.
+    /// A press on the wall and its release, from the board's telemetry.
     Press,
 }
 
 impl Trace {
-    /// By its word.
+    /// Finds one by its name.
     #[must_use]
     pub fn by_name(name: &str) -> Option<Self> {
         match name {
@@ -40,7 +40,7 @@ impl Trace {
     }
 }
 
-/// The pins are looked at so often, cycles, and for so long.
+/// Interval at which the pins are read, cycles, and for how long.
 const LOOK: u64 = 5;
 const LOOKS: u64 = 110 * US / LOOK;
 /// A current probe's samples, and a shaft's.
@@ -51,7 +51,7 @@ const BEFORE: u64 = MS;
 const AFTER: u64 = 4 * MS;
 /// A push has begun where the phases' amplitude has this share of its current.
 const BEGUN: f64 = 0.1;
-/// Until what happened is told, at the longest.
+/// Longest time until an event appears in the telemetry.
 const TOLD: u64 = 10 * MS;
 /// The torque has faded in.
 const FADED_IN: u64 = 300 * MS;
@@ -60,10 +60,10 @@ const PRESS_S: f64 = 0.8;
 const HOLD_S: f64 = 0.6;
 const AFTERWARDS: u64 = 300 * MS;
 
-/// Writes a table of it; what it has.
+/// Writes a table of the signal; returns a summary.
 ///
 /// # Errors
-/// What failed.
+/// The step that failed.
 pub fn write(
     program: &Program,
     setup: &Setup,
@@ -187,7 +187,7 @@ fn step(bench: &mut Bench) -> Result<String, String> {
     Ok(text)
 }
 
-/// Of three phases that are a third of a turn apart.
+/// Amplitude of three phases that are a third of a turn apart.
 fn amplitude(phases: &[f64; 3]) -> f64 {
     let squares: f64 = phases.iter().map(|it| it * it).sum();
     (squares * 2.0 / 3.0).sqrt()
@@ -215,7 +215,7 @@ fn calibration(bench: &mut Bench) -> Result<String, String> {
     }
 }
 
-/// As `touchstone monitor --csv` keeps it.
+/// Records a press, in the columns of `touchstone monitor --csv`.
 fn press(bench: &mut Bench) -> Result<String, String> {
     bench.arm()?;
     bench.run(FADED_IN)?;

@@ -1,5 +1,5 @@
-//! The start by itself, and the kept alignment that it checks: from the thread to the control tick. Not on the B-G431B-ESC1, which has no
-//! connector for an encoder that keeps its place.
+//! The unattended start, and the kept alignment that it checks: from the thread to the control tick. Not on the
+//! B-G431B-ESC1, which has no connector for an absolute encoder.
 
 use core::sync::atomic::Ordering::Relaxed;
 
@@ -16,13 +16,13 @@ use crate::shared::InThread;
 
 const _: () = assert!(STEP_MS as u64 == crate::run::SUPERVISION.as_millis());
 
-/// What is kept, given to the control tick with the settings that it is used with.
+/// Gives the control tick the kept alignment, together with the settings that belong to it.
 pub fn give(control: &mut Control, session: &Session) {
     let kept = session.kept().usable(session.settings(), board::BOARD);
     control.device.keep(kept.ok().map(Into::into));
 }
 
-/// Before the first tick.
+/// Begins before the first tick, with what was kept.
 pub fn begin(here: InThread, session: &Session, reason: ResetReason) {
     let settings = session.settings();
     let usable = session.kept().usable(settings, board::BOARD);
@@ -33,7 +33,7 @@ pub fn begin(here: InThread, session: &Session, reason: ResetReason) {
     });
 }
 
-/// A step of it, of the supervisor's.
+/// Runs one step of the unattended start, in the supervisor's rhythm.
 pub fn step(here: InThread) {
     let desktop_spoke = SPOKEN.load(Relaxed);
     let is_stop_pressed = board::is_stop_pressed();

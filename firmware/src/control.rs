@@ -19,7 +19,7 @@ use crate::{analogue, board, pwm};
 /// How many telemetry records may wait for the port: at 10 kHz, those of one and a half of the link's rounds.
 pub const QUEUED: usize = 16;
 
-/// What an interrupt reads for a tick, beside the encoder.
+/// The readings of an interrupt for a tick, apart from the encoder.
 pub struct Readings {
     /// The current loop's mailbox.
     pub report: CurrentReport,
@@ -33,7 +33,7 @@ pub struct Readings {
 
 /// Everything that a control tick remembers. The thread gives orders and looks through [`CONTROL`].
 pub struct Control {
-    /// What decides.
+    /// The device's logic, which makes all decisions.
     pub device: Device,
     /// The device's clock: ticks since the start.
     pub tick: u32,
@@ -45,7 +45,7 @@ pub struct Control {
     pub accepted: Option<bool>,
     /// Telemetry that waits for the port, oldest first.
     pub telemetry: Deque<Telemetry, QUEUED>,
-    /// One telemetry record every so many ticks; 0 for none.
+    /// Number of control ticks for each telemetry record; 0 for no telemetry.
     pub decimation: u16,
     /// Telemetry records that the queue had no room for.
     pub dropped: u32,
@@ -53,7 +53,7 @@ pub struct Control {
     pub cycles_max: u32,
     /// Most cycles of lateness.
     pub lateness_max: u32,
-    /// The start by itself.
+    /// The unattended start.
     #[cfg(feature = "g474re")]
     pub autostart: Autostart,
     since_sent: u16,
@@ -64,7 +64,7 @@ pub struct Control {
     brown_out_told: bool,
 }
 
-/// What the encoder says now.
+/// Reads the encoder.
 #[inline]
 fn reading(kind: EncoderKind) -> EncoderReading {
     match kind {
@@ -83,7 +83,8 @@ fn heard() -> bool {
     heard
 }
 
-/// The device's tick, once in a control tick. A function, as what is told to it is to be built in its place and not copied there.
+/// The device's tick, called once in a control tick. It is a function of its own so that its input is built in place
+/// and not copied.
 #[inline(always)]
 fn tick_of(device: &mut Device, input: &ControlInput) -> ControlOutput {
     #[cfg(not(feature = "g474re"))]
@@ -93,9 +94,9 @@ fn tick_of(device: &mut Device, input: &ControlInput) -> ControlOutput {
     device.tick_around(input, unsafe { AROUND.mine() })
 }
 
-/// The control tick's state, which lies in a static of its own; nothing before the start.
+/// The control tick's state, in a static; `None` before the start.
 pub static CONTROL: Guarded<Option<&'static mut Control>> = Guarded::new(None);
-/// What there is to touch beside the wall. As large as the ring is, so it never moves either.
+/// Things to touch in addition to the wall. As large as the ring is, so it never moves either.
 #[cfg(feature = "g474re")]
 pub static AROUND: Guarded<touchstone_drive::around::Around> =
     Guarded::new(touchstone_drive::around::Around::new());
@@ -103,7 +104,7 @@ pub static AROUND: Guarded<touchstone_drive::around::Around> =
 pub static RING: Guarded<Ring> = Guarded::new(Ring::new(1_000));
 
 impl Control {
-    /// Before the first tick.
+    /// The state before the first tick.
     pub fn new(device: Device, settings: &DeviceSettings) -> Self {
         Self {
             device,
@@ -127,7 +128,7 @@ impl Control {
         }
     }
 
-    /// One tick.
+    /// Runs one tick.
     #[inline]
     pub fn tick(&mut self, readings: &Readings) {
         if readings.brown_out && !self.brown_out_told {
@@ -178,7 +179,7 @@ impl Control {
         self.device.read_change(reading(self.encoder));
     }
 
-    /// The tick took so many cycles.
+    /// Records how many cycles the tick took.
     #[inline]
     pub fn ended(&mut self, cycles: u32) {
         self.duration = cycles;
@@ -206,7 +207,7 @@ impl Control {
         }
     }
 
-    /// Other settings, and what was made of them: they count from the next calibration.
+    /// Takes other settings and the coefficients computed from them, which are used from the next calibration on.
     pub fn prepare(&mut self, settings: &DeviceSettings, config: Config) {
         self.device.prepare(config);
         self.next_encoder = settings.encoder.kind;
@@ -242,8 +243,8 @@ impl Control {
         }
     }
 
-    /// What a measurement tells beside the record, in its place in the queue: a record that is built elsewhere is copied in every tick
-    /// of the wall. The report is read anew for the same reason; it is a period younger at most.
+    /// Adds a measurement's part beside the record, in its place in the queue: a record built elsewhere would be
+    /// copied in every tick of the wall. The report is read again for the same reason; it is at most a period younger.
     #[cold]
     #[inline(never)]
     fn add_measuring(&mut self, part: MeasuringPart) {

@@ -1,5 +1,5 @@
-//! What happens when the program cannot go on: outputs off, a record that survives the reset, the reset. And what the next
-//! start finds of it.
+//! What happens when the program cannot go on: outputs off, a record that survives the reset, then the reset. The next
+//! start reads that record.
 
 use core::panic::PanicInfo;
 use core::ptr::{addr_of_mut, read_volatile, write_volatile};
@@ -25,7 +25,7 @@ const RUNNING: u32 = 0x7045_5001;
 /// Says that the rest of the record holds.
 const CRASHED: u32 = 0xDEAD_C0DE;
 
-/// Which word of the record is what.
+/// Indices of the words of the record.
 mod word {
     pub const RUNNING: usize = 0;
     pub const CRASHED: usize = 1;
@@ -96,8 +96,8 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     die(FAULT, frame.pc(), "", status)
 }
 
-/// Two wrong bits in a word of flash. In the settings that is a write that was cut, whose check sum will say so; anywhere else
-/// it is the program that is damaged.
+/// Two wrong bits in a word of flash. In the settings a write was cut short, and their checksum will fail; anywhere
+/// else the program is damaged.
 #[exception]
 unsafe fn NonMaskableInt() {
     let is_flash = FLASH.eccr().read().eccd();
@@ -110,7 +110,7 @@ unsafe fn NonMaskableInt() {
     pwm::clear_break();
 }
 
-/// An interrupt that nobody handles was enabled: a mistake of the program.
+/// An enabled interrupt has no handler: a mistake in the program.
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
     die(UNEXPECTED, number as u32, "", 0)
@@ -141,7 +141,7 @@ pub fn take_reset_flags() -> ResetFlags {
     }
 }
 
-/// Tells a person with a probe what the record says.
+/// Writes the crash record to the log, for a person with a probe.
 fn log() {
     let place = read(word::PLACE);
     match read(word::KIND) {

@@ -2,7 +2,7 @@
 
 use cortex_m::peripheral::DWT;
 
-/// Starts it.
+/// Starts the unit.
 pub fn start(core: &mut cortex_m::Peripherals) {
     core.DCB.enable_trace();
     core.DWT.enable_cycle_counter();

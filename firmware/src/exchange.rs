@@ -1,4 +1,4 @@
-//! What the interrupts leave for one another and for the thread.
+//! Data that the interrupts pass to one another and to the thread.
 
 use core::sync::atomic::{AtomicBool, AtomicU32};
 
@@ -7,9 +7,9 @@ use touchstone_drive::exchange::{CommandBox, ReportBox};
 
 use crate::shared::Latest;
 
-/// From the control tick to the current loop.
+/// The commands from the control tick to the current loop.
 pub static COMMAND: CommandBox = CommandBox::new();
-/// From the current loop to the control tick.
+/// The reports from the current loop to the control tick.
 pub static REPORT: ReportBox = ReportBox::new();
 /// The timer's break has pulled, and was not cleared by command since.
 pub static BREAK: AtomicBool = AtomicBool::new(false);

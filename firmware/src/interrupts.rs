@@ -19,12 +19,12 @@ use crate::exchange::{
 use crate::shared::{Owned, raise};
 use crate::{analogue, board, cycles, pwm, supply, window};
 
-/// The current loop has switched the outputs on, and not off since. Whoever else switches off leaves the current loop with a
-/// reason to do so too, in the same or the next period.
+/// The current loop has switched the outputs on, and not off since. If other code switches off, the current loop gets
+/// a reason to switch off too, in the same or the next period.
 static SWITCHED_ON: AtomicBool = AtomicBool::new(false);
 /// Cycle counter when the control tick became due.
 static DUE: AtomicU32 = AtomicU32::new(0);
-/// A control tick is due and has not begun. Where none is, the same interrupt is pended for the encoder alone.
+/// A control tick is due and has not begun. If none is due, the same interrupt is pended for the encoder alone.
 static TICK_DUE: AtomicBool = AtomicBool::new(false);
 /// A reading that comes later is of another moment than the one that it is for: none.
 const CHANGE_LATE: u32 = pwm::HALF_PERIOD / 2;

@@ -18,7 +18,7 @@ const SETTLE: u32 = 60;
 /// Polls of a flag before the encoder counts as silent: a frame takes 512 cycles, a poll at least 8.
 const POLLS: u32 = 130;
 
-/// Takes the port.
+/// Takes the port into use.
 pub fn start(_spi: Peri<'static, peripherals::SPI3>) {
     rcc::enable_and_reset::<peripherals::SPI3>();
 }
@@ -48,7 +48,7 @@ pub fn prepare(kind: EncoderKind) {
     SPI3.cr1().modify(|w| w.set_spe(true));
 }
 
-/// What the encoder says now.
+/// Reads the encoder.
 pub fn read(kind: EncoderKind) -> EncoderReading {
     drain();
     match kind {
@@ -58,11 +58,11 @@ pub fn read(kind: EncoderKind) -> EncoderReading {
     }
 }
 
-/// What the tick before asked the AS5047P for, beside the angle: 0 for nothing, else its frame.
+/// The frame that the last tick sent to the AS5047P beside the angle's; 0 for none.
 static ASKED: AtomicU16 = AtomicU16::new(0);
 
-/// Each frame is answered by the next: the first asks for the angle and brings what the tick before asked for, the second brings the
-/// angle of now and asks for the magnet's field, or for what was wrong with a frame.
+/// Each frame is answered by the next one. The first requests the angle and brings the answer to the last tick's
+/// request; the second brings the present angle and requests the magnet's field or the error flags.
 fn as5047p() -> EncoderReading {
     let frame = |word| {
         select();
@@ -112,7 +112,7 @@ fn settle(since: u32) {
     let _ = (0..SETTLE).any(|_| cycles::now().wrapping_sub(since) >= SETTLE);
 }
 
-/// Takes away what a frame that was given up left behind: at most the four bytes of the queue.
+/// Removes what an abandoned frame left in the queue: at most four bytes.
 fn drain() {
     for _ in 0..4 {
         if !SPI3.sr().read().rxne() {

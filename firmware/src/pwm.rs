@@ -28,23 +28,23 @@ pub const HALF_PERIOD: u32 = FULL_SCALE as u32;
 /// middle lies within their sampling time.
 const SAMPLE_LEAD: u16 = 20;
 
-/// What a board's bridge needs.
+/// The needs of a board's bridge.
 #[derive(Debug, Clone, Copy)]
 pub struct Bridge {
     /// Between one side off and the other on, ns.
     pub dead_time_ns: u32,
-    /// What the complementary outputs are to the gate drivers.
+    /// How the gate drivers use the complementary outputs.
     pub complement: Complement,
     /// What switches the outputs off without the processor.
     pub break_input: BreakInput,
 }
 
-/// What a gate driver makes of a complementary output.
+/// How a gate driver uses a complementary output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Complement {
     /// The lower transistor is on while the pin is high.
     ActiveHigh,
-    /// While it is low.
+    /// Active while the pin is low.
     ActiveLow,
     /// The phase is driven while the pin is high, by the level of the other input; while it is low, neither transistor is on.
     Enable,
@@ -219,22 +219,22 @@ pub fn set_duty(duty: [u16; 3]) {
     TIM1.ccr(2).write(|w| w.set_ccr(duty[2]));
 }
 
-/// Whether the counter still goes down from the top at which the currents were sampled: then what was written to the compare
-/// registers counts from the bottom on, for all three phases.
+/// Whether the counter still goes down from the top at which the currents were sampled. Then the values in the compare
+/// registers take effect at the bottom, for all three phases.
 #[inline(always)]
 pub fn is_before_bottom() -> bool {
     TIM1.cr1().read().dir() == embassy_stm32::pac::timer::vals::Dir::DOWN
 }
 
-/// Whether a break has pulled since it was last cleared: the input's, or the system's (supply, lockup, an error in flash that
-/// cannot be corrected), which has a flag of its own.
+/// Whether a break has acted since it was last cleared. It is the input's, or the system's (supply, lockup, an error
+/// in flash that cannot be corrected), which has its own flag.
 #[inline(always)]
 pub fn is_broken() -> bool {
     let status = TIM1.sr().read();
     status.bif(0) || status.sbif()
 }
 
-/// The same of the input alone.
+/// Whether the break input alone has acted.
 #[inline(always)]
 pub fn is_input_broken() -> bool {
     TIM1.sr().read().bif(0)

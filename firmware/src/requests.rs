@@ -1,4 +1,4 @@
-//! What a session asks of the device, in the thread.
+//! Carries out a session's requests, in the thread.
 
 use core::sync::atomic::Ordering::Relaxed;
 
@@ -36,7 +36,7 @@ pub fn control<R>(here: InThread, look: impl FnOnce(&mut Control) -> R) -> Optio
 }
 
 impl Thread {
-    /// At the start.
+    /// The state at the start.
     pub const fn new(storage: Storage, reset_reason: ResetReason, here: InThread) -> Self {
         Self {
             storage,
@@ -46,7 +46,7 @@ impl Thread {
         }
     }
 
-    /// That this is the thread.
+    /// Proof that this runs in the thread.
     pub const fn here(&self) -> InThread {
         self.here
     }
@@ -56,8 +56,8 @@ impl Thread {
         self.new_settings
     }
 
-    /// Gives the control tick what is made of the settings. Computed here, where time does not matter, and after the answer, whose
-    /// messages are gone from the stack then.
+    /// Gives the control tick the coefficients of the settings. They are computed here, where time does not matter,
+    /// and after the answer, whose messages are off the stack by then.
     #[inline(never)]
     pub fn apply(&mut self, session: &Session) {
         self.new_settings = false;
@@ -84,7 +84,7 @@ impl Thread {
         }
     }
 
-    /// Gives a command to the next control tick; what becomes of it is told by [`Self::accepted`].
+    /// Gives a command to the next control tick; [`Self::accepted`] has its result.
     fn give(&mut self, command: Command) {
         control(self.here, |control| {
             control.accepted = None;
@@ -92,12 +92,12 @@ impl Thread {
         });
     }
 
-    /// Whether the last command had an effect, once a control tick has looked at it.
+    /// Whether the last command had an effect, once a control tick has examined it.
     pub fn accepted(&self) -> Option<bool> {
         control(self.here, |control| control.accepted.take()).flatten()
     }
 
-    /// Nobody answers: then nobody shall act on it later.
+    /// Withdraws a command that no tick took in time, so that none acts on it later.
     pub fn withdraw(&self) {
         control(self.here, |control| control.command = None);
     }
@@ -253,7 +253,7 @@ impl Backend for Thread {
     }
 }
 
-/// Of the sources, by `build.rs`.
+/// Hash of the sources, from `build.rs`.
 const BUILD_HASH: u64 = match u64::from_str_radix(env!("TOUCHSTONE_BUILD_HASH"), 16) {
     Ok(hash) => hash,
     Err(_) => 0,

@@ -75,7 +75,7 @@ fn start(
     current
 }
 
-/// The settings of the flash, or the defaults; and whether what was in the flash was refused.
+/// The session with the settings of the flash, or the defaults; and whether the flash's settings were refused.
 #[inline(never)]
 fn session(kept: &mut Storage) -> (&'static mut Session, bool) {
     let defaults = DeviceSettings::defaults(board::BOARD);
@@ -114,7 +114,7 @@ fn control(
     current
 }
 
-/// Tells a person with a probe where the device stands, whenever that changed. Not by the control tick: a log takes its time.
+/// Logs the device's state for a person with a probe, whenever it changed. Not in the control tick: a log takes time.
 fn tell_state(here: InThread, told: &mut Option<State>) {
     let state = CONTROL.in_thread(here, |control| {
         control.as_ref().map(|control| control.state)

@@ -5,12 +5,12 @@ use embassy_stm32::pac::{ADC1, ADC2};
 use embassy_stm32::peripherals;
 use embassy_stm32::triggers::TIM1_TRGO2;
 
-/// What the current loop and the supervisor need of a set, codes of 12 bits.
+/// The readings that the current loop and the supervisor need, in 12-bit codes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Readings {
     /// Current of phase A.
     pub phase_a: u16,
-    /// Of phase B.
+    /// Reading of phase B.
     pub phase_b: u16,
     /// Bus voltage.
     pub bus: u16,
@@ -27,7 +27,8 @@ pub struct Raw<const RANKS: usize> {
     pub second: [u16; RANKS],
 }
 
-/// At 42.5 MHz 0.15 us of sampling, then 0.29 us of conversion: a current. Slower things come later in the sequence.
+/// Sample time of a current: 0.15 us of sampling at 42.5 MHz, then 0.29 us of conversion. Slower signals come later
+/// in the sequence.
 pub const FAST: SampleTime = SampleTime::CYCLES6_5;
 /// A current behind one of the chip's own amplifiers: 0.29 us of sampling.
 pub const AMPLIFIED: SampleTime = SampleTime::CYCLES12_5;

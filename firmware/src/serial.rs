@@ -19,7 +19,7 @@ use crate::shared::InThread;
 /// 115,200 would not carry the telemetry.
 pub const BAUD: u32 = 921_600;
 
-/// Most telemetry records between two looks at what was received: 4 ms of the port.
+/// Most telemetry records sent before received bytes are examined again: 4 ms of the port.
 const RECORDS_A_ROUND: usize = 8;
 
 /// A command is taken by the next control tick, 2 ms later at the slowest rate. Looked for so often.
@@ -28,7 +28,7 @@ const LOOK: Duration = Duration::from_micros(250);
 
 /// What waits to be sent: 8 ms of the port.
 pub static SEND: ConstStaticCell<[u8; 768]> = ConstStaticCell::new([0; 768]);
-/// What was received and not yet read: 5 ms of the port.
+/// Received bytes that were not yet read: 5 ms of the port.
 pub static RECEIVE: ConstStaticCell<[u8; 512]> = ConstStaticCell::new([0; 512]);
 /// Where frames are made.
 static FRAME: ConstStaticCell<[u8; FRAME_MAX]> = ConstStaticCell::new([0; FRAME_MAX]);
@@ -87,17 +87,17 @@ pub async fn link(
     }
 }
 
-/// What a byte was the last of.
+/// The message that a received byte completed.
 enum Taken {
-    /// Of nothing.
+    /// No message is complete yet.
     Nothing,
-    /// Of a request; so long is the answer's frame.
+    /// A request; the value is the length of the answer's frame.
     Answer(usize),
-    /// Of a command that the control tick looks at next.
+    /// A command for the next control tick.
     Command,
 }
 
-/// What became of a command: the thread does other things until a control tick has looked at it.
+/// Waits for a command's result: the thread does other things until a control tick has taken it.
 async fn looked_at(device: &Thread) -> bool {
     let begun = Instant::now();
     loop {

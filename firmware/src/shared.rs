@@ -1,7 +1,8 @@
-//! What passes between priorities.
+//! Data that passes between priorities.
 //!
-//! What the current loop (priority 0) and the control tick (priority 2) exchange in every tick is in `touchstone_drive::exchange`.
-//! The control tick shares everything else with the thread, which holds it off for a few microseconds to look at it: [`Guarded`].
+//! `touchstone_drive::exchange` has what the current loop (priority 0) and the control tick (priority 2) exchange in
+//! every tick. The control tick shares everything else with the thread, which delays the tick by a few microseconds to
+//! read it: [`Guarded`].
 
 use core::cell::UnsafeCell;
 use core::marker::PhantomData;
@@ -37,7 +38,7 @@ pub struct Guarded<T> {
 unsafe impl<T: Send> Sync for Guarded<T> {}
 
 impl<T> Guarded<T> {
-    /// With a value.
+    /// A cell that holds this value.
     pub const fn new(value: T) -> Self {
         Self {
             value: UnsafeCell::new(value),
@@ -59,7 +60,7 @@ impl<T> Guarded<T> {
     /// The value, in the thread. Keep it short: a few microseconds are a few microseconds of lateness.
     ///
     /// # Panics
-    /// Within itself: the value would be there twice.
+    /// Must not be called within itself: two references to the value would exist.
     pub fn in_thread<R>(&self, _in_thread: InThread, look: impl FnOnce(&mut T) -> R) -> R {
         let before = basepri::read();
         basepri_max::write(CONTROL_MASK);
@@ -78,10 +79,11 @@ impl<T> Guarded<T> {
     }
 }
 
-/// Nothing, or in which of two places the last value is.
+/// Marks an empty box; other numbers name the place of the last value.
 const NOTHING: u8 = 2;
 
-/// The last value from a lower priority to a higher one, taken once. None is refused: one that was not taken yet is replaced.
+/// Passes the last value from a lower priority to a higher one, which takes it once. A new value replaces one that was
+/// not taken yet.
 pub struct Latest<T> {
     places: [UnsafeCell<Option<T>>; 2],
     /// Where the value is that was not taken yet.
@@ -95,7 +97,7 @@ pub struct Latest<T> {
 unsafe impl<T: Send> Sync for Latest<T> {}
 
 impl<T: Copy> Latest<T> {
-    /// Nothing.
+    /// An empty box.
     pub const fn new() -> Self {
         Self {
             places: [const { UnsafeCell::new(None) }; 2],
@@ -139,14 +141,14 @@ impl<T: Copy> Default for Latest<T> {
     }
 }
 
-/// A value that belongs to one interrupt, given to it before it is enabled.
+/// A value that belongs to one interrupt, which gets it before it is enabled.
 pub struct Owned<T>(UnsafeCell<Option<T>>);
 
 // SAFETY: only the one interrupt touches the value after it was given (see `give` and `take`), so it moves between contexts once.
 unsafe impl<T: Send> Sync for Owned<T> {}
 
 impl<T> Owned<T> {
-    /// Nothing yet.
+    /// An empty cell.
     pub const fn empty() -> Self {
         Self(UnsafeCell::new(None))
     }
@@ -172,7 +174,7 @@ impl<T> Owned<T> {
     }
 }
 
-/// Keeps the largest of what one priority writes.
+/// Keeps the largest value that one priority writes.
 #[inline]
 pub fn raise(most: &AtomicU32, value: u32) {
     if value > most.load(Ordering::Relaxed) {

@@ -37,7 +37,7 @@ pub static READING: AtomicBool = AtomicBool::new(false);
 /// The pages of the settings.
 pub struct Storage(Option<Flash<'static, Blocking>>);
 
-/// What the flash may answer.
+/// Errors of the flash.
 #[derive(Debug, Clone, Copy)]
 pub enum StorageError {
     /// The option bytes say that pages have another size than this program knows.

@@ -6,11 +6,11 @@ use embassy_stm32::pac::{DBGMCU, EXTI, PWR, SYSCFG};
 
 /// The voltage detector's highest threshold, 2.9 V (data sheet DS12288, PVD level 6).
 const LEVEL: u8 = 6;
-/// Its line of the external interrupts.
+/// The supply monitor's line of the external interrupts.
 const LINE: usize = 16;
 
-/// Watches the supply, and makes the timer's break of what the processor may not survive to report: a supply that sags, a
-/// lockup (a fault within a fault), and an error in flash that cannot be corrected.
+/// Watches the supply. It also wires conditions to the timer's break that the processor may not survive to report: a
+/// sagging supply, a lockup (a fault within a fault), an error in flash that cannot be corrected.
 pub fn start() {
     PWR.cr2().modify(|w| {
         w.set_pls(LEVEL);

@@ -1,4 +1,4 @@
-//! What there is to touch beside the wall, and the map of the cogging, from the thread to the control tick.
+//! Things to touch in addition to the wall, and the map of the cogging, from the thread to the control tick.
 
 use touchstone_drive::around::Surrounding;
 use touchstone_drive::cogging::Played;
@@ -14,8 +14,8 @@ use crate::{board, cycles};
 /// The longest wait for a second reading, cycles: two ticks at 500 Hz, the slowest rate. One that never comes must not hold the thread.
 const READING_PATIENCE: u32 = 2 * (CORE_HZ / 500);
 
-/// As [`control`], for a copy that holds the control tick off for longer than its second reading of the encoder may be late: in a tick that
-/// takes one, after it.
+/// Same as [`control`], for a copy that delays the control tick by longer than its second reading of the encoder may be
+/// late. In a tick with a second reading the copy is done after it.
 fn control_after_reading<R>(here: InThread, look: impl FnOnce(&mut Control) -> R) -> Option<R> {
     let begun = cycles::now();
     let mut look = Some(look);
@@ -48,7 +48,7 @@ pub fn give(
     }))
 }
 
-/// Makes the map of the cogging ready, and gives it to the control tick; `None`: none is played.
+/// Computes the table of the cogging map, and gives it to the control tick; `None`: no map is played.
 #[inline(never)]
 pub fn play(here: InThread, settings: &DeviceSettings, map: Option<&CoggingMap>) {
     let played = map.map(|map| Played::new(map, settings, &board::HARDWARE));

@@ -60,7 +60,7 @@ pub fn extended<R>(erase: impl FnOnce() -> R) -> R {
     result
 }
 
-/// Counts so many times as slowly; no closed window.
+/// Divides the watchdog's clock; no closed window.
 fn set_share(share: Wdgtb) {
     WWDG.cfr().write(|w| {
         w.set_w(0x7f);

@@ -1,5 +1,5 @@
-//! Tells the program which commit and which compiler it was built from. Outside a checkout of this repository it
-//! knows no commit, and says so.
+//! Compiles into the program the commit and the compiler that it was built from. Outside a checkout of this repository
+//! there is no commit, and the program says so.
 
 use std::path::Path;
 use std::process::Command;
@@ -26,7 +26,7 @@ fn git(arguments: &[&str]) -> Option<String> {
     output.status.success().then(|| text.trim().to_owned())
 }
 
-/// Commit of the checkout, and whether what the program is made of differs from it.
+/// Commit of the checkout, and whether the program's sources differ from it.
 fn checkout() -> Option<(String, bool)> {
     // A package that was unpacked inside somebody else's checkout is no part of it.
     git(&["ls-files", "--error-unmatch", "build.rs"])?;

@@ -1,4 +1,4 @@
-//! Tells the crate what the documentation says of each fault.
+//! Compiles the documentation of each fault into the crate.
 
 use std::path::Path;
 

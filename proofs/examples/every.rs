@@ -1,9 +1,9 @@
-//! Properties that have so few inputs that all of them can be tried: `every [NAME]`, `every --list`.
+//! Tries all inputs of properties that have few enough: `every [NAME]`, `every --list`.
 //!
-//! Products and a root of three axes at 8 bits are more than the solvers follow, and no more than 2^32 inputs; quotients of 2^24 inputs take them
-//! longer than trying each. What is run here is the
-//! body that is sampled in every test, compiled with overflow checks and debug assertions (`--profile every`): a proof at this
-//! width that rests on no solver.
+//! Products and a root of three axes at 8 bits are too hard for the solvers, and have no more than 2^32 inputs.
+//! Quotients of 2^24 inputs take the solvers longer than trying each. The body that runs here is the one that every
+//! test samples, compiled with overflow checks and debug assertions (`--profile every`): a proof at this width that
+//! needs no solver.
 //!
 //! ```text
 //! cargo xtask prove --every
@@ -76,11 +76,11 @@ const PROPERTIES: &[Row] = &[
     every!(vector_guard::w8::p4_vector_commanded),
 ];
 
-/// Numbers that a property asks for at most.
+/// Most numbers that a property takes.
 const DIGITS: usize = 16;
 
-/// All inputs, one after the other: each number that is asked for is a digit of one large number that counts up. What is done for each of
-/// some thousand million inputs is written so that it costs little beside the property.
+/// Yields all inputs, one after the other: each number of an input is a digit of one large number that counts up.
+/// There are some thousand million inputs, so the work for each costs little beside the property.
 struct Every {
     /// Value and width of each.
     digits: [(u64, u32); DIGITS],
@@ -94,7 +94,7 @@ struct Every {
 }
 
 impl Every {
-    /// Those whose first digit, of 8 bits or cut to fewer, is `first`.
+    /// The inputs whose first digit, of 8 bits or cut to fewer, is `first`.
     fn beginning_with(first: u64) -> Self {
         let mut digits = [(0, 8); DIGITS];
         digits[0].0 = first;
@@ -108,7 +108,7 @@ impl Every {
         }
     }
 
-    /// The next input; `false` where there is none with the same first digit.
+    /// Goes to the next input; `false` where there is none with the same first digit.
     #[inline(always)]
     fn advance(&mut self) -> bool {
         // What was not asked for after a refused assumption does not count.
@@ -124,7 +124,7 @@ impl Every {
         false
     }
 
-    /// One that is not where it was for the input before.
+    /// Counts a cover that is not in the place of the input before.
     #[cold]
     fn other_cover(&mut self, reached: bool, what: &'static str) {
         match self.covers.iter_mut().find(|(text, _)| *text == what) {
@@ -172,7 +172,7 @@ impl Source for Every {
     }
 }
 
-/// What the inputs with one first digit came to: tried, of these accepted, and how often each cover was reached.
+/// Result for the inputs with one first digit: tried, of these accepted, and how often each cover was reached.
 #[derive(Default)]
 struct Found {
     tried: u64,
@@ -213,7 +213,7 @@ impl Found {
     }
 }
 
-/// All inputs of a property, on every processor; ends the program where the property does not hold.
+/// Tries all inputs of a property, on every processor; ends the program where the property fails.
 fn of_all(body: fn(&mut Every)) -> Found {
     let processors = std::thread::available_parallelism().map_or(1, std::num::NonZero::get) as u64;
     std::thread::scope(|scope| {

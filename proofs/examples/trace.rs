@@ -1,6 +1,6 @@
-//! Prints ticks of the shipped code, for the extracted specification of `proofs/coq/` to reproduce: of the guard, of TDPA, of FBA
-//! and of the enhanced law, of each its coefficients, and of each tick what came in, and memory and answer after it. Of the guard
-//! also what it makes of settings, ill ones among them. And roots.
+//! Prints ticks of the shipped code, for the extracted specification of `proofs/coq/` to reproduce. For the guard,
+//! TDPA, FBA and the enhanced law it prints the coefficients, and for each tick the inputs, the memory and the output.
+//! For the guard it also prints the coefficients made of settings, invalid ones among them; and it prints roots.
 //! `cargo run --release -p touchstone-proofs --example trace -- TICKS`.
 
 use std::io::{BufWriter, Result, Write};
@@ -31,7 +31,7 @@ fn main() -> Result<()> {
     out.flush()
 }
 
-/// Roots of words of every length, of squares and of what is beside them, where a root steps.
+/// Roots of words of every length, of squares and of their neighbours, where a root steps.
 fn roots(out: &mut impl Write, draws: u64) -> Result<()> {
     let mut random = Random(9);
     for _ in 0..draws {
@@ -237,7 +237,7 @@ fn guard_of(
     Ok(law)
 }
 
-/// Settings around every end of what is accepted, without ticks.
+/// Settings around every end of the accepted ranges, without ticks.
 fn settings_alone(out: &mut impl Write, draws: u64) -> Result<()> {
     let mut random = Random(8);
     for _ in 0..draws {
@@ -250,7 +250,7 @@ fn settings_alone(out: &mut impl Write, draws: u64) -> Result<()> {
     Ok(())
 }
 
-/// One number of them at an end of its range, a little beyond it, or of a size that leaves the format.
+/// Moves one setting to an end of its range, a little beyond it, or to a size that leaves the format.
 fn strays(random: &mut Random, settings: &mut GuardSettings, device: &mut GuardedDevice) {
     let whole = Si::const_from_int;
     let end = |random: &mut Random, most: Si| {

@@ -1,4 +1,4 @@
-//! Prints what the code computes, for the Python model of the integer obligations to reproduce: at 8 bits every force and
+//! Prints results of the code, for the Python model of the integer obligations to reproduce: at 8 bits every force and
 //! displacement over a grid of energies, at full width seeded samples.
 
 use std::io::{BufWriter, Write};

@@ -1,8 +1,9 @@
-//! P8: what `AnyLaw::new` accepts is what the properties of the laws assume: for all settings, by the code that builds the law.
+//! P8: settings that `AnyLaw::new` accepts satisfy what the properties of the laws assume; for all settings, by the
+//! code that builds the law.
 //!
-//! Settings are multiplied and divided in 128 bits on the way, which no solver follows to the end; what is assumed of the result
-//! rests on signs, sums and shifts, and these it does follow, whatever the products are. That every setting is in its range is asked
-//! once (`p8_validated`), and not again for each law. What rests on products is in `set.rs`.
+//! Settings are multiplied and divided in 128 bits on the way, which no solver follows to the end. The assumptions
+//! need only signs, sums and shifts, which the solvers do follow, whatever the products are. That every setting is in
+//! its range is checked once (`p8_validated`), not again for each law. Assumptions that need products are in `set.rs`.
 
 use crate::format::Format;
 use crate::source::Source;
@@ -18,7 +19,8 @@ use touchstone_control::{
 
 type N = Fixed32;
 
-/// Any number; on samples mostly the thesis' or a part of it, or hardly any would be accepted.
+/// Any number; a sample is mostly the thesis' value or a part of it, as otherwise hardly any settings would be
+/// accepted.
 fn value<S: Source>(s: &mut S, base: Si) -> Si {
     let bits = s.i64();
     Si::from_bits(if s.shortcut() {
@@ -96,7 +98,7 @@ pub(crate) fn any_settings<S: Source>(s: &mut S, law: LawKind) -> Settings {
     }
 }
 
-/// What `Settings::validate` has seen to where it accepts: what the coefficients of the laws rest on.
+/// The conditions that `Settings::validate` guarantees where it accepts, and that the laws' coefficients need.
 pub(crate) fn in_ranges(settings: &Settings) -> bool {
     let filter = &settings.filter;
     let not_negative = |value: Si| value >= Si::ZERO;
@@ -226,7 +228,8 @@ settings_property! {
         cover!(s, true, "accepted");
     }
 }
-/// What is assumed of a law of successive force augmentation. A law that is known leaves the checker no other to follow.
+/// The assumptions on a law of successive force augmentation. The kind is fixed, so that the checker follows no other
+/// law.
 fn sfa_is_valid<S: Source>(s: &mut S, kind: LawKind) {
     let settings = any_settings(s, kind);
     let accepted = AnyLaw::<N>::new(&settings);

@@ -16,8 +16,8 @@ pub fn of_specification() {
     SPECIFIES.store(1, Relaxed);
 }
 
-/// What the code has asked of one kind, and what it was told. Its next row is known wherever the code has not returned yet, so that a
-/// question has one place: none may depend on a case, but for one that returns.
+/// A table of one kind of question: what the code asked, and the answers. The next row must be known to the checker at
+/// every point that the code can reach, so a question may not depend on a branch, unless that branch returns.
 macro_rules! table {
     ($(#[doc = $doc:literal])* $module:ident, $rows:literal, $row:ident) => {
         $(#[doc = $doc])*
@@ -30,7 +30,7 @@ macro_rules! table {
             static RIGHT: [AtomicI64; ROWS] = [const { AtomicI64::new(0) }; ROWS];
             static ANSWER: [AtomicI64; ROWS] = [const { AtomicI64::new(0) }; ROWS];
 
-            /// Any answer; the code's, where the code has asked the same.
+            /// Any answer; if the code has asked the same, the code's answer.
             pub fn ask(a: i64, b: i64) -> i64 {
                 let answer: i64 = kani::any();
                 let specifies = SPECIFIES.load(Relaxed) == 1;
@@ -122,7 +122,7 @@ pub(crate) fn double(x: Int) -> i64 {
     x as i64
 }
 
-/// What is known of a product and a quotient of settings: of what is not negative they are not.
+/// The known fact of a product and a quotient of settings: of arguments that are not negative they are not negative.
 fn signed(a: i64, b: i64, answer: i64) -> i64 {
     kani::assume(a < 0 || b < 0 || answer >= 0);
     answer
@@ -152,7 +152,7 @@ pub fn long_times(a: Int, b: Int) -> Int {
     long_products::ask(double(a), double(b)).into()
 }
 
-/// For the quotient by what is positive if it is of any use.
+/// Stands for the quotient by a divisor that is meant to be positive.
 pub fn over(a: Si, b: Si) -> Si {
     let answer = quotient(a.to_bits(), b.to_bits());
     if b <= Si::ZERO {
@@ -171,7 +171,7 @@ pub fn saturating_div<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Fi
     assert!(b.to_bits() != 0, "nothing is divided by zero");
     FixedI64::from_bits(quotient(a.to_bits(), b.to_bits()))
 }
-/// For `checked_div`: whoever asks it takes 0 for what has no answer, so that 0 is among the answers.
+/// Stands for `checked_div`. Its callers replace a missing answer by 0, so 0 is among the answers.
 pub fn checked_div<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Option<FixedI64<Frac>> {
     let answer = long_quotients::ask(a.to_bits(), b.to_bits());
     (b.to_bits() != 0).then_some(FixedI64::from_bits(answer))
@@ -242,15 +242,15 @@ macro_rules! flows {
     };
 }
 flows!(
-    /// Over a tick.
+    /// The property over a tick.
     over_ticks, 9
 );
 flows!(
-    /// Ahead.
+    /// Coefficients of the motion ahead.
     aheads, 7
 );
 flows!(
-    /// Of the correction.
+    /// Answers for the correction.
     corrections, 3
 );
 fn told_of(device: &DeviceInTicks) -> [i64; 3] {
@@ -329,7 +329,7 @@ pub fn at_limit(weight: i32, limit: i64) -> i64 {
     kani::assume(answer.unsigned_abs() <= 1 << 62);
     answer
 }
-/// For [`Estimator::is_bounded`]: whatever is; `estimator::p8_estimator_bounded32` has what it is.
+/// Stands for [`Estimator::is_bounded`]: any answer; `estimator::p8_estimator_bounded32` is about the true one.
 pub fn bounded<N: Number>(_: &Estimator<N>) -> bool {
     true
 }

@@ -1,8 +1,8 @@
-//! Any law is the law that it is: in its tick, in what it shows and in what it forgets.
+//! `AnyLaw` dispatches to the law of its variant: in its tick, in its view and in forgetting.
 //!
-//! Which law's tick is called does not depend on what products, quotients, roots and steps are, nor on what the pieces of a tick do: in their place
-//! the checker has small functions of their arguments and memory, the same for both sides. What a law makes of the real ones is
-//! `refines.rs` and `refines_enhanced.rs`.
+//! Which law's tick is called does not depend on the values of products, quotients, roots and steps, nor on the pieces
+//! of a tick. The checker replaces these by small functions of their arguments and memory, the same on both sides. How
+//! a law uses the real ones is the subject of `refines.rs` and `refines_enhanced.rs`.
 //!
 //! ```text
 //! any law = the law      p11_any_law_*
@@ -43,7 +43,7 @@ macro_rules! any_law_property {
     };
 }
 
-/// What stands in the place of an operation: of each operand something, and so little that sums of it fit.
+/// Replacements of operations: small enough functions of the operands that sums of them do not overflow.
 #[cfg(kani)]
 pub mod small {
     use touchstone_control::estimator::EstimatedMotion;
@@ -62,7 +62,7 @@ pub mod small {
     fn long(a: i8, b: i8) -> i16 {
         of(a, b).to_bits().into()
     }
-    /// Its lower half with its upper.
+    /// The lower half combined with the upper.
     fn folded(wide: i16) -> i8 {
         wide as i8 ^ (wide >> 8) as i8
     }

@@ -1,4 +1,4 @@
-//! What stands between an object and a law at 8 bits: displacement along a normal, the surface point, friction.
+//! The parts between an object and a law at 8 bits: displacement along a normal, the surface point, friction.
 //!
 //! All inputs of each are tried (`cargo xtask prove --every contact`).
 //!

@@ -34,14 +34,14 @@ use touchstone_protocol::{DeviceSettings, Limit, Limits, Machine, Outputs, State
 use crate::device_parts::{end, of_specification};
 /// Ticks in a row.
 const TICKS: usize = if cfg!(kani) { 1 } else { 6 };
-/// Who asks is nothing to parts that are not the checker's.
+/// Does nothing: without the checker no record is kept of which side calls.
 #[cfg(not(kani))]
 fn of_specification() {}
 #[cfg(not(kani))]
 fn end() -> bool {
     true
 }
-/// The law is what it was told: where the checker has answers in its place it remembers nothing.
+/// Gives the specification the code's law; under the checker the law has no memory, as its answers are recorded.
 #[cfg(not(kani))]
 fn same_law(device: &Device, own: &Own) {
     assert!(*device.law() == own.law, "the law remembers the same");
@@ -49,14 +49,14 @@ fn same_law(device: &Device, own: &Own) {
 #[cfg(kani)]
 fn same_law(_: &Device, _: &Own) {}
 
-/// The parts as they are; under the checker what it puts in their place.
+/// The real parts; under the checker the recorded answers that replace them.
 struct Own {
     config: Config,
     supervisor: Supervisor,
     law: Controller<Fixed32>,
     calibration: Option<Calibration>,
     input: ControlInput,
-    /// Settings wait, these.
+    /// Whether these settings wait.
     waits: bool,
     next: Config,
     found: Option<Verdict>,
@@ -173,7 +173,7 @@ fn position(bits: i32) -> Position<Fixed32> {
 fn any_position<S: Source>(s: &mut S) -> Position<Fixed32> {
     position(s.i32())
 }
-/// The same of samples; of the checker's nothing, where one more choice is one too many.
+/// An option that is sometimes `None` on samples; under the checker always `Some`, to save a case.
 fn some_sampled<S: Source, T>(s: &mut S, any: impl FnOnce(&mut S) -> T) -> Option<T> {
     if cfg!(kani) { None } else { some(s, any) }
 }
@@ -181,7 +181,7 @@ fn some<S: Source, T>(s: &mut S, any: impl FnOnce(&mut S) -> T) -> Option<T> {
     s.bool().then(|| any(s))
 }
 
-/// Any settings that tell one tick from another, and what they become.
+/// Any settings in which ticks differ, and the configuration made of them.
 fn any_config<S: Source>(s: &mut S) -> Option<Config> {
     let mut settings = DeviceSettings::default();
     settings.encoder.kind = EncoderKind::Incremental;
@@ -250,7 +250,7 @@ fn any_alignment<S: Source>(s: &mut S) -> Alignment {
         against: s.bool(),
     }
 }
-/// One for each byte.
+/// One kind of contact for each byte.
 pub(crate) const fn contact_of(byte: u8) -> Contact {
     match byte % 3 {
         0 => Contact::Free,
@@ -258,7 +258,7 @@ pub(crate) const fn contact_of(byte: u8) -> Contact {
         _ => Contact::Augmenting,
     }
 }
-/// With a supply and a temperature of which nothing is to be said, or any.
+/// Any input, with the supply and temperature either fixed or arbitrary.
 fn any_input<S: Source>(s: &mut S) -> ControlInput {
     let is_quiet = s.shortcut();
     ControlInput {

@@ -24,7 +24,7 @@ use touchstone_control::{
 
 type N = Fixed8;
 
-/// A controller of a spring that is none.
+/// A controller of a spring without stiffness.
 pub(crate) fn plain<N: Number>() -> Controller<N> {
     let none = Stiffness::zero();
     let spring = Spring {
@@ -54,7 +54,7 @@ pub fn product(k: <Fixed8 as Number>::Gain, x: <Fixed8 as Number>::Signal) -> i1
     (i16::from(k.to_bits()) ^ i16::from(x.to_bits())) << 3
 }
 
-/// For `Guarded::tick`: it keeps what it is told, and shows a force that is none of it.
+/// Stands for `Guarded::tick`: it records its arguments, and returns a force that differs from them.
 #[cfg(kani)]
 pub fn kept<N: Number>(
     guarded: &mut Guarded<N>,
@@ -70,7 +70,7 @@ pub fn kept<N: Number>(
     -wanted
 }
 
-/// For `Guard::switched_off`: something of its own.
+/// Stands for `Guard::switched_off`: makes a recognisable change.
 #[cfg(kani)]
 pub fn ended<N: Number>(_: &Guard<N>, state: &mut touchstone_control::GuardState<N>) {
     core::mem::swap(&mut state.force, &mut state.older);
@@ -184,7 +184,7 @@ controller_property! {
     }
 }
 
-/// For `AnyLaw::new`: a spring that is none, with the limit that it was told; or none of a stiffness below zero.
+/// Stands for `AnyLaw::new`: a spring without stiffness and with the given limit; an error for a stiffness below zero.
 #[cfg(kani)]
 pub fn law_made<N: Number>(settings: &Settings) -> Result<AnyLaw<N>, SettingsError> {
     let (count, coarsest) = (settings.k_desired, Si::ZERO);
@@ -200,7 +200,7 @@ pub fn law_made<N: Number>(settings: &Settings) -> Result<AnyLaw<N>, SettingsErr
     Ok(AnyLaw::Spring(spring, SpringState::default()))
 }
 
-/// For `Guard::new`: one of what it was told and a full account; or none of an account below zero.
+/// Stands for `Guard::new`: a guard that holds its arguments, with a full account; an error for an account below zero.
 #[cfg(kani)]
 pub fn guard_made<N: Number>(
     settings: &GuardSettings,

@@ -72,7 +72,7 @@ property! {
     }
 }
 
-/// One of them for each byte.
+/// One fault code for each byte.
 pub(crate) fn code_of(byte: u8) -> FaultCode {
     FaultCode::ALL[usize::from(byte) % FaultCode::ALL.len()]
 }

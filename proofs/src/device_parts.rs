@@ -1,7 +1,9 @@
-//! What stands in the place of a device's parts: any answer, and the same again to the specification, which has to ask the same.
+//! Replacements of a device's parts: any answer for the code, and the same answer for the specification, which must
+//! ask the same.
 //!
-//! A part is asked once in a tick at most. What changes law or supervisor, or reads what may have changed of the law, is told apart by what
-//! came before it, too. What a part is and what its coefficients are is no part of a question: the harness's samples see to that.
+//! A part is asked at most once in a tick. Questions that change law or supervisor, or that read what may have changed
+//! in the law, are also distinguished by what came before them. The part itself and its coefficients are not recorded
+//! in a question: the harness's samples cover those.
 
 use crate::control_tick::contact_of;
 use crate::controller::plain;
@@ -28,18 +30,18 @@ use touchstone_drive::{
 use touchstone_protocol::Limits;
 
 static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
-/// What was done to parts so far: a digit each.
+/// The changes of parts so far, a digit each.
 static HISTORY: AtomicUsize = AtomicUsize::new(1);
-/// A question was another one, or asked again.
+/// Set when a question differs, or is asked again.
 static DIFFERS: AtomicUsize = AtomicUsize::new(0);
 static OF_CODE: AtomicUsize = AtomicUsize::new(0);
 
-/// The code has asked all that it asks.
+/// Marks that the following calls come from the specification.
 pub fn of_specification() {
     OF_CODE.store(HISTORY.swap(1, Relaxed), Relaxed);
     SPECIFIES.store(1, Relaxed);
 }
-/// Whether the specification has asked the same, no more and no less, and done the same in the same order.
+/// Whether the specification has asked exactly the same questions, and made the same changes in the same order.
 #[must_use]
 pub fn end() -> bool {
     let open = [
@@ -135,7 +137,7 @@ part!(driven, 6, 10);
 pub fn accepted(_: &DeviceSettings, _: &Hardware) -> Result<(), SettingsError> {
     Ok(())
 }
-/// For `quotient`: a coefficient that every format takes. Parts that are not asked make nothing of it.
+/// Stands for `quotient`: a coefficient that every format takes. Parts that are replaced do not use it.
 pub fn some_quotient(_: Si, _: Si) -> Si {
     Si::from_bits(1 << 31)
 }
@@ -146,7 +148,7 @@ pub fn law_settings(
 ) -> Result<(Settings, Option<ChangeConfig>), SettingsError> {
     Ok((Settings::default(), None))
 }
-/// For `Controller::new`: a law that is not asked.
+/// Stands for `Controller::new`: a law whose ticks are replaced.
 pub fn law_made<N: Number>(
     _: &Settings,
 ) -> Result<Controller<N>, touchstone_control::SettingsError> {
@@ -212,7 +214,7 @@ pub fn temperature(_: &Thermistor, report: &CurrentReport) -> Option<Celsius> {
 fn pair(a: u32, b: u32) -> i64 {
     (i64::from(a) << 32) | i64::from(b)
 }
-/// All of a report that the harness varies under the checker.
+/// The fields of a report that the harness varies under the checker.
 fn words_of(report: &CurrentReport) -> [i64; 4] {
     let two = |dq: Dq| {
         pair(

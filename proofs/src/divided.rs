@@ -1,6 +1,6 @@
 //! Division and roots for the checker: one quotient for one question, at 32 bits.
 //!
-//! As a product in [`crate::multiplied`], a quotient is here any number that has the facts of [`facts`]; the specification's next
+//! As a product in [`crate::multiplied`], a quotient is here any number that has the facts of [`facts`]. The specification's next
 //! question gets the code's answer if it is the same question. The part of the dividend that the quotient accounts for is a product
 //! with the facts of products. A `divided_property!` puts these functions, and those of [`crate::multiplied`], in the place of the
 //! code's divisions, products and roots and of the specification's.
@@ -88,8 +88,9 @@ macro_rules! divided_property {
     };
 }
 
-/// A property of settings of a law, of whose products and quotients nothing is known but that those of what is not negative are not
-/// negative, and that twice a number is its sum with itself; of what validation accepts, that it is in its ranges.
+/// A property of a law's settings in which products and quotients are unknown but for three facts: of arguments that
+/// are not negative they are not negative; twice a number is its sum with itself; and accepted settings are in their
+/// ranges.
 #[macro_export]
 macro_rules! settings_property {
     ($($property:tt)*) => {
@@ -124,16 +125,17 @@ pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Fi
     FixedI64::from_bits(any)
 }
 
-/// What is known of quotients and roots.
+/// The known facts of quotients and roots.
 pub mod facts {
-    /// Of a quotient, and of the part of the dividend that it accounts for; what is beyond a signed word has no part.
+    /// The facts of a quotient, and of the part of the dividend that it accounts for; a quotient beyond a signed word
+    /// has no part.
     #[must_use]
     pub fn is_quotient(dividend: u64, divisor: u32, quotient: u64, part: u64) -> bool {
         let fits = dividend < u64::from(divisor) << 31;
         (quotient < 1 << 31) == fits
             && (!fits || part <= dividend && dividend - part < u64::from(divisor))
     }
-    /// Of a root.
+    /// The facts of a root.
     #[must_use]
     pub fn is_root(radicand: u64, root: u32) -> bool {
         radicand >= 1 << 62 || root < 1 << 31
@@ -180,7 +182,7 @@ mod by_one_quotient {
     type Gain = <Fixed32 as Number>::Gain;
     type Energy = <Fixed32 as Number>::Energy;
 
-    /// More than a law divides, or takes roots, in a tick.
+    /// A number larger than the divisions or roots of a law in a tick.
     const ROWS: usize = 3;
     const HIGHEST: u64 = (1 << 31) - 1;
 
@@ -228,7 +230,7 @@ mod by_one_quotient {
         let (quotient, part) = quotient(wide, by);
         (quotient <= HIGHEST).then_some((quotient as u32, part))
     }
-    /// For [`Number::divisor`]: what it is made of only the reciprocal looks at.
+    /// Stands for [`Number::divisor`]: only the reciprocal uses its fields.
     pub fn divisor(k: Gain) -> Reciprocal32 {
         let divisor = k.to_bits().unsigned_abs();
         Reciprocal32 {
@@ -241,7 +243,7 @@ mod by_one_quotient {
     pub fn divide_by(p: i64, k: &Reciprocal32) -> Signal {
         signed(quotient(p.unsigned_abs(), k.divisor).0, p < 0)
     }
-    /// For [`Number::affordable`]; of what is left by a retreat beyond the format nothing is known.
+    /// Stands for [`Number::affordable`]; for a retreat beyond the format the energy left is unknown.
     pub fn affordable(e: Energy, f: Signal) -> (Signal, Energy) {
         let energy = e.to_bits().max(0);
         let (moved, part) = quotient(energy.unsigned_abs(), f.to_bits().unsigned_abs());

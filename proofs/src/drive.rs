@@ -47,7 +47,7 @@ property! {
 fn part_of(force: i32, share: u32) -> i64 {
     (i64::from(force) * i64::from(share)).div_euclid(1 << 31)
 }
-/// Whether a product is none or has the sign of its factors.
+/// Whether a product is zero or has the sign of its factors' product.
 fn has_sign(found: i32, a: i32, b: i32) -> bool {
     found == 0 || a != 0 && b != 0 && (found < 0) == ((a < 0) != (b < 0))
 }
@@ -121,14 +121,14 @@ pub fn any_product(a: i32, b: i32, shift: u32) -> i32 {
     }
     found
 }
-/// For [`part_of`]: the code's, where it has asked for the same part.
+/// Stands for [`part_of`]: the code's answer, if the code has asked for the same part.
 #[cfg(kani)]
 pub fn same_part(force: i32, share: u32) -> i64 {
     let any: i32 = kani::any();
     let is_same = ASKED[0].load(Relaxed) == force && ASKED[1].load(Relaxed) == share.cast_signed();
     i64::from(if is_same { ASKED[2].load(Relaxed) } else { any })
 }
-/// For [`share_of`]: any of which [`p3_parts_of_words`] holds.
+/// Stands for [`share_of`]: any value that satisfies [`p3_parts_of_words`].
 #[cfg(kani)]
 pub fn any_share(way: i64, _: u16) -> i64 {
     let found = kani::any();

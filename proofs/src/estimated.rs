@@ -40,7 +40,7 @@ pub fn specified(law: &Estimator<N>) -> spec::Estimator {
         limit: law.limit.0.to_bits().into(),
     }
 }
-/// Its motion.
+/// The motion as the specification has it.
 #[must_use]
 pub fn motion(of: &EstimatedMotion<N>) -> spec::Motion {
     spec::Motion {
@@ -49,7 +49,7 @@ pub fn motion(of: &EstimatedMotion<N>) -> spec::Motion {
         g: of.pushed.0.into(),
     }
 }
-/// Its memory.
+/// The memory as the specification has it.
 #[must_use]
 pub fn memory(of: &EstimatorState<N>) -> spec::Memory {
     spec::Memory {

@@ -12,7 +12,7 @@ use touchstone_control::{Estimator, Fixed32, Force, Number, Position};
 
 type N = Fixed32;
 
-/// One, as a weight of motion, as a weight of torque, and as a state.
+/// The value 1 as a weight of motion, as a weight of torque, and as a state.
 const ONE: i32 = 1 << 26;
 const ONE_TORQUE: i64 = 1 << 30;
 const RAD: i64 = 1 << Wide64::FRACTION;
@@ -48,7 +48,8 @@ fn any_flow<S: Source, const COMMANDS: usize>(
     }
 }
 
-/// Weight times limit; what it is for the checker, where the code's is asked as well, is in [`crate::reckoned`].
+/// Weight times limit; [`crate::reckoned`] says what the checker puts in its place, where the code asks for it as
+/// well.
 fn times(weight: i32, limit: i64) -> i64 {
     i64::from(weight) * limit
 }
@@ -125,7 +126,7 @@ pub fn any_commands<S: Source>(s: &mut S, limit: Force<N>) -> [i32; TAPS] {
     core::array::from_fn(|_| s.i32().clamp(-most, most))
 }
 
-/// Any measured position; near what was expected on some samples, or hardly one would be corrected at all.
+/// Any measured position; on some samples one near the expected position, as otherwise hardly any would be corrected.
 pub fn any_measured<S: Source>(s: &mut S, before: &EstimatedMotion<N>) -> Position<N> {
     if !s.bool() {
         return Position(fixed::types::I8F24::from_bits(s.i32()));

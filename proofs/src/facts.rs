@@ -3,7 +3,7 @@
 //! No solver tried follows several 64-bit products and quotients through a whole tick. But the laws are generic over
 //! [`Number`], so they can run on one more: [`Facts32`] has the formats of `Fixed32` and its additions, comparisons and
 //! roundings, and of each product, quotient and root it knows only the facts below: any result that has them may come back.
-//! What holds for all such results holds for those of `Fixed32`, provided that `Fixed32` has the facts; that is
+//! What holds for all such results holds for those of `Fixed32`, provided that `Fixed32` has the facts. That is
 //! what the harnesses of `facts::fixed32` prove at full width, and of a product's size two solvers over the integers. The law's source is the shipped one, nothing is stubbed.
 //!
 //! Without the checker `Facts32` calls `Fixed32` and asserts the facts, so that every sampled test checks them too.
@@ -65,7 +65,7 @@ pub mod fact {
     }
 }
 
-/// One operation: unknown but for its fact under the checker; computed, and its fact checked, without.
+/// One operation: under the checker unknown but for its fact; otherwise computed, with its fact checked.
 #[cfg(kani)]
 macro_rules! known {
     ($op:literal, $exact:expr, |$r:ident| $fact:expr) => {{

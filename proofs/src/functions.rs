@@ -20,7 +20,7 @@ type Energy = <Facts32 as Number>::Energy;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Functions32;
 
-/// What an operation has answered so far.
+/// The answers of an operation so far.
 #[cfg(kani)]
 mod memo {
     use core::sync::atomic::{AtomicI64, AtomicUsize, Ordering::Relaxed};

@@ -1,6 +1,6 @@
 //! The energy guard: one tick from every memory, for every configuration that `Guard::new` can give.
 //!
-//! That the account is a lower bound of the true one is on paper, `docs/energy-guard.md`; what is proved here is that the code
+//! That the account is a lower bound of the true one is on paper, `docs/energy-guard.md`. What is proved here is that the code
 //! keeps that account: the sum, its ends, the reserve, the bound on the force.
 //!
 //! ```text
@@ -74,7 +74,7 @@ impl<N: Format> Valid<N> for Guard<N> {
             older: force(s),
         }
     }
-    /// In bits, and in numbers that no product of them leaves: what `Guard::new` sees to.
+    /// Whether the coefficients are in their formats, and small enough for their products, as `Guard::new` guarantees.
     fn valid(&self) -> bool {
         let most = N::exact(quarter::<N>());
         let bits = |x: Energy<N>| N::exact(N::of_energy(x.0));
@@ -124,7 +124,7 @@ impl<N: Format> Valid<N> for Guard<N> {
     }
 }
 
-/// The displacement of a tick, tick or overspeed.
+/// Whether the displacement of a tick is overspeed.
 fn too_fast<N: Format>(law: &Guard<N>, moved: Position<N>) -> bool {
     moved > law.furthest || moved < Position::zero() - law.furthest
 }

@@ -300,7 +300,7 @@ pub mod reciprocal {
         }
     }
 
-    /// For `Reciprocal32::new`: what it was told.
+    /// Stands for `Reciprocal32::new`: it records the divisor.
     #[cfg(kani)]
     pub fn told_divisor(divisor: u32) -> Reciprocal32 {
         Reciprocal32 {
@@ -309,7 +309,7 @@ pub mod reciprocal {
             inverse: 0,
         }
     }
-    /// For `Reciprocal32::quotient`: any magnitude of a number; the same again if asked the same.
+    /// Stands for `Reciprocal32::quotient`: any magnitude of a number; the same for the same question.
     #[cfg(kani)]
     pub fn any_quotient(by: &Reciprocal32, dividend: u64) -> u32 {
         use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -328,7 +328,7 @@ pub mod reciprocal {
     }
 }
 
-/// Algebra without code: why the energy after a retreat is a sum of what is not negative.
+/// Algebra without code: why the energy after a retreat is a sum of terms that are not negative.
 pub mod algebra32 {
     use super::*;
     property! {

@@ -1,10 +1,11 @@
-//! What is proved about the control laws: each property a body, run by Kani for all inputs and without it on seeded samples.
+//! Properties that are proved about the control laws: each is a body, which Kani runs for all inputs and the tests on
+//! seeded samples.
 //!
-//! `cargo xtask prove` runs all of it and writes their table below `target/`; `cargo test -p touchstone-proofs` runs
+//! `cargo xtask prove` runs all of them and writes their table below `target/`; `cargo test -p touchstone-proofs` runs
 //! the sampled form and the exhaustive 8-bit form on stable Rust.
 //!
-//! Read from the bottom: [`heart`] (unsigned magnitudes), [`edges`] (signed numbers around them), one file per law, the
-//! filter, settings, the encoder and the fault machine, the drive's arithmetic.
+//! Read from the bottom: [`heart`] (unsigned magnitudes), [`edges`] (signed numbers around them), one file per law,
+//! the filter, settings, the encoder and the fault machine, the drive's arithmetic.
 // Bodies name the checker's macros only under the checker.
 #![cfg_attr(kani, allow(missing_docs))]
 // The one file-wide cast habit: samples of `bits` bits are narrowed on purpose.
@@ -14,7 +15,7 @@
 
 /// An assertion after which no cover comes as a statement of its block: under the checker it is one itself, as an assertion that nothing reaches says
 /// nothing. Where one comes, that shows it, and `assert!` is enough. The gate sees to it that each is one or the other (but those with words
-/// of their own, which stand in the place of the code), and has the checker ask for no other assertion: a trace of each that is reached took
+/// of their own, which stand in the place of the code), and has the checker ask for no other assertion. A trace of each that is reached took
 /// a quarter of its time.
 macro_rules! assert_reached {
     ($condition:expr $(,)?) => {{

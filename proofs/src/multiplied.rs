@@ -23,7 +23,7 @@ use touchstone_control::{Fixed32, Number};
 type Signal = <Fixed32 as Number>::Signal;
 type Gain = <Fixed32 as Number>::Gain;
 
-/// What is known of products of magnitudes.
+/// The known facts of products of magnitudes.
 pub mod facts {
     /// The product of smaller factors is not larger.
     #[must_use]
@@ -129,11 +129,11 @@ macro_rules! multiplied_property {
 /// The next product is the memory's first, the code's, the specification's.
 #[cfg(not(kani))]
 mod questions {
-    /// The memory's.
+    /// Marks the following questions as those of the memory.
     pub fn of_memory() {}
-    /// The code's.
+    /// Marks the following questions as those of the code.
     pub fn of_code() {}
-    /// The specification's.
+    /// Marks the following questions as those of the specification.
     pub fn of_specification() {}
 }
 #[cfg(not(kani))]
@@ -148,11 +148,11 @@ mod by_one_product {
     use core::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
     use touchstone_control::{Fixed32, Number};
 
-    /// Where the rows of the memory, of the code, and the end are: more than any property asks for.
+    /// First rows of the memory's and of the code's questions, and the end: more than any property needs.
     const MEMORY: usize = 5;
     const CODE: usize = 6;
     const END: usize = 13;
-    /// The next question's row, and who asks.
+    /// Row of the next question, and which side asks.
     static AT: AtomicUsize = AtomicUsize::new(0);
     static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
     /// The row after the code's last.
@@ -182,7 +182,7 @@ mod by_one_product {
         let factors = [LEFT[at].load(Relaxed), RIGHT[at].load(Relaxed)];
         (factors, FOUND[at].load(Relaxed))
     }
-    /// The row after the last that the code has asked for so far.
+    /// The row after the code's last question.
     fn asked() -> usize {
         if specifies() {
             ASKED.load(Relaxed)
@@ -190,7 +190,7 @@ mod by_one_product {
             AT.load(Relaxed)
         }
     }
-    /// A product with factors, in order with each that the code has asked for so far.
+    /// Assumes that a product is in order with every product that the code has asked for.
     pub fn in_order_with_the_code(factors: [u32; 2], found: u64) {
         let (mut of, end) = (CODE, asked());
         while of < END && of < end {
@@ -202,7 +202,8 @@ mod by_one_product {
             of += 1;
         }
     }
-    /// A product that is two parts': the second is each that the code has asked for so far.
+    /// Assumes that a product is the sum of two parts, the second of which is each product that the code has asked
+    /// for.
     pub fn adds_up_with_the_code(factors: [u32; 2], whole: u64, parts: [u32; 2], part: u64) {
         let (mut of, end) = (CODE, asked());
         while of < END && of < end {
@@ -211,7 +212,7 @@ mod by_one_product {
             of += 1;
         }
     }
-    /// What is known of a product by itself.
+    /// Assumes the facts of a single product.
     pub fn known([a, b]: [u32; 2], found: u64) {
         let known = [facts::products(a), facts::products(b)];
         let mut i = 0;

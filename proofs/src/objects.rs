@@ -33,19 +33,19 @@ pub(crate) fn vector(bits: [i64; 3]) -> Vector<Position<N>> {
 pub(crate) fn bits(x: Position<N>) -> i64 {
     N::of_signal(x.0)
 }
-/// A number of so many bits with a sign.
+/// A number of this many bits with a sign.
 pub(crate) fn signed<S: Source>(s: &mut S, width: u32) -> i64 {
     s.bits(width).cast_signed() - (1 << (width - 1))
 }
-/// Three of them.
+/// Three such numbers.
 pub(crate) fn place<S: Source>(s: &mut S, width: u32) -> [i64; 3] {
     [signed(s, width), signed(s, width), signed(s, width)]
 }
-/// The direction of a vector of so many bits an axis.
+/// The direction of a vector of this many bits an axis.
 pub(crate) fn direction<S: Source>(s: &mut S, width: u32) -> Option<Direction<N>> {
     Direction::of(vector(place(s, width)))
 }
-/// One of the six along the axes.
+/// One of the six directions along the axes.
 pub(crate) fn axis<S: Source>(s: &mut S) -> Direction<N> {
     Direction::along((s.bits(2) % 3) as usize, s.bool())
 }
@@ -56,7 +56,7 @@ pub(crate) fn squares(v: [i64; 3]) -> i64 {
 pub(crate) fn parts(u: &Direction<N>) -> [i64; 3] {
     u.0.map(N::of_signal)
 }
-/// As seen from the centre.
+/// A place relative to the centre.
 fn from_centre(at: [i64; 3]) -> [i64; 3] {
     let ([x, y, z], [a, b, c]) = (at, CENTRE);
     [x - a, y - b, z - c]
@@ -70,7 +70,7 @@ pub(crate) fn end(from: [i64; 3], way: i64, u: &Direction<N>) -> [i64; 3] {
     let ([x, y, z], [a, b, c]) = (from, parts(u));
     [x * ONE + way * a, y * ONE + way * b, z * ONE + way * c]
 }
-/// Whether such a place is so far from the centre, to so many quanta.
+/// Whether a place is at this distance from the centre, within a number of quanta.
 fn is_at(end: [i64; 3], radius: i64, quanta: i64) -> bool {
     let (least, most) = ((radius - quanta).max(0) * ONE, (radius + quanta) * ONE);
     (least * least..=most * most).contains(&squares(end))
@@ -81,7 +81,7 @@ pub(crate) fn ways(object: &impl Surface<N>) -> Vec<Direction<N>> {
     object.ways(&mut |way| found.push(way));
     found
 }
-/// Both ways along an axis.
+/// The two directions along an axis.
 fn both(axis: usize) -> [Direction<N>; 2] {
     [false, true].map(|against| Direction::along(axis, against))
 }
@@ -195,7 +195,7 @@ property! {
 
 /// How far, in quanta, a normal at a cylinder's rim may lead aside over the way from it.
 const RIM: f64 = 2.5;
-/// Sizes of cylinders, in quanta: steps of it.
+/// Step between the sizes of cylinders, in quanta.
 const STEP: i64 = 3;
 
 /// A radius, half a length, an axis and a place seen from the centre: the part across the axis, and that along it.

@@ -4,7 +4,7 @@
 //! functions of this file in the place of the offset, of what drives the mass, of the paid move, of the thesis' passivity controller and of the coupling, in the code and
 //! in the specification: the code gets any answer, the specification the same if it asks the same, any other if not. That the
 //! answers are the same is `refines_enhanced::w32::p11_offset`, `p11_mass_forces`, `p11_move_*` and
-//! `refines::w32::p11_passive`; what the moves and the passivity controller need is
+//! `refines::w32::p11_passive`. What the moves and the passivity controller need is
 //! asserted here, what the offset and the books need is what the case assumes.
 
 /// A property of a tick that is put together from its pieces: at the shipped width with those of this file, `multiplied`; at 8 bits
@@ -32,7 +32,7 @@ macro_rules! composed_property {
     };
 }
 
-/// A property of the guard's tick, told what is booked.
+/// A property of the guard's tick, in which the booking's result is given.
 #[macro_export]
 macro_rules! booked_property {
     ($products:ident $($property:tt)*) => {
@@ -80,7 +80,7 @@ mod by_one_answer {
     const WORDS: usize = 9;
     type Words = [i64; WORDS];
 
-    /// What the code has asked a piece, and what it was told. Each is asked once in a tick.
+    /// A question of the code to a piece, and its answer. Each piece is asked once in a tick.
     struct Piece {
         asked: AtomicUsize,
         question: [AtomicI64; WORDS],
@@ -368,12 +368,12 @@ mod by_one_answer {
         .into()
     }
 
-    /// In the place of a hand-over that a case leaves out, so that the checker does not follow what comes after it.
+    /// Stands for a hand-over that a case excludes, so that the checker does not follow the code behind it.
     pub fn no_hand_over<N: Format>(_: &EnhancedSfa<N>, _: &mut EnhancedState<N>) {
         assert!(false, "the case has no hand-over");
         kani::assume(false);
     }
-    /// The specification's.
+    /// Marks the following questions as those of the specification.
     pub fn no_specified_hand_over(_: &Enhanced, m: &Memory) -> Memory {
         assert!(false, "the case has no hand-over");
         kani::assume(false);

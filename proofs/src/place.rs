@@ -1,7 +1,8 @@
-//! P11: the place estimator is an estimator an axis, whatever an estimator does.
+//! P11: the place estimator is one estimator for each axis, whatever an estimator computes.
 //!
-//! The checker puts a recorder in the place of the estimator's functions: what it shows is made of what it was told, of which estimator it
-//! is and of what was commanded before. That an estimator's tick is its specification is [`crate::estimated`].
+//! The checker replaces the estimator's functions by recorders. What a recorder returns depends on its arguments, on
+//! its estimator and on the last command. That an estimator's tick equals its specification is shown in
+//! [`crate::estimated`].
 
 use crate::cover;
 use crate::estimator::{any, ok};
@@ -29,8 +30,8 @@ macro_rules! placed_property {
     };
 }
 
-/// For [`Estimator::tick`]: it shows what is measured, and as a displacement its limit where that was commanded last, else the
-/// position before.
+/// Stands for [`Estimator::tick`]: it returns the measured position, and as displacement its limit if that was
+/// commanded last, otherwise the position before.
 #[cfg(kani)]
 pub fn recorded<N: Number>(
     law: &Estimator<N>,
@@ -49,7 +50,7 @@ pub fn recorded<N: Number>(
         }),
     }
 }
-/// For [`Estimator::commanded`]: it keeps what it is told.
+/// Stands for [`Estimator::commanded`]: it records its argument.
 #[cfg(kani)]
 pub fn told<N: Number>(_: &Estimator<N>, state: &mut EstimatorState<N>, force: Force<N>) {
     state.commands[0] = N::widen(force.0).torque_part();

@@ -10,7 +10,8 @@
 //! a, b >= 0  =>  a b >= 0, a / b >= 0     accepted::p8_product64, p8_quotient_sign64
 //! ```
 
-/// A property of settings and what they become, with the products and quotients of this file. `and [..]` names further pairs.
+/// A property of settings and their coefficients, in which this file's products and quotients replace the code's. `and
+/// [..]` names further pairs.
 #[macro_export]
 macro_rules! reckoned_property {
     (and [$($pair:tt)*] $($property:tt)*) => {
@@ -29,7 +30,7 @@ macro_rules! reckoned_property {
     };
 }
 
-/// The same of the guard's coefficients: of settings that validation lets through, whatever it does.
+/// Properties of the guard's coefficients, for all settings that validation accepts.
 #[macro_export]
 macro_rules! validated_property {
     ($($property:tt)*) => {
@@ -39,7 +40,7 @@ macro_rules! validated_property {
         }
     };
 }
-/// A property of what is made of guards, of which each is what it was told.
+/// A property of what is built from guards; each guard only holds its arguments.
 #[macro_export]
 macro_rules! guarded_property {
     ($($property:tt)*) => {
@@ -49,9 +50,9 @@ macro_rules! guarded_property {
         }
     };
 }
-/// The same of the coefficients of a law, which may divide by what stays and take a root: of settings in the ranges that validation sees to,
-/// with what follows of several of them and whether the enhanced law is a spring for them, which is said first, and of which `p11_derived64`
-/// has that it is the specification's.
+/// The same for the coefficients of a law, which may use prepared divisors and a root. The settings are in the ranges
+/// that validation guarantees. The values that follow from several settings come first, and whether the enhanced law
+/// is a spring for them; `p11_derived64` shows that these equal the specification's.
 #[macro_export]
 macro_rules! lawful_property {
     ($plain:ident $($property:tt)*) => {
@@ -69,7 +70,7 @@ macro_rules! lawful_property {
         }
     };
 }
-/// A property of what the estimator's weights take at the limit, with its products.
+/// A property of the estimator's weights at the torque limit, with its products replaced.
 #[macro_export]
 macro_rules! limited_property {
     ($($property:tt)*) => {
@@ -80,7 +81,8 @@ macro_rules! limited_property {
         }
     };
 }
-/// The same of the estimator's flows and its correction: with its long products and quotients, and with how far a device moves in a time.
+/// The same for the estimator's flows and its correction: its long products and quotients, and the device's motion
+/// over a time, are replaced.
 #[macro_export]
 macro_rules! timed_property {
     ($($property:tt)*) => {
@@ -96,7 +98,8 @@ macro_rules! timed_property {
         }
     };
 }
-/// The same of the estimator's coefficients: with its ratios, and with flows and correction as such, of which `timed_property!` is.
+/// The same for the estimator's coefficients: its ratios, and whole flows and corrections, are replaced;
+/// `timed_property!` is about those.
 #[macro_export]
 macro_rules! flow_property {
     ($($property:tt)*) => {
@@ -120,10 +123,10 @@ macro_rules! flow_property {
     };
 }
 
-/// From now on the specification asks.
+/// Marks that the following calls come from the specification.
 #[cfg(not(kani))]
 mod questions {
-    /// For properties as they are sampled: nothing to tell apart.
+    /// For sampled properties, which need no distinction.
     pub fn of_specification() {}
 }
 #[cfg(not(kani))]

@@ -1,8 +1,8 @@
 //! P11: a tick of the code is a tick of its specification, force and whole memory, to the last bit.
 //!
 //! `spec/` has no `Number` and shares nothing with the code. At the shipped 32 bits the checker compares the two for every
-//! configuration, memory and sample, with products, quotients and roots of which facts are known (`multiplied.rs`, `divided.rs`);
-//! the same bodies run on samples at 8 bits as well, and `proofs/tests/spec_*.rs` on millions of ticks.
+//! configuration, memory and sample, with products, quotients and roots of which facts are known (`multiplied.rs`, `divided.rs`).
+//! The same bodies run on samples at 8 bits as well, and `proofs/tests/spec_*.rs` on millions of ticks.
 //!
 //! ```text
 //! tick(state, e, Δe) = spec(state, e, Δe)     p11_*
@@ -348,6 +348,6 @@ refines!(
     w8, Fixed8, at8, by sampled, products plain
 );
 refines!(
-    /// As shipped: with products, quotients and roots of which facts are known.
+    /// The shipped width: products, quotients and roots are unknown but for their facts.
     w32, Fixed32, at32, by minisat, products multiplied
 );

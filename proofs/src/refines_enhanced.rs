@@ -20,7 +20,7 @@ use touchstone_control::{
     Stiffness,
 };
 
-/// An enhanced law whose divisors are those of its own stiffnesses, with `k_f + k_v`.
+/// An enhanced law whose divisors belong to its own stiffnesses, with `k_f + k_v`.
 fn any_enhanced<N: Format, S: Source>(
     s: &mut S,
     observer: ObserverForm,
@@ -314,6 +314,6 @@ refines!(
     w8, Fixed8, at8, by sampled, products plain
 );
 refines!(
-    /// As shipped: with products, quotients and roots of which facts are known.
+    /// The shipped width: products, quotients and roots are unknown but for their facts.
     w32, Fixed32, at32, by minisat, products multiplied
 );

@@ -23,7 +23,7 @@ use touchstone_control::{
 
 type N = Fixed32;
 
-/// Any number; on samples mostly from 0 to so much.
+/// Any number; on samples mostly from 0 to `most`.
 pub fn setting<S: Source>(s: &mut S, most: i64) -> Si {
     let bits = s.i64();
     Si::from_bits(if s.shortcut() {
@@ -210,7 +210,7 @@ timed_property! {
         cover!(s, expected.is_none(), "refused");
     }
 }
-/// Any settings of the estimator with a rate, Hz; on samples often such as are accepted.
+/// Any settings of the estimator and a rate, Hz. On samples many of them are valid ones.
 fn any_estimator_settings<S: Source>(s: &mut S) -> (EstimatorSettings, u32) {
     const ONE: i64 = 1 << 32;
     let rate = s.u32();

@@ -1,7 +1,7 @@
 //! P8: what validation accepts satisfies everything that the other properties assume; what it starts with, their invariants.
 //!
 //! Settings are 32.32 fixed-point numbers, and a controller multiplies and divides them in 128 bits: no solver follows that.
-//! So this one is split: conversions to the format are proved for every value (`p8_conversions32`), and whole controllers are
+//! So this one is split. Conversions to the format are proved for every value (`p8_conversions32`), and whole controllers are
 //! built from sampled settings on both sides of every bound, and each is checked against the assumptions, in every test run.
 
 use crate::facts::Facts32;
@@ -222,7 +222,7 @@ mod tests {
         }
     }
 
-    /// Both sides of every bound, one quantum apart.
+    /// Checks both sides of every bound, one quantum apart.
     #[test]
     fn p8_every_bound_is_where_it_is_said_to_be() {
         type Put = fn(&mut Settings, Si);

@@ -123,7 +123,7 @@ property! {
 
 property! {
     /// P4: each of three laws is told its part of the displacement along the normal of the last tick: on a surface that does not turn the change of its own
-    /// penetration, to the bit.
+    /// penetration, bit for bit.
     equation "m_i = e_i - e_i'; |n_i'| m where the surface turned or the closest point jumped"
     over "normals of 3 bits along two axes, depths of 4 bits, places of 3 bits along two axes; turned or not"
     by sampled fn p4_per_axis_is_told_its_part(s) {

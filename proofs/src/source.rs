@@ -6,49 +6,49 @@
 
 /// Inputs, assumptions and covers of a property.
 pub trait Source {
-    /// Any number of so many bits.
+    /// Any number of this many bits.
     fn bits(&mut self, bits: u32) -> u64;
     /// Whether to go on; the checker never comes back from a `false`.
     fn assume(&mut self, holds: bool) -> bool;
-    /// Whether a generator may go straight to a value that its invariant asks for. The checker takes no such short cut; it has
-    /// all values anyway.
+    /// Whether a generator may construct a value that satisfies its invariant. The checker needs no such short cut; it
+    /// has all values anyway.
     fn shortcut(&mut self) -> bool;
     /// A situation that must have occurred for the property to mean something.
     fn cover(&mut self, reached: bool, what: &'static str);
 
-    /// Any of them.
+    /// Any boolean.
     fn bool(&mut self) -> bool {
         self.bits(1) == 1
     }
-    /// Any of them.
+    /// Any `u8`.
     fn u8(&mut self) -> u8 {
         self.bits(8) as u8
     }
-    /// Any of them.
+    /// Any `u16`.
     fn u16(&mut self) -> u16 {
         self.bits(16) as u16
     }
-    /// Any of them.
+    /// Any `u32`.
     fn u32(&mut self) -> u32 {
         self.bits(32) as u32
     }
-    /// Any of them.
+    /// Any `u64`.
     fn u64(&mut self) -> u64 {
         self.bits(64)
     }
-    /// Any of them.
+    /// Any `i8`.
     fn i8(&mut self) -> i8 {
         self.u8().cast_signed()
     }
-    /// Any of them.
+    /// Any `i16`.
     fn i16(&mut self) -> i16 {
         self.u16().cast_signed()
     }
-    /// Any of them.
+    /// Any `i32`.
     fn i32(&mut self) -> i32 {
         self.u32().cast_signed()
     }
-    /// Any of them.
+    /// Any `i64`.
     fn i64(&mut self) -> i64 {
         self.u64().cast_signed()
     }
@@ -235,7 +235,7 @@ macro_rules! such {
     }};
 }
 
-/// A situation that must be reachable. Under the checker each use is a check of its own.
+/// A situation that must be reachable. Under the checker each use is a separate check.
 #[macro_export]
 macro_rules! cover {
     ($s:expr, $reached:expr, $what:literal) => {

@@ -40,7 +40,8 @@ pub(crate) fn position_bits<N: Format + Spatial>(v: Vector<Position<N>>) -> [i64
     v.0.map(|x| N::of_signal(x.0))
 }
 
-/// Of at most a quarter of the format in length: what the guard's builder sees to of forces, and its look for overspeed of ways.
+/// Whether a vector is at most a quarter of the format long, as the guard's builder guarantees for forces and its
+/// overspeed check for displacements.
 fn short<N: Format>(bits: [i64; 3], quarter: i64) -> bool {
     squares::<N>(bits) <= N::exact(quarter) * N::exact(quarter)
 }
@@ -298,7 +299,7 @@ space!(
     w8, Fixed8, unit sampled, across sampled, longer kissat, polar sampled, within sampled, work kissat, leaving sampled, friction sampled
 );
 space!(
-    /// As shipped, on samples.
+    /// The shipped width, on samples.
     w32, Fixed32, unit sampled, across sampled, longer sampled, polar sampled, within sampled, work sampled, leaving sampled, friction sampled
 );
 

@@ -17,40 +17,40 @@ macro_rules! specified {
 
             type N = touchstone_control::$number;
 
-            /// Half of the format's largest magnitude: what no law stores more than.
+            /// Half of the format's largest magnitude, which no law's energy exceeds.
             pub const ENERGY_CAP: Int = 1 << (2 * spec::BITS - 2);
 
-            /// In quanta.
+            /// The value as an integer number of quanta.
             #[must_use]
             pub fn gain(k: Stiffness<N>) -> Int {
                 Int::from(k.0.to_bits())
             }
-            /// In quanta.
+            /// The value as an integer number of quanta.
             #[must_use]
             pub fn force(f: Force<N>) -> Int {
                 Int::from(f.0.to_bits())
             }
-            /// In quanta.
+            /// The value as an integer number of quanta.
             #[must_use]
             pub fn position(x: Position<N>) -> Int {
                 Int::from(x.0.to_bits())
             }
-            /// In quanta.
+            /// The value as an integer number of quanta.
             #[must_use]
             pub fn energy(e: Energy<N>) -> Int {
                 Int::from(e.0.to_bits())
             }
-            /// In quanta.
+            /// The value as an integer number of quanta.
             #[must_use]
             pub fn tension(t: Tension<N>) -> Int {
                 Int::from(t.0)
             }
-            /// In quanta.
+            /// The value as an integer number of quanta.
             #[must_use]
             pub fn ratio(r: Ratio<N>) -> Int {
                 Int::from(r.0.to_bits())
             }
-            /// In quanta.
+            /// The value as an integer number of quanta.
             #[must_use]
             pub fn compliance(c: Compliance<N>) -> Int {
                 Int::from(c.0.to_bits())
@@ -72,7 +72,7 @@ macro_rules! specified {
                     energy_cap: ENERGY_CAP,
                 }
             }
-            /// Its memory.
+            /// The memory of TDPA as the specification has it.
             #[must_use]
             pub fn of_tdpa(state: &TdpaState<N>) -> spec::tdpa::Memory {
                 spec::tdpa::Memory {
@@ -82,7 +82,7 @@ macro_rules! specified {
                 }
             }
 
-            /// FBA, its bound of the damping as stored.
+            /// The specification of an FBA law, whose bound has the damping as stored.
             #[must_use]
             pub fn fba(law: &law::Fba<N>) -> spec::fba::Fba {
                 spec::fba::Fba {
@@ -93,7 +93,7 @@ macro_rules! specified {
                     energy_cap: ENERGY_CAP,
                 }
             }
-            /// Its memory.
+            /// The memory of FBA as the specification has it.
             #[must_use]
             pub fn of_fba(state: &FbaState<N>) -> spec::fba::Memory {
                 spec::fba::Memory {
@@ -120,7 +120,7 @@ macro_rules! specified {
                     limit: force(law.limit),
                 }
             }
-            /// Its memory.
+            /// The memory of SFA as the specification has it.
             #[must_use]
             pub fn of_sfa(state: &SfaState<N>) -> spec::sfa::Memory {
                 spec::sfa::Memory {
@@ -159,7 +159,7 @@ macro_rules! specified {
                     limit: force(law.limit),
                 }
             }
-            /// Its memory.
+            /// The memory of the enhanced law as the specification has it.
             #[must_use]
             pub fn of_enhanced(state: &EnhancedState<N>) -> spec::enhanced::Memory {
                 spec::enhanced::Memory {
@@ -195,7 +195,7 @@ macro_rules! specified {
                     overrun: compliance(law.overrun),
                 }
             }
-            /// Its memory.
+            /// The memory of the guard as the specification has it.
             #[must_use]
             pub fn of_guard(state: &GuardState<N>) -> spec::guard::Memory {
                 spec::guard::Memory {
@@ -209,7 +209,7 @@ macro_rules! specified {
 }
 
 specified!(
-    /// As shipped.
+    /// The shipped width.
     at32, Fixed32, crate::spec
 );
 specified!(

@@ -35,8 +35,8 @@ macro_rules! staged_property {
     };
 }
 
-/// For [`Guard::tick_with_change`]: any memory and any force or overspeed; the same again if asked the same. Of which guard is not
-/// part of the question: there is one.
+/// Stands for [`Guard::tick_with_change`]: any memory and any force or overspeed; the same for the same question. The
+/// guard itself is not recorded: there is only one.
 #[cfg(kani)]
 pub fn any_tick<N: Format>(
     _: &Guard<N>,
@@ -188,12 +188,13 @@ pub mod w8 {
     }
 }
 
-/// As shipped, whatever the guard answers.
+/// The shipped width, whatever the guard answers.
 pub mod w32 {
     use super::*;
     type N = Fixed32;
 
-    /// Of samples, which do not come there: after a tick just before the edge, and a place within reach of it.
+    /// For samples, which hardly ever come there: a state just before the edge of positions, and a place within reach
+    /// of it.
     fn at_the_edge<S: Source>(s: &mut S, guard: Guard<N>) -> (Guarded<N>, Position<N>) {
         let mut stage = Guarded::new(guard);
         let mut within = |most: Position<N>| {

@@ -1,4 +1,5 @@
-//! What stands in the place of validation, of what follows of a law's settings, and of a guard: whatever they accept and become.
+//! Replacements for validation, for the values derived from a law's settings, and for a guard: whatever they accept
+//! and compute.
 
 use crate::answers::{double, roots};
 use crate::spec::Int;
@@ -60,7 +61,7 @@ pub fn specified_derived(
 pub fn plain(_: &Settings) -> bool {
     true
 }
-/// Of others.
+/// Any other settings.
 pub fn not_plain(_: &Settings) -> bool {
     false
 }
@@ -76,7 +77,7 @@ pub fn specified_root_of_four(k: Int) -> Int {
 pub fn guard_accepted(_: &GuardSettings, _: &GuardedDevice) -> Result<(), SettingsError> {
     Ok(())
 }
-/// For [`Guard::new`]: it refuses an odd rate, and has the leading digits of each that it was told.
+/// Stands for [`Guard::new`]: it refuses an odd rate, and holds the leading digits of each argument.
 pub fn told<N: Number>(
     settings: &GuardSettings,
     device: &GuardedDevice,

@@ -16,9 +16,9 @@ use touchstone_control::{
     Regulate, Stiffness, Tension,
 };
 
-/// A configuration that settings can give, with the memory that goes with it.
+/// A configuration that settings can give, with its memory.
 pub trait Valid<N: Format>: Sized {
-    /// Its memory.
+    /// The memory.
     type State;
     /// Any values whatever.
     fn any<S: Source>(s: &mut S) -> Self;
@@ -299,7 +299,7 @@ pub fn any_augmentation<N: Format, S: Source>(s: &mut S) -> Augmentation<N> {
         of_penetration: one_with(s, N::any_ratio, |r| N::of_signal_ratio(r.0) >= 0),
     }
 }
-/// Its shares are not negative.
+/// Whether the shares are not negative.
 pub fn augmentation_ok<N: Format>(a: &Augmentation<N>) -> bool {
     N::of_signal_ratio(a.of_ideal.0) >= 0
         && N::of_signal_ratio(a.of_force.0) >= 0
@@ -327,7 +327,7 @@ pub fn any_mass<N: Format, S: Source>(s: &mut S) -> VirtualMass<N> {
         by_total: Divisor::of(total),
     }
 }
-/// Its coefficients are not negative, their sum is at most the total, and twice the total fits the format.
+/// Whether the coefficients are not negative, their sum is at most the total, and twice the total fits the format.
 pub fn mass_ok<N: Format>(mass: &VirtualMass<N>) -> bool {
     let [inertia, stiffness, damping, total] =
         [mass.inertia, mass.stiffness, mass.damping, mass.total].map(|k| N::of_gain(k.0));
@@ -338,7 +338,7 @@ pub fn mass_ok<N: Format>(mass: &VirtualMass<N>) -> bool {
         && inertia + stiffness + damping <= total
         && total <= N::HALF_GAIN
 }
-/// What can drive it: `enhanced::p6_drive_is_exact` shows that nothing else does.
+/// The tensions that can drive it: `enhanced::p6_drive_is_exact` shows that no other does.
 pub fn drive_ok<N: Format>(mass: &VirtualMass<N>, drive: Tension<N>) -> bool {
     let reach = N::of_gain(mass.total.0) << (N::BITS - 1);
     N::of_tension(drive.0).unsigned_abs() <= reach.unsigned_abs()

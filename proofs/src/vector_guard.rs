@@ -21,7 +21,7 @@ use touchstone_control::{
     Compliance, Energy, Fixed8, Fixed32, Force, Guard, Number, Position, Ratio, Stiffness,
 };
 
-/// One tick of a guard: how the HIP moved, how much of it before the force changed, and the force that is wanted.
+/// Inputs of one tick of a guard: the HIP's motion, the part of it before the force changed, and the wanted force.
 struct Tick<N: Format + Spatial> {
     moved: Vector<Position<N>>,
     before_change: Vector<Position<N>>,
@@ -45,12 +45,12 @@ fn root_up(square: i128) -> i128 {
     let root = square.isqrt();
     root + i128::from(root * root < square)
 }
-/// What the trusted damping took of a displacement whose length is not sure by a count and a quantum.
+/// Energy that the trusted damping took over a displacement whose length is uncertain by a count and a quantum.
 fn damped<N: Format>(law: &Guard<N>, moved: [i64; 3]) -> i128 {
     let surely = (root_up(sum_of_squares(moved)) - length(law.count) - 1).max(0);
     ((wide(N::of_gain(law.damping.0)) * surely) >> N::GAIN_BITS) * surely
 }
-/// What a force of a size may still cost.
+/// The most that a force of this size may still cost.
 fn reserve<N: Format>(law: &Guard<N>, size: Force<N>) -> i128 {
     wide(N::of_signal(size.0)) * length(law.in_flight)
 }
@@ -74,7 +74,7 @@ fn booked<N: Format + Spatial>(
     sum
 }
 
-/// Whether a tick did what the equations say.
+/// Whether a tick follows the equations.
 fn is_as_said<N: Format + Spatial>(
     guard: &VectorGuard<N>,
     before: &VectorGuardState<N>,
@@ -142,7 +142,7 @@ fn is_as_said<N: Format + Spatial>(
     assert_reached!(sum_of_squares(shown) <= wide(N::of_signal(after.size.0)).pow(2));
 }
 
-/// As shipped, on samples.
+/// The shipped width, on samples.
 pub mod w32 {
     use super::*;
     type N = Fixed32;
@@ -217,7 +217,7 @@ pub mod w8 {
     fn as_force(v: [i64; 3]) -> Vector<Force<N>> {
         Vector(v.map(force))
     }
-    /// One that `Guard::new` could give, with everything in it that a delayed device has.
+    /// A guard that `Guard::new` could give, with every coefficient of a delayed device.
     pub(crate) fn guard() -> VectorGuard<N> {
         let of_length = Guard::<N> {
             capacity: Energy(<N as Number>::Energy::from_bits(900)),
@@ -349,7 +349,7 @@ pub mod w8 {
         }
     }
 
-    /// What the properties are tried with is one that the builder could give.
+    /// Checks that the configuration in the properties is one that the builder could give.
     #[cfg(all(test, not(kani)))]
     #[test]
     fn the_configuration_is_valid() {

@@ -31,7 +31,7 @@ use touchstone_control::{Fixed8, Fixed32, Force, Position, Ratio, Stiffness};
 
 type N = Fixed32;
 
-/// One, as a weight of motion.
+/// The value 1 as a weight of motion.
 const ONE: i32 = 1 << 26;
 const RAD: i64 = 1 << Wide64::FRACTION;
 
@@ -112,7 +112,7 @@ weighed_property! {
     }
 }
 
-/// Of so many ticks, as settings have it: a window's slope.
+/// A window's slope over this many ticks, as settings give it.
 fn slope(ticks: i32) -> Slope<N> {
     Slope {
         times: Stiffness(FixedI32::from_bits(ticks << 12)),
@@ -167,7 +167,7 @@ replaced_property! {
     }
 }
 
-/// For `Velocity::tick`: any, told of the position; the same again if asked the same.
+/// Stands for `Velocity::tick`: any displacement for a position; the same for the same question.
 #[cfg(kani)]
 pub fn any_velocity<N: Format>(
     _: &Velocity<N>,

@@ -18,7 +18,8 @@
 use crate::{cover, property};
 use touchstone_control::number::{Wide as _, Wide64};
 
-/// What is known of a product: a weight from 0 to 1, or to 2, gives what lies between nothing and the part or twice the part.
+/// The known fact of a product: with a weight from 0 to 1 (or 2), it lies between zero and the part (or twice the
+/// part).
 #[must_use]
 pub fn in_range(weight: i32, part: i32, product: i64) -> bool {
     let between = |end: i64| product >= end.min(0) && product <= end.max(0);
@@ -68,7 +69,7 @@ macro_rules! weighed_property {
         $crate::weighed_property!(and [] $($property)*);
     };
 }
-/// The same of a correction, told how the flow before it ends.
+/// Properties of a correction, in which the end of the flow is given.
 #[macro_export]
 macro_rules! flowed_property {
     ($($property:tt)*) => {
@@ -81,7 +82,7 @@ macro_rules! flowed_property {
         }
     };
 }
-/// The same of a tick, told how its flow ends and what is corrected.
+/// The same for a tick, in which the end of its flow and its correction are given.
 #[macro_export]
 macro_rules! corrected_property {
     ($($property:tt)*) => {
@@ -106,10 +107,10 @@ macro_rules! bounded_property {
     };
 }
 
-/// From now on the specification asks.
+/// Marks that the following calls come from the specification.
 #[cfg(not(kani))]
 mod questions {
-    /// For properties as they are sampled: nothing to tell apart.
+    /// For sampled properties, which need no distinction.
     pub fn of_specification() {}
 }
 #[cfg(not(kani))]
@@ -129,7 +130,7 @@ mod by_one_product {
 
     /// Products of a property.
     const END: usize = 10;
-    /// The next question, whether the specification asks, and how many the code has asked.
+    /// The next question, whether the specification asks, and how many questions the code has asked.
     static AT: AtomicUsize = AtomicUsize::new(0);
     static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
     static ASKED: AtomicUsize = AtomicUsize::new(0);
@@ -195,13 +196,13 @@ mod by_one_product {
 
     /// A state of which any is made.
     pub trait Made: Wide {
-        /// Of its bits.
+        /// The number with these bits.
         fn made(bits: i64) -> Self;
-        /// Its bits.
+        /// Bits of the number.
         fn bits(self) -> i64;
-        /// Those of a part.
+        /// Bits of a part.
         fn of_part(part: Self::Part) -> i64;
-        /// Those of a weight.
+        /// Bits of a weight.
         fn of_weight(weight: Self::Weight) -> i64;
     }
     impl Made for Wide64 {
@@ -220,7 +221,7 @@ mod by_one_product {
     }
 
     const WORDS: usize = 15;
-    /// What the code has asked of a piece, once, and was told.
+    /// The code's one question to a piece, and its answer.
     struct Piece {
         asked: AtomicUsize,
         question: [AtomicI64; WORDS],
@@ -237,7 +238,7 @@ mod by_one_product {
                 answer: [const { AtomicI64::new(0) }; 4],
             }
         }
-        /// Any answer to the first question, the same whenever it is asked again, any other to another.
+        /// Any answer to the first question, the same when it is asked again, any other for a different question.
         fn answer(&self, question: [i64; WORDS]) -> [i64; 4] {
             let mut any: [i64; 4] = [kani::any(), kani::any(), kani::any(), kani::any()];
             let first = self.asked.load(Relaxed) == 0;

@@ -1,5 +1,5 @@
-//! Both sides of bounds that several settings share, and whom a refusal names: what a comparison with the specification cannot see, as it
-//! asks only whether settings become something.
+//! Both sides of bounds that several settings share, and which setting a refusal names. The comparison with the
+//! specification does not see these, as it only checks whether settings are accepted.
 
 use touchstone_control::space::{FrictionError, FrictionSettings, LengthUnit};
 use touchstone_control::{

@@ -1,4 +1,4 @@
-//! The controller is its parts in their order: states, law, guard; and what it tells of them.
+//! The controller runs its parts in order: states, law, guard; and passes on what they need.
 
 use touchstone_control::estimator::EstimatorState;
 use touchstone_control::{
@@ -99,7 +99,7 @@ fn a_tick_is_the_law_and_then_the_guard() {
     assert!(estimated > 20, "{estimated}");
 }
 
-/// What counts is what was set, where it is to count.
+/// A set damping counts only where it is meant to.
 #[test]
 fn tdpa_counts_the_device_s_damping_only_where_it_is_told_to() {
     let settings = |count_device_damping| Settings {

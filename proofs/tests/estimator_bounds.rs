@@ -18,7 +18,7 @@ fn weight(x: f64) -> i32 {
     Wide64::weight(I8F56::from_num(x)).expect("in its range")
 }
 
-/// Coefficients that all lie at their ends; a limit of 1 N·m, and commands that each take up to a part of what is allowed.
+/// Coefficients that all lie at their ends; a limit of 1 N·m, and commands that each use a share of the allowed sum.
 fn at_ends() -> Estimator<N> {
     let torque = |x: f64| Wide64::torque_weight(I8F56::from_num(x)).expect("in its range");
     Estimator {

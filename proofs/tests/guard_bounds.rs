@@ -1,5 +1,5 @@
-//! The guard's coefficients where one of them steps by a quantum, or where settings begin to be refused: on both sides of the step, found
-//! by halving, they are the specification's.
+//! The guard's coefficients equal the specification's on both sides of every step: where a coefficient changes by a
+//! quantum, or where settings begin to be refused. The steps are found by halving.
 
 use touchstone_control::fixed::types::I2F14;
 use touchstone_control::{

@@ -120,7 +120,7 @@ fn near(
     }
 }
 
-/// Over `time`, each command ending so many ticks before its end.
+/// The flow over `time`; each command ends the given number of ticks before its end.
 fn of_device<const C: usize>(
     flow: &Flow<Fixed32, C>,
     [loss, per_torque]: [f64; 2],

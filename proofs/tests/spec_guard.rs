@@ -128,7 +128,7 @@ fn described(settings: &GuardSettings, device: &GuardedDevice, rounded: i128) ->
     })
 }
 
-/// What the theorem's `covers` asks, of whatever `Guard::new` accepts.
+/// The conditions of the theorem's `covers`, for whatever `Guard::new` accepts.
 #[test]
 fn accepted_guards_cover_the_device_that_they_are_told() {
     let mut random = Random(7);
@@ -215,8 +215,8 @@ fn the_theorem_is_about_the_shipped_guards() {
     }
 }
 
-/// The way in flight is a quarter of the format at most, as all else of which the books make sums: at a delay of a whole tick of a device that
-/// may move a quarter in it, it is a little more, and refused.
+/// The displacement in flight is at most a quarter of the format, as everything in the account's sums. With a delay of
+/// a whole tick and a device that may move a quarter in it, it is a little more, and refused.
 #[test]
 fn a_way_in_flight_beyond_a_quarter_is_refused() {
     let device = GuardedDevice {

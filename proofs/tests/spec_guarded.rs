@@ -1,5 +1,5 @@
-//! The guard as a stage beside its specification with a place of its own: what it measures, where it ends, and the same from the other end of
-//! the axis.
+//! The guard as a stage compared with its specification, which has a place: what it measures, where it ends, and the
+//! mirror image of the axis.
 
 use touchstone_control::{Fixed32, Force, Guard, Guarded, Position};
 use touchstone_proofs::spec::guard as spec;

@@ -94,7 +94,7 @@ impl Format {
         }))
     }
 
-    /// What is left of a vector without its part along a direction, each towards zero.
+    /// The rest of a vector without its part along a direction, each rounded towards zero.
     fn across(self, u: Axes<i128>, v: Axes<i128>) -> Axes<i128> {
         let one = 1_i128 << self.fraction;
         let along = (u[0] * v[0] + u[1] * v[1] + u[2] * v[2]) / one;

@@ -1,5 +1,5 @@
-//! What the shells of three axes decide, with laws and objects that say whatever a test wants: when a contact ends, which way out is taken,
-//! what estimator and guard are told.
+//! Decisions of the shells of three axes, with laws and objects that answer as a test wants: when a contact ends,
+//! which way out is taken, the inputs of estimator and guard.
 
 use touchstone_control::fixed::types::{I1F7, I5F3, I8F24, I20F12};
 use touchstone_control::law::{Contact, Sample, View};

@@ -17,7 +17,7 @@ pub enum Board {
 }
 
 impl Board {
-    /// All of them.
+    /// All boards.
     pub const ALL: [Self; 5] = [
         Self::NucleoG474re,
         Self::BG431bEsc1,
@@ -26,7 +26,7 @@ impl Board {
         Self::NucleoG431rbIhm16m1,
     ];
 
-    /// Its name on the command line and in file names.
+    /// The board's name on the command line and in file names.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -38,7 +38,7 @@ impl Board {
         }
     }
 
-    /// Its microcontroller, as `probe-rs` calls it.
+    /// The board's microcontroller, as `probe-rs` calls it.
     #[must_use]
     pub const fn chip(self) -> &'static str {
         match self {
@@ -56,14 +56,15 @@ impl Board {
         !matches!(self, Self::BG431bEsc1)
     }
 
-    /// Whether there is room for more than one wall: what a program for it needs more flash than the STM32G431 has.
+    /// Whether the board has room for more than one wall: the program for that needs more flash than the STM32G431
+    /// has.
     #[must_use]
     pub const fn is_large(self) -> bool {
         !matches!(self, Self::BG431bEsc1 | Self::NucleoG431rbIhm16m1)
     }
 
-    /// Whether it measures its motor's currents. One that does not gives its motor a voltage, which is a torque only by what it is told of
-    /// the motor; and it can measure no motor.
+    /// Whether the board measures its motor's currents. One that does not controls the motor's voltage, which makes a
+    /// known torque only if the motor's settings are right; and it can measure no motor.
     #[must_use]
     pub const fn senses_current(self) -> bool {
         !matches!(self, Self::NucleoG474reSimplefocMini)

@@ -12,7 +12,7 @@
 //! pattern of bits. In a simulation of such cuts (`tests/src/flash.rs`), some 2 of 100 that met an erase lost all settings.
 //!
 //! On the STM32G4 a word that was being programmed when the power went may fail its ECC: reading it then raises the NMI, whose
-//! handler has to clear the flag and return; the CRC here rejects what was read.
+//! handler has to clear the flag and return. The CRC here rejects what was read.
 
 use crate::frame::crc_of;
 use crate::session::FlashError;
@@ -32,15 +32,15 @@ struct Slot<'b> {
     image: &'b [u8],
 }
 
-/// What a page holds.
+/// The contents of a page.
 enum Page<'b> {
     Erased,
     Damaged,
     Whole(Slot<'b>),
 }
 
-/// What to start with: the newest settings of this layout; the defaults where nothing was ever stored. Where something was and
-/// none of it can be used, the defaults and why.
+/// What the device starts with: the newest stored settings of this layout, or the defaults where nothing was ever
+/// stored. If something was stored and none of it is usable: the defaults, and why.
 pub fn load<F: NorFlash>(
     flash: &mut F,
     pages: Range<u32>,
@@ -76,7 +76,7 @@ pub fn load<F: NorFlash>(
 /// Writes an image, and reads it back.
 ///
 /// # Errors
-/// The flash refused, or kept something else; the settings in it before are still there.
+/// The flash refused, or kept something else; the settings stored before are still there.
 pub fn save<F: NorFlash>(flash: &mut F, pages: Range<u32>, image: &[u8]) -> Result<(), FlashError> {
     let mut buffer = [0xff; SLOT_MAX];
     let mut newest: Option<(u32, u32)> = None;

@@ -18,7 +18,7 @@ pub const ENCODED_MAX: usize = PAYLOAD_MAX + CRC_BYTES + 1 + (PAYLOAD_MAX + CRC_
 /// Longest frame with its zero, bytes.
 pub const FRAME_MAX: usize = ENCODED_MAX + 1;
 
-/// One table for encoder and decoder, in flash.
+/// The CRC's table, shared by encoder and decoder, in flash.
 static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// The CRC-32 of bytes.
@@ -42,7 +42,7 @@ pub fn encode<'b>(message: &impl Serialize, buffer: &'b mut [u8]) -> Result<&'b 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NoRoom;
 
-/// What is wrong with a frame.
+/// The errors of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameError {
     /// Longer than any frame of this protocol.
@@ -59,7 +59,7 @@ pub struct Decoder {
     buffer: Vec<u8, ENCODED_MAX>,
     /// The frame in the buffer is over: the next byte begins another.
     over: bool,
-    /// The frame did not fit: nothing of it counts until it ends.
+    /// The frame is longer than the buffer: it is ignored up to its end.
     too_long: bool,
     errors: u32,
 }
@@ -71,7 +71,7 @@ impl Default for Decoder {
 }
 
 impl Decoder {
-    /// At the beginning of a frame.
+    /// A decoder at the beginning of a frame.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -93,7 +93,7 @@ impl Decoder {
         self.errors = self.errors.saturating_add(1);
     }
 
-    /// Takes one byte. At the end of a frame: its payload, or what is wrong with it, which is counted.
+    /// Takes one byte. At the end of a frame it returns the payload, or the frame's error, which is also counted.
     pub fn push(&mut self, byte: u8) -> Option<Result<&[u8], FrameError>> {
         if core::mem::take(&mut self.over) {
             self.buffer.clear();
@@ -132,7 +132,7 @@ fn payload_length(frame: &mut [u8]) -> Result<usize, FrameError> {
     Ok(payload.len())
 }
 
-/// The message in a payload. `None` if it is none, or is followed by more.
+/// The message in a payload; `None` if it cannot be decoded, or bytes follow it.
 // A function of its own: what it builds on its stack is gone before the message is worked on.
 #[inline(never)]
 #[must_use]

@@ -1,4 +1,4 @@
-//! What holds the force back without being a fault: reported beside the faults, with codes of its own.
+//! Limits that reduce the force without being a fault. They are reported beside the faults, with codes of their own.
 
 /// A limit that acts. The numbers are bits on the wire and never change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -6,9 +6,9 @@
 pub enum Limit {
     /// The power stage is warm: the current is derated.
     Temperature = 0,
-    /// The torque asked for needs more current than is allowed.
+    /// The wanted torque needs more current than is allowed.
     Current = 1,
-    /// The bus voltage does not suffice for the current asked for.
+    /// The bus voltage is too low for the wanted current.
     Voltage = 2,
     /// The law's force is at the limit that its settings give it.
     Force = 3,
@@ -23,7 +23,7 @@ pub enum Limit {
 }
 
 impl Limit {
-    /// All of them, in the order of their bits.
+    /// All limits, in the order of their bits.
     pub const ALL: [Self; 8] = [
         Self::Temperature,
         Self::Current,
@@ -47,10 +47,10 @@ impl Limit {
 pub struct Limits(u8);
 
 impl Limits {
-    /// None.
+    /// No limit acts.
     pub const NONE: Self = Self(0);
 
-    /// From the bits on the wire; unknown bits are kept.
+    /// Reads the bits from the wire; unknown bits are kept.
     #[must_use]
     pub const fn from_wire(bits: u8) -> Self {
         Self(bits)
@@ -68,7 +68,7 @@ impl Limits {
         self.0 & limit.bit() != 0
     }
 
-    /// With this limit, if it acts.
+    /// Adds this limit, if it acts.
     #[must_use]
     pub const fn with(self, limit: Limit, acts: bool) -> Self {
         if acts {

@@ -10,10 +10,10 @@
 //! first, which is the cause, and only an explicit command leaves it, to `Stopped`. From there the way back to `Armed` leads
 //! through a calibration. A fault is taken in every state, before any command of the same tick.
 
-/// Why the outputs were switched off. The numbers go over the wire and never change; a code that is no longer used keeps its
-/// number.
+/// Why the outputs were switched off. The numbers go over the wire and never change; a code that is no longer used
+/// keeps its number.
 ///
-/// What was measured is in [`Context::value`], in the unit given here.
+/// [`Context::value`] has the measured value, in the unit given here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum FaultCode {
@@ -53,7 +53,7 @@ pub enum FaultCode {
     EncoderStatus = 16,
     /// The current loop got no new command for two control periods; periods of the current loop.
     StaleCommand = 17,
-    /// The supply dipped below what the processor needs; 0.
+    /// The supply fell below what the processor needs; the value is 0.
     BrownOut = 18,
     /// The program panicked; where, as its record says.
     Panic = 19,
@@ -61,18 +61,19 @@ pub enum FaultCode {
     CurrentSensor = 20,
     /// By the model of its windings the motor is too hot; the mean square of its current in ‰ of what it bears for ever.
     MotorHot = 21,
-    /// Nothing was heard of the desktop for too long while the outputs may be on; ms.
+    /// No message came from the desktop for too long while the outputs may be on; ms.
     HostSilent = 22,
     /// The board's stop button was pressed; 0.
     StopButton = 23,
     /// Too large a share of the encoder's readings is bad, in a row or not; 1: those of the ticks, 2: those at the change of force.
     EncoderUnsteady = 24,
-    /// The motor does not answer its voltage as the settings' motor would: slipped alignment, false current; mV beyond what is allowed.
+    /// The motor does not answer its voltage as the motor of the settings would: a slipped alignment or a false
+    /// current. Value: mV beyond what is allowed.
     MotorModel = 25,
 }
 
 impl FaultCode {
-    /// All of them.
+    /// All fault codes.
     pub const ALL: [Self; 25] = [
         Self::OverCurrent,
         Self::OverVoltage,
@@ -114,10 +115,10 @@ impl FaultCode {
     }
 }
 
-/// What is kept of a fault: the first cause, not what followed from it.
+/// The record of a fault: the first cause, not what followed from it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Context {
-    /// Why.
+    /// The code of the fault.
     pub code: FaultCode,
     /// Tick in which it was seen.
     pub tick: u32,
@@ -125,7 +126,7 @@ pub struct Context {
     pub value: i32,
 }
 
-/// Where the device stands.
+/// State of the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum State {
     /// Power is on, nothing is known yet.
@@ -152,7 +153,7 @@ pub enum Outputs {
     On,
 }
 
-/// What a person or the desktop asks for.
+/// Commands of a person or the desktop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Command {
     /// Start a calibration, from `Boot` (self-test over) or `Stopped`.
@@ -168,7 +169,7 @@ pub enum Command {
 /// What happened in a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Event {
-    /// Nothing.
+    /// A tick without an event.
     Tick,
     /// A fault was seen.
     Fault(Context),
@@ -178,26 +179,26 @@ pub enum Event {
     Command(Command),
 }
 
-/// The machine.
+/// The fault machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Machine {
     state: State,
 }
 
 impl Machine {
-    /// Just switched on.
+    /// The state just after power-on.
     #[must_use]
     pub const fn new() -> Self {
         Self { state: State::Boot }
     }
 
-    /// At a state; for whoever restores or examines one.
+    /// The machine in a given state, for restoring or examining it.
     #[must_use]
     pub const fn at(state: State) -> Self {
         Self { state }
     }
 
-    /// Where the device stands.
+    /// State of the device.
     #[must_use]
     pub const fn state(&self) -> State {
         self.state

@@ -1,4 +1,4 @@
-//! What a calibration that measures is about at the moment.
+//! The steps of a calibration that measures the motor.
 
 #[cfg(feature = "wire")]
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub enum MeasuringPart {
     /// A field that turns far faster than the rotor can follow, with half of the calibration's current.
     Low,
-    /// The same field with all of it.
+    /// The same field, at full strength.
     High,
     /// The shaft is brought to rest.
     Brake,
@@ -20,16 +20,16 @@ pub enum MeasuringPart {
     /// The shaft is turned slowly along the count. The record's position is that from the encoder's own zero.
     #[cfg(feature = "large")]
     Forward,
-    /// The same, back.
+    /// The same turn, backwards.
     #[cfg(feature = "large")]
     Backward,
 }
 
-/// One control tick of it.
+/// One control tick of such a calibration.
 #[cfg(feature = "wire")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MeasuringTick {
-    /// Which part.
+    /// The part of the measurement.
     pub part: MeasuringPart,
     /// Current along the frame that the current loop works in, mA; the one across it is [`crate::Telemetry::current_q_ma`].
     pub current_d_ma: i32,

@@ -1,4 +1,4 @@
-//! What the device answers, and what it sends by itself.
+//! Replies of the device, and what it sends unrequested.
 
 use crate::Board;
 use crate::settings::{DeviceSettings, Invalid, KeyError, VALUE_MAX};
@@ -15,55 +15,55 @@ pub enum FromDevice {
     Answer {
         /// The number of the request.
         id: u8,
-        /// What was asked for, or why not.
+        /// The reply, or why the request is refused.
         answer: Result<Reply, Refusal>,
     },
-    /// One control tick.
+    /// The telemetry of one control tick.
     Telemetry(Telemetry),
 }
 
-/// What was asked for.
+/// The reply to a request.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Reply {
-    /// To `Hello`. Stays the first of all, and its version the first in it: see [`version_of_hello`].
+    /// Reply to `Hello`. It stays the first variant, with the version as its first field: see [`version_of_hello`].
     Identity(Identity),
-    /// To `Status`.
+    /// Answer to `Status`.
     Status(Status),
-    /// To `Get`: the value as postcard has it.
+    /// Answer to `Get`: the value in postcard's encoding.
     Value(Vec<u8, VALUE_MAX>),
-    /// To `GetAll`.
+    /// Answer to `GetAll`.
     Settings(DeviceSettings),
-    /// Done as asked.
+    /// The request was carried out.
     Done,
-    /// To `Fault`.
+    /// Answer to `Fault`.
     Fault(Option<Fault>),
-    /// To `Ring`.
+    /// Answer to `Ring`.
     Ring(RingChunk),
-    /// To `Counters`.
+    /// Answer to `Counters`.
     Counters(Counters),
-    /// To `Environment`.
+    /// Answer to `Environment`.
     #[cfg(feature = "large")]
     Environment(crate::settings::environment::Surround),
-    /// To `SetEnvironment`: taken.
+    /// Answer to `SetEnvironment`: the environment was accepted.
     #[cfg(feature = "large")]
     Taken(crate::settings::environment::CountsFrom),
-    /// To `Start`.
+    /// Answer to `Start`.
     #[cfg(feature = "large")]
     Start(crate::settings::kept::StartReport),
-    /// To `Cogging`.
+    /// Answer to `Cogging`.
     #[cfg(feature = "large")]
     Cogging(crate::settings::cogging::CoggingReport),
 }
 
-/// Why not.
+/// Reasons for refusing a request.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Refusal {
-    /// Not in this state of the device.
+    /// The request is not allowed in this state of the device.
     NotNow(Phase),
     /// No such setting, or no such value.
     Key(KeyError),
-    /// The settings would not be valid with it.
+    /// The settings would not be valid with the new value.
     Invalid(Invalid),
     /// The flash could not be written.
     Flash,
@@ -76,7 +76,7 @@ pub enum Refusal {
     Unkept(crate::settings::kept::Unkept),
 }
 
-/// Who the device is.
+/// The identity of the device.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
     /// [`crate::PROTOCOL_VERSION`] of the device.
@@ -85,11 +85,11 @@ pub struct Identity {
     pub settings_version: u16,
     /// Version of the firmware, e.g. `0.1.0`.
     pub firmware_version: String<16>,
-    /// Which board the firmware was built for.
+    /// The board for which the firmware was built.
     pub board: Board,
     /// Unique number of the microcontroller.
     pub unique_id: [u8; 12],
-    /// Why it last started.
+    /// Reason of the last start.
     pub reset_reason: ResetReason,
     /// Hash of the source that the firmware was built from, 0 if unknown.
     pub build_hash: u64,
@@ -104,7 +104,7 @@ pub enum ResetReason {
     BrownOut,
     /// The reset pin: button or probe.
     Pin,
-    /// The firmware asked for it (`Reboot`), or a probe.
+    /// The firmware (`Reboot`) or a probe reset the processor.
     Software,
     /// The independent watchdog was not fed.
     IndependentWatchdog,
@@ -119,7 +119,7 @@ pub enum ResetReason {
 }
 
 impl ResetReason {
-    /// For people.
+    /// Text for people.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
@@ -136,7 +136,7 @@ impl ResetReason {
     }
 }
 
-/// Where the device stands.
+/// State of the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Status {
     /// State of the fault machine.
@@ -149,7 +149,7 @@ pub struct Status {
     pub unsaved: bool,
 }
 
-/// What was counted since the reset; each stays at its largest value.
+/// Counters since the reset; each stays at its largest value.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counters {
     /// Frames that could not be decoded.
@@ -166,8 +166,8 @@ pub struct Counters {
     pub current_loop_cycles_max: u32,
 }
 
-/// The version in the payload of an answer to `Hello`, of any version: what stands before it never changes, what stands after it
-/// may. `None` for every other payload.
+/// The protocol version in the payload of a reply to `Hello`, whatever version sent it: the bytes before it never
+/// change, those after it may. `None` for every other payload.
 #[must_use]
 pub fn version_of_hello(payload: &[u8]) -> Option<u16> {
     /// Frame kind, id, `Ok`, kind of reply, version.

@@ -1,4 +1,4 @@
-//! What the desktop asks of the device.
+//! Requests of the desktop to the device.
 
 use crate::settings::DeviceSettings;
 use serde::{Deserialize, Serialize};
@@ -11,30 +11,30 @@ pub const PROTOCOL_VERSION: u16 = 7;
 pub struct ToDevice<'a> {
     /// Chosen by the desktop; the answer has the same.
     pub id: u8,
-    /// What is asked.
+    /// The request.
     #[serde(borrow)]
     pub request: Request<'a>,
 }
 
-/// What is asked.
+/// The requests of the desktop.
 // One request is held at a time: the whole of the settings needs no place of its own.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Request<'a> {
-    /// Who are you? Stays the first of all, in every version.
+    /// Asks for the device's identity. Stays the first request in every version.
     Hello,
-    /// Where do you stand?
+    /// Asks for the state of the device.
     Status,
     /// The value of one setting.
     Get {
-        /// Its path.
+        /// The setting's path.
         path: &'a str,
     },
-    /// Changes one setting; the whole is validated with it.
+    /// Changes one setting; all settings are then validated together.
     Set {
-        /// Its path.
+        /// The setting's path.
         path: &'a str,
-        /// Its value, as postcard has it.
+        /// The new value, encoded by postcard.
         value: &'a [u8],
     },
     /// All settings.
@@ -54,46 +54,48 @@ pub enum Request<'a> {
         /// Index of the first record that is wanted; 0 is the oldest.
         first: u16,
     },
-    /// Telemetry from now on, one record every so many control ticks; 0 sends none. Not a setting: forgotten at a reset.
+    /// Starts telemetry, one record every given number of control ticks; 0 stops it. Not a setting: forgotten at a
+    /// reset.
     Telemetry {
         /// Control ticks between two records.
         decimation: u16,
     },
-    /// What was counted since the reset.
+    /// The counters since the reset.
     Counters,
     /// What there is to touch.
     #[cfg(feature = "large")]
     Environment,
-    /// Other things to touch, also while the device is armed; the largest change of force in a tick is in it.
+    /// Replaces the environment, also while the device is armed; it includes the largest change of force in a tick.
     #[cfg(feature = "large")]
     SetEnvironment(crate::settings::environment::Surround),
-    /// What is kept for the next start, and what became of this one.
+    /// Asks for the data kept for the next start and for the outcome of this start.
     #[cfg(feature = "large")]
     Start,
     /// Keeps the alignment of the calibration that has just ended. In `Ready` only; `Save` writes it.
     #[cfg(feature = "large")]
     KeepAlignment,
-    /// Keeps none any more: nothing starts by itself then, though it is asked for. `Save` writes it.
+    /// Forgets the kept alignment: the board then cannot start unattended, even if autostart is on. `Save` writes it.
     #[cfg(feature = "large")]
     ForgetAlignment,
-    /// Whether the board checks the kept alignment and arms by itself when power comes on. `Save` writes it.
+    /// Whether the board checks the kept alignment and arms unattended when power comes on. `Save` writes it.
     #[cfg(feature = "large")]
     Autostart(bool),
     /// The map of the cogging that is kept.
     #[cfg(feature = "large")]
     Cogging,
-    /// Keeps this map, measured with what the settings say, and plays it. In `Ready` only; `Save` writes it.
+    /// Keeps this cogging map, which was measured with the present settings, and plays it. In `Ready` only; `Save`
+    /// writes it.
     #[cfg(feature = "large")]
     KeepCogging(crate::settings::cogging::CoggingMap),
     /// Keeps none any more. Not while anything is driven; `Save` writes it.
     #[cfg(feature = "large")]
     ForgetCogging,
-    /// What the next calibration goes on with; that one alone.
+    /// A measurement that the next calibration goes on with, and only that one.
     #[cfg(feature = "large")]
     Sweep(crate::settings::cogging::Sweep),
 }
 
-/// What a person tells the device to do.
+/// Commands of a person to the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DeviceCommand {
     /// Find direction, pole pairs and electrical offset: the shaft moves.
@@ -104,7 +106,7 @@ pub enum DeviceCommand {
     Disarm,
     /// Switch off and forget the calibration; clears a fault.
     Stop,
-    /// This position is zero from now on. Not while armed.
+    /// Makes this position zero. Not while armed.
     Zero,
     /// Outputs off, then a reset.
     Reboot,

@@ -1,6 +1,6 @@
-//! The device's side of the conversation: what a request does to the settings, and what is passed on.
+//! The device's side of the protocol: how a request changes the settings, and which requests are passed on.
 //!
-//! The firmware and the fake device of the tests run this very code; only [`Backend`] differs.
+//! The firmware and the fake device of the tests run the same code; only [`Backend`] differs.
 
 use crate::frame;
 use crate::reply::{Counters, FromDevice, Identity, Refusal, Reply, Status};
@@ -15,9 +15,9 @@ use crate::settings::{DeviceSettings, SettingsError, VALUE_MAX};
 use crate::stored;
 use crate::telemetry::{Fault, Phase, RingChunk};
 
-/// What a session needs of the device behind it.
+/// The interface that a session needs from the device.
 pub trait Backend {
-    /// Who it is.
+    /// The identity of the device.
     fn identity(&self) -> Identity;
     /// State of the fault machine.
     fn phase(&self) -> Phase;
@@ -25,7 +25,7 @@ pub trait Backend {
     fn fault(&self) -> Option<Fault>;
     /// Control ticks since the reset, modulo 2^32.
     fn tick(&self) -> u32;
-    /// What was counted, but the decoding errors.
+    /// All counters except those of decoding errors.
     fn counters(&self) -> Counters;
     /// The ring from a record on; `None` while it runs.
     fn ring(&self, first: u16) -> Option<RingChunk>;
@@ -39,14 +39,14 @@ pub trait Backend {
     /// Writes an image of settings into flash.
     ///
     /// # Errors
-    /// The flash refused; what was in it before is still there.
+    /// The flash refused; the settings stored before are still there.
     fn save(&mut self, image: &[u8]) -> Result<(), FlashError>;
-    /// A command; whether it had an effect. `None`: that is told later, to [`Session::commanded`].
+    /// Carries out a command; returns whether it had an effect. `None`: [`Session::commanded`] will be told later.
     fn command(&mut self, command: DeviceCommand) -> Option<bool>;
-    /// Telemetry from now on, one record every so many control ticks; 0 for none.
+    /// Starts telemetry, one record every given number of control ticks; 0 stops it.
     fn telemetry(&mut self, decimation: u16);
-    /// Takes what there is to touch beside the wall of these settings, and says from when on it counts, or what of it is refused.
-    /// `None`: this device has no room for it.
+    /// Takes a new environment beside the wall of these settings. Returns from when on it is active, or the setting
+    /// that is refused. `None`: this device has no room for environments.
     #[cfg(feature = "large")]
     fn use_environment(
         &mut self,
@@ -63,15 +63,15 @@ pub trait Backend {
     fn alignment(&self) -> Option<(u16, bool)> {
         None
     }
-    /// Whether that was a kept one, and what became of the start by itself.
+    /// Whether a kept alignment was used, and how the unattended start went.
     #[cfg(feature = "large")]
     fn started(&self) -> (bool, SelfStart) {
         (false, SelfStart::Off)
     }
-    /// Takes the map of the cogging that is played from now on; `None`: none is.
+    /// Takes the cogging map that is played from now on; `None`: no map.
     #[cfg(feature = "large")]
     fn use_cogging(&mut self, _settings: &DeviceSettings, _map: Option<&CoggingMap>) {}
-    /// What the next calibration goes on with.
+    /// The measurement that the next calibration goes on with.
     #[cfg(feature = "large")]
     fn sweep(&mut self, _sweep: Sweep) {}
 }
@@ -80,7 +80,7 @@ pub trait Backend {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FlashError;
 
-/// The settings in use, and what is known of them.
+/// The settings in use, and whether they are stored.
 #[derive(Debug, Clone)]
 pub struct Session {
     settings: DeviceSettings,
@@ -91,7 +91,7 @@ pub struct Session {
     #[cfg(feature = "large")]
     cogging: Option<KeptCogging>,
     unsaved: bool,
-    /// A command of which nobody knows yet what became, and the request's number.
+    /// A command whose result is not known yet, and the request's number.
     waiting: Option<(u8, DeviceCommand)>,
 }
 
@@ -100,11 +100,12 @@ pub struct Session {
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answered {
-    /// This is the answer.
+    /// The answer is ready.
     Now(FromDevice),
-    /// A command that the device has still to look at: [`Session::commanded`] has its answer. Nothing else is asked meanwhile.
+    /// The device has yet to carry out a command; [`Session::commanded`] will have the answer. No other request is
+    /// taken meanwhile.
     Later,
-    /// Not to be answered, but to be counted.
+    /// An unreadable frame is counted and not answered.
     Unreadable,
 }
 
@@ -112,7 +113,7 @@ pub enum Answered {
 mod keeping;
 
 impl Session {
-    /// With the settings that the device started with; `saved` if they are those in flash.
+    /// A session with the settings of the start; `saved` if they are those in flash.
     #[must_use]
     pub fn new(settings: DeviceSettings, saved: bool) -> Self {
         Self {
@@ -128,7 +129,7 @@ impl Session {
         }
     }
 
-    /// With what there is to touch, as the device started with it.
+    /// The session with the environment that the device started with.
     #[cfg(feature = "large")]
     #[must_use]
     pub const fn with_environment(mut self, environment: Surround) -> Self {
@@ -136,7 +137,7 @@ impl Session {
         self
     }
 
-    /// With what is kept for the start, as the device started with it.
+    /// The session with what is kept for the start.
     #[cfg(feature = "large")]
     #[must_use]
     pub const fn with_kept(mut self, kept: KeptStart) -> Self {
@@ -144,7 +145,7 @@ impl Session {
         self
     }
 
-    /// With the map of the cogging, as the device started with it.
+    /// The session with the cogging map that the device started with.
     #[cfg(feature = "large")]
     #[must_use]
     pub fn with_cogging(mut self, cogging: Option<KeptCogging>) -> Self {
@@ -166,7 +167,7 @@ impl Session {
         self.cogging.as_ref()?.usable(&self.settings, board).ok()
     }
 
-    /// What is kept for the start.
+    /// The data that are kept for the next start.
     #[cfg(feature = "large")]
     #[must_use]
     pub const fn kept(&self) -> &KeptStart {
@@ -235,10 +236,10 @@ impl Session {
         Answered::Now(FromDevice::Answer { id, answer })
     }
 
-    /// Answers a request that is no command.
+    /// Answers a request other than a command.
     ///
     /// # Errors
-    /// Why not; nothing is changed then.
+    /// The reason for a refusal; nothing is changed then.
     // Not a part of its caller: see below.
     #[inline(never)]
     pub fn answer(
@@ -272,7 +273,7 @@ impl Session {
     // The following are functions of their own so that a device with a few kilobytes of stack has no more on it than it needs:
     // one copy of the settings, and no reply while a request is carried out.
 
-    /// The requests that are told something.
+    /// Carries out the requests that have parameters.
     #[inline(never)]
     fn tell(
         &self,
@@ -419,7 +420,8 @@ impl Session {
         Ok(())
     }
 }
-/// Whether a command that changed nothing asks for what is so already. Only those that switch off: who asks to be safe is told so.
+/// Whether a command without an effect counts as done because the state is already the wanted one. Only for commands
+/// that switch off: they are confirmed.
 const fn is_so(command: DeviceCommand, phase: Phase) -> bool {
     match command {
         DeviceCommand::Stop => matches!(phase, Phase::Stopped),

@@ -7,7 +7,7 @@
 //! layout version u16 | the same | postcard of the map of the cogging, if one is kept | CRC-32 of all before
 //! ```
 //!
-//! The last form is that of boards with room for an environment; they read the others as well, with the wall alone, with nothing kept
+//! The last form is that of boards with room for an environment. They read the others as well, with the wall alone, with nothing kept
 //! for the start, and with no map.
 //!
 //! Where it lies, and how it survives a cut of power, is in `flash.rs`. What is not whole, of this layout, and valid is refused:
@@ -66,7 +66,7 @@ pub enum Refused {
     Invalid(SettingsError),
 }
 
-/// What a device starts with.
+/// The data with which a device starts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Start {
     /// The settings to use.
@@ -74,7 +74,7 @@ pub struct Start {
     /// What there is to touch.
     #[cfg(feature = "large")]
     pub environment: Surround,
-    /// What is kept for the start.
+    /// The data that are kept for the next start.
     #[cfg(feature = "large")]
     pub kept: KeptStart,
     /// The map of the cogging, if one is kept.
@@ -104,7 +104,7 @@ pub fn encode<'b>(
     )
 }
 
-/// The image of settings, of what there is to touch, of what is kept for the start, and of the map of the cogging.
+/// Encodes the image: settings, environment, what is kept for the start, and the cogging map.
 ///
 /// # Errors
 /// The buffer is too small; [`IMAGE_MAX`] bytes are always enough.
@@ -165,11 +165,11 @@ fn content(image: &[u8]) -> Result<(u16, &[u8]), Refused> {
         .ok_or(Refused::Damaged)
 }
 
-/// The settings of an image, what there is to touch, what is kept for the start and the map of the cogging, validated by `check` and with
-/// each other.
+/// Decodes an image: settings, environment, what is kept for the start and the cogging map. `check` validates them,
+/// also against each other.
 ///
 /// # Errors
-/// Whatever is not whole, of a layout that is known, and valid.
+/// An image that is damaged, of an unknown layout, or not valid.
 #[cfg(feature = "large")]
 pub fn decode_with(image: &[u8], check: Check<'_>) -> Result<Start, Refused> {
     use crate::frame::message;
@@ -197,7 +197,7 @@ pub fn decode_with(image: &[u8], check: Check<'_>) -> Result<Start, Refused> {
 /// The settings of an image, validated by `check`.
 ///
 /// # Errors
-/// Whatever is not whole, of this layout, and valid.
+/// The stored data are incomplete, of another layout, or not valid.
 #[cfg(feature = "large")]
 pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused> {
     decode_with(image, check).map(|start| start.settings)
@@ -206,7 +206,7 @@ pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused>
 /// The settings of an image, validated by `check`.
 ///
 /// # Errors
-/// Whatever is not whole, of this layout, and valid.
+/// The stored data are incomplete, of another layout, or not valid.
 #[cfg(not(feature = "large"))]
 pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused> {
     let (_, content) = content(image)?;
@@ -217,7 +217,8 @@ pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused>
     }
 }
 
-/// What to start with: the stored settings; the defaults where nothing is stored, or where what is stored is refused.
+/// What the device starts with: the stored settings, or the defaults where nothing is stored or the stored settings
+/// are refused.
 #[must_use]
 pub fn start(image: Option<&[u8]>, defaults: DeviceSettings, check: Check<'_>) -> Start {
     #[cfg(not(feature = "large"))]
@@ -235,7 +236,7 @@ pub fn start(image: Option<&[u8]>, defaults: DeviceSettings, check: Check<'_>) -
 }
 
 impl Start {
-    /// With settings and the wall alone.
+    /// A start with these settings and one wall.
     pub(crate) fn defaults(settings: DeviceSettings, refused: Option<Refused>) -> Self {
         Self {
             settings,

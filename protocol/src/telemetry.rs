@@ -1,4 +1,4 @@
-//! What one control tick has to tell, and what is kept of the last second.
+//! The telemetry of one control tick, and the record of the last second.
 
 use crate::machine::{Context, FaultCode, State};
 use crate::measuring::MeasuringTick;
@@ -7,10 +7,11 @@ use fixed::types::I8F24;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// One control tick. Small numbers take few bytes: a tick at rest has 17, a busy one about 32, none more than [`TELEMETRY_MAX`].
+/// One control tick. Small numbers take few bytes: a tick at rest has 17, a busy one about 32, none more than
+/// [`TELEMETRY_MAX`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Telemetry {
-    /// Number of the tick since the reset, modulo 2^32; a gap is what the port could not carry.
+    /// Number of the tick since the reset, modulo 2^32. A gap means that the port could not carry some records.
     pub tick: u32,
     /// Position, counts from the calibrated zero.
     pub count: i32,
@@ -41,7 +42,7 @@ pub struct Telemetry {
     pub lateness_cycles: u32,
     /// Measured q-axis current, mA.
     pub current_q_ma: i32,
-    /// What a calibration that measures sees of the motor; nothing otherwise.
+    /// Readings of the motor during a calibration that measures; `None` at other times.
     pub measuring: Option<MeasuringTick>,
 }
 
@@ -66,7 +67,7 @@ pub enum Phase {
 }
 
 impl Phase {
-    /// All of them, by their numbers.
+    /// All phases, by their numbers.
     pub const ALL: [Self; 6] = [
         Self::Boot,
         Self::Calibrating,
@@ -76,7 +77,7 @@ impl Phase {
         Self::Stopped,
     ];
 
-    /// For people.
+    /// Text for people.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -142,7 +143,7 @@ pub struct RingChunk {
     pub first: u16,
     /// Records in the ring.
     pub total: u16,
-    /// From `first` on; empty beyond the end.
+    /// The records from `first` on; empty beyond the end.
     pub records: Vec<RingRecord, RING_CHUNK>,
 }
 

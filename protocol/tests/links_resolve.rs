@@ -70,7 +70,7 @@ fn anchors(page: &str) -> BTreeSet<String> {
     found
 }
 
-/// What a page links to in the repository.
+/// The links of a page into the repository.
 fn links(page: &str) -> Vec<String> {
     let mut found = Vec::new();
     for line in prose(page) {

@@ -26,7 +26,7 @@ struct Account {
 }
 
 impl Account {
-    /// Of the figures of `docs/energy-guard.md`.
+    /// The guard of the figures in `docs/energy-guard.md`.
     const SMALL: Self = Self {
         capacity_j: 0.02,
         force_limit_n_m: 0.3,
@@ -40,7 +40,7 @@ impl Account {
         }
     }
 
-    /// With a count under the largest force beside it, J.
+    /// The bound with a count under the largest force, J.
     fn bound_j(self) -> f64 {
         self.capacity_j + self.force_limit_n_m * touchstone_tests::port::COUNT_RAD
     }
@@ -57,8 +57,8 @@ impl Account {
 
 const SEED: u64 = 1;
 
-/// Springs that no controller bounds, one that pushes with all it may whoever moves out, every law as the thesis builds it, and what
-/// ships.
+/// The laws: springs that no controller bounds, one that pushes with all its force when the hand moves out, every law
+/// with the thesis' settings, and the shipped one.
 fn laws() -> Vec<(String, PortLaw)> {
     let spring = |k, b| PortLaw::from(SpringDamper { k, b });
     let mut laws = vec![
@@ -102,7 +102,7 @@ fn laws() -> Vec<(String, PortLaw)> {
     laws
 }
 
-/// What was found.
+/// One result.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Row {
     law: String,

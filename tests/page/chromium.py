@@ -17,8 +17,8 @@ def find():
 
 class Chromium(Page):
     name = "Chromium"
-    # Fingers can be played, and sound starts without a device for it.
-    touches = hears = True
+    # Fingers can be played, sound starts without a device for it, and a wish for less motion can be had.
+    touches = hears = stills = True
 
     def __init__(self, url, width=1280, height=1000, downloads=None, before=None):
         super().__init__()
@@ -56,6 +56,10 @@ class Chromium(Page):
 
     def dark(self):
         self.call("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark"}]})
+
+    def still(self):
+        """For a reader who wants less motion."""
+        self.call("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-reduced-motion", "value": "reduce"}]})
 
     def size(self, width, height):
         self.call("Emulation.setDeviceMetricsOverride", {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})

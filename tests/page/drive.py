@@ -368,6 +368,7 @@ def simulated(browser, program, seconds, asked_for, pictures):
             link(page, url)
             pace(page, seconds, asked_for, check)
             looks(page, pictures)
+            still(page, url)
             check(not page.problems, f"no complaint of {page.name} {page.problems[:3]}")
         finally:
             page.close()
@@ -377,11 +378,29 @@ def newcomer(page):
     """From opening the page, which is all that a newcomer does, to a wall that pushes back."""
     page.until("typeof runs !== 'undefined' && runs.length > 0 && runs[0].last !== null", 60)
     there = page.run("performance.now() / 1e3")
+    page.until("runs[0].last.force_n_m > 0.01", 10)
+    check(page.run("chosen.automatic && aim === null"), "it presses by itself before anybody touched it")
     page.key("ArrowRight", hold=0.5)
+    check(page.run("!chosen.automatic"), "and no more once somebody did")
     page.until("runs[0].last.force_n_m > 0.01", 10)
     pushed = page.run("performance.now() / 1e3")
     page.key("h")
+    page.wait(0.7)
+    check(page.run("runs[0].last.force_n_m") == 0, "and lets go")
     check(there < MOST_WAIT_S, f"a newcomer's page: ticks {there:.2f} s after it was opened, a wall under the arrow key {pushed:.2f} s after")
+
+
+def still(page, url):
+    """A reader who wants less motion sees a knob that waits."""
+    if not page.stills:
+        return
+    page.still()
+    page.go("about:blank")
+    page.go(url)
+    page.until("typeof runs !== 'undefined' && runs.length > 0 && runs[0].last !== null", 60)
+    start = page.run("runs[0].last.angle_rad")
+    page.wait(2)
+    check(page.run("runs[0].last.angle_rad") == start and page.run("!chosen.automatic"), "with less motion wanted, it waits to be touched")
 
 
 def page_file(program, folder):

@@ -22,6 +22,8 @@ class Firefox(Page):
     touches = False
     # Without a sound device its audio never starts.
     hears = False
+    # Nor can its protocol say that a reader wants less motion.
+    stills = False
 
     def __init__(self, url, width=1280, height=1000, downloads=None, before=None):
         super().__init__()

@@ -9,11 +9,11 @@ pub const FASTEST_RAD_PER_S: f64 = 59.0;
 /// A way of moving, and how many numbers it takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Way {
-    /// A motion that comes again every ten ticks, each half of a tick by itself.
+    /// A motion that repeats every ten ticks; each half of a tick has its own speed.
     Periodic,
     /// Three sines below 200 Hz around a depth.
     Sines,
-    /// A speed for each half of a tick, chosen by what the force is and does: a hand that feels everything at once.
+    /// A speed for each half of a tick, chosen by the force and its change: a hand that feels everything at once.
     Policy,
     /// A mass behind a spring, pushed.
     Gripped,
@@ -22,7 +22,7 @@ pub enum Way {
 const PERIOD: usize = 10;
 
 impl Way {
-    /// All of them.
+    /// All kinds of motion.
     pub const ALL: [Way; 4] = [Way::Periodic, Way::Sines, Way::Policy, Way::Gripped];
 
     /// How many numbers choose a hand.
@@ -36,7 +36,7 @@ impl Way {
         }
     }
 
-    /// What the hand of these numbers gets out.
+    /// Energy that the hand with these numbers gets out.
     #[must_use]
     pub fn play(self, port: &Port, numbers: &[f64], ticks: u32) -> Outcome {
         match self {
@@ -68,7 +68,7 @@ impl Way {
         }
     }
 
-    /// The worst hand that so many evaluations find, and what it gets out above the refill in a second each.
+    /// The worst hand that this many evaluations find, and its energy above the refill in a second.
     #[must_use]
     pub fn worst(self, port: &Port, evaluations: u32, ticks: u32, seed: u64) -> (Vec<f64>, f64) {
         search::largest(self.dimensions(), 0.5, evaluations, seed, |numbers| {

@@ -11,22 +11,22 @@ const PERIOD_S: f64 = 50e-6;
 /// A stretch of time in which the force is a mean: whether it comes after the encoder was read once more, that force, N·m, and how long.
 pub type Stretch = (bool, f64, f64);
 
-/// The loop, in `f64` and by itself: `1/s` of the error that a period's sample finds, from half a period later on.
+/// The current loop alone, in `f64`: `1/s` of the error that a period's sample finds, from half a period later on.
 #[derive(Debug, Clone, Copy)]
 pub struct BoardLoop {
-    /// What the firmware makes of the encoder's readings.
+    /// The firmware's use of the encoder's readings.
     pub change: ChangeConfig,
     /// How much of an error goes in half a period.
     half: f64,
     force: f64,
-    /// The force that is asked for, as the loop knows it.
+    /// The wanted force, as the loop knows it.
     asked: f64,
     /// The error of the period before.
     error: f64,
 }
 
 impl BoardLoop {
-    /// As a board ships, with the guard's settings that it makes of its own delay.
+    /// A board as shipped, with the guard's settings that it computes for its own delay.
     ///
     /// # Panics
     /// If it refuses its own defaults.

@@ -9,10 +9,10 @@ use touchstone_control::{CountScale, Reported, Settings, Si};
 /// Counts of a turn.
 pub const COUNTS: u32 = 40_000;
 
-/// One of them, rad.
+/// One count, rad.
 pub const COUNT_RAD: f64 = std::f64::consts::TAU / COUNTS as f64;
 
-/// The encoder of all of them.
+/// The encoder of these tests.
 ///
 /// # Panics
 /// Never.
@@ -21,7 +21,7 @@ pub fn encoder() -> CountScale {
     CountScale::new(COUNTS, Si::ZERO).unwrap()
 }
 
-/// A reading of it.
+/// A reading of that encoder.
 #[must_use]
 pub fn at(count: i64) -> Counted {
     Counted {
@@ -42,7 +42,7 @@ pub fn wall(surface: &str, side: Side) -> WallSettings {
     }
 }
 
-/// Its image on the other side.
+/// The wall's mirror image.
 #[must_use]
 pub fn mirrored(wall: &WallSettings) -> WallSettings {
     let side = match wall.face.side {
@@ -56,7 +56,7 @@ pub fn mirrored(wall: &WallSettings) -> WallSettings {
     }
 }
 
-/// 12 to a half turn, one of them where no count is.
+/// Detents, 12 to a half turn, one of them where there is no count.
 #[must_use]
 pub fn detents() -> DetentSettings {
     DetentSettings {

@@ -42,17 +42,17 @@ fn inverse(m: &Three) -> Three {
     std::array::from_fn(|i| std::array::from_fn(|j| minor(j, i) / determinant))
 }
 
-/// One device as it is believed to be.
+/// A device as the estimator assumes it.
 pub struct Reference {
     motion: Four,
-    /// One tick of `[x, d, g]`.
+    /// Matrix of one tick of `[x, d, g]`.
     pub step: Three,
-    /// Of the correction.
+    /// Gains of the correction.
     pub gains: [f64; 3],
     delay: f64,
     /// `[x, d, g]` at the last sample; nothing before the first.
     pub state: Option<[f64; 3]>,
-    /// The latest last.
+    /// Past commands, the latest last.
     commands: Vec<f64>,
 }
 
@@ -90,7 +90,7 @@ impl Reference {
         std::array::from_fn(|i| e[i][0] * x + e[i][1] * d + e[i][2] * g + e[i][3] * force)
     }
 
-    /// Command so many ticks back, 1 for the last.
+    /// The command this many ticks ago, 1 for the last.
     fn back(&self, ticks: usize) -> f64 {
         self.commands[self.commands.len() - ticks]
     }
@@ -163,7 +163,7 @@ pub fn estimator<N: Number>(device: &DeviceRow) -> Estimator<N> {
     built.unwrap_or_else(|error| panic!("{device:?}: {error}"))
 }
 
-/// The reference of the same device, of what the settings hold.
+/// The reference of a device, with the values that the settings can hold.
 pub fn reference(device: &DeviceRow) -> Reference {
     let given = settings(device);
     let rate = f64::from(device.0);
@@ -179,7 +179,7 @@ pub fn reference(device: &DeviceRow) -> Reference {
     )
 }
 
-/// Plays a moving hand's counts and forces to whoever listens.
+/// Plays a moving hand's counts and forces, calling `tick` with each.
 pub fn play(ticks: u32, seed: u64, mut tick: impl FnMut(f64, f64)) {
     let mut random = Random::new(seed);
     let (mut x, mut phase) = (0.1, 0.0);
@@ -194,7 +194,8 @@ pub fn play(ticks: u32, seed: u64, mut tick: impl FnMut(f64, f64)) {
     }
 }
 
-/// Sum over all ticks of the moduli of an error's way from each state to what is shown, by a pulse into each state.
+/// How much an error of each state is amplified on its way to the output: the sum of its moduli over all ticks after a
+/// pulse.
 pub fn amplification(matrices: &Reference, delay: f64) -> [[f64; 3]; 2] {
     let a = matrices.error_step();
     let mut power: [[f64; 3]; 3] =

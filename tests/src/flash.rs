@@ -36,7 +36,7 @@ impl NorFlashError for FlashFault {
 }
 
 impl Flash {
-    /// So many erased pages.
+    /// A flash of this many erased pages.
     #[must_use]
     pub fn erased(pages: usize) -> Self {
         Self {
@@ -53,7 +53,7 @@ impl Flash {
         0..self.bytes.len() as u32
     }
 
-    /// The power will go in the middle of the operation after so many whole ones; what becomes of its bits depends on the seed.
+    /// The power fails in the middle of the operation after this many whole ones; the seed decides about its bits.
     pub fn cut_after(&mut self, operations: usize, seed: u64) {
         self.left = Some(operations);
         self.random = Random::new(seed);
@@ -64,12 +64,12 @@ impl Flash {
         self.left = None;
     }
 
-    /// What was there is lost: every byte becomes this.
+    /// Overwrites everything with this byte.
     pub fn fill(&mut self, byte: u8) {
         self.bytes.fill(byte);
     }
 
-    /// One operation begins: whether it is the one in which the power goes.
+    /// Begins an operation; returns whether the power fails in it.
     fn begin(&mut self) -> Result<bool, FlashFault> {
         self.operations += 1;
         match &mut self.left {

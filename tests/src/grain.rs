@@ -1,4 +1,4 @@
-//! How finely each number format tells forces, stiffnesses and energies apart: what error bounds are made of.
+//! Steps of forces, stiffnesses and energies in each number format, for error bounds.
 
 use touchstone_control::{Fixed16, Fixed32, Reported};
 

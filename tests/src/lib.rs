@@ -1,4 +1,5 @@
-//! What the tests across the crates share: motions, a flash memory, random numbers, the estimator in matrices, every variant of every law.
+//! Parts that the tests across the crates share: motions, a flash memory, random numbers, the estimator in matrices,
+//! every variant of every law.
 
 pub mod adversary;
 pub mod board_loop;

@@ -1,7 +1,7 @@
 //! The hand's port of a device, in exact energy: a hand, a law, the guard, an encoder and a delay, and what the hand got out.
 //!
 //! Positions are linear in time within each half of a tick (before and after the force changes), or go as a hand with masses
-//! lets them; either way force times displacement and damping are summed over what really happened, in `f64`, and not over
+//! lets them. Either way force times displacement and damping are summed over what really happened, in `f64`, and not over
 //! what was measured.
 
 use crate::board_loop::{BoardLoop, Stretch};
@@ -22,9 +22,9 @@ pub const COUNT_RAD: f64 = std::f64::consts::TAU / 40_000.0;
 /// A spring with virtual damping: differences of the measured position.
 #[derive(Debug, Clone, Copy)]
 pub struct SpringDamper {
-    /// N·m/rad.
+    /// Stiffness, N·m/rad.
     pub k: f64,
-    /// N·m·s/rad.
+    /// Damping, N·m·s/rad.
     pub b: f64,
 }
 
@@ -32,7 +32,7 @@ pub struct SpringDamper {
 #[derive(Debug, Clone, Copy)]
 #[expect(clippy::large_enum_variant, reason = "there is one for each port")]
 pub enum PortLaw {
-    /// In `f64`, so that the guard meets what no law of this project would ask of it.
+    /// A law in `f64`, so that the guard meets forces that no law of this project would want.
     SpringDamper(SpringDamper),
     /// A law of the controller with its states, at 1 kHz; a guard in its settings is left out, as the port has one, and so is its limit.
     Controlled(Settings),
@@ -50,7 +50,7 @@ impl From<Settings> for PortLaw {
     }
 }
 
-/// It at work.
+/// A law with its memory.
 enum Working {
     SpringDamper(SpringDamper, Position<Fixed32>),
     Controlled(Box<Controller<Fixed32>>),
@@ -97,12 +97,12 @@ impl Working {
 pub trait Hand {
     /// Where the device is at the first tick, rad inside the wall.
     fn start(&self) -> f64;
-    /// Moves it for a part of a tick, `late` after the force has changed, against a force; where it is then, and what its
-    /// damping took.
+    /// Moves the device for a part of a tick, `late` after the force has changed, against a force; returns its place,
+    /// and the energy that its damping took.
     fn go(&mut self, tick: u32, late: bool, force_n_m: f64, seconds: f64) -> (f64, f64);
 }
 
-/// What is in front of the hand.
+/// The device, law and guard in front of the hand.
 #[derive(Debug, Clone)]
 pub struct Port {
     /// From sample to force, in ticks, 0 to 1; not where there is a board's current loop.
@@ -113,9 +113,9 @@ pub struct Port {
     pub board: Option<BoardLoop>,
     /// Whether positions are measured in counts.
     pub counts: bool,
-    /// Of so many radians.
+    /// Radians of a count.
     pub count_rad: f64,
-    /// Whether the guard is told so.
+    /// Whether the guard knows it.
     pub told: bool,
     /// The law.
     pub law: PortLaw,
@@ -125,23 +125,23 @@ pub struct Port {
     pub force_limit_n_m: f64,
 }
 
-/// What came of a run.
+/// Result of a run.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Outcome {
     /// Most that the hand got out in any window of time, J.
     pub worst_window_j: f64,
-    /// The same, less the refill over that window.
+    /// The energy less the refill over that window.
     pub above_refill_j: f64,
-    /// The same with the tick in which the device went faster than the guard answers for, if a run ended there; the others are without
-    /// it, as the bound is.
+    /// The same energy with the tick in which the device exceeded the guard's overspeed, if a run ended there; the
+    /// other figures are without that tick, as the bound is.
     pub with_overspeed_j: f64,
     /// The lowest that the account was, J.
     pub lowest_account_j: f64,
-    /// And at the end.
+    /// The guard's account at the end.
     pub last_account_j: f64,
     /// Ticks in which the guard changed the force.
     pub changed_ticks: u32,
-    /// Ticks that were played: fewer than asked for after overspeed.
+    /// Ticks that were played: fewer than wanted after overspeed.
     pub ticks: u32,
     /// Sum of all changes of the commanded force, N·m.
     pub changes_n_m: f64,
@@ -192,14 +192,14 @@ impl Port {
         }
     }
 
-    /// What the guard's settings give away here.
+    /// Warnings on the guard's settings.
     #[must_use]
     pub fn warnings(&self) -> [Option<Warning>; 2] {
         self.guard
             .map_or([None; 2], |guard| guard.warnings(&self.device()))
     }
 
-    /// Plays a hand for so many ticks.
+    /// Plays a hand for this many ticks.
     ///
     /// # Panics
     /// If guard or law refuse their settings.
@@ -309,7 +309,7 @@ impl Port {
     }
 }
 
-/// A motion that no force holds up, given as a function of time; damping takes what the straight way takes.
+/// A motion that no force hinders, given as a function of time; damping takes what it would along the straight way.
 #[derive(Debug, Clone)]
 pub struct Imposed<F> {
     path: F,
@@ -342,16 +342,16 @@ impl<F: Fn(f64) -> f64> Hand for Imposed<F> {
     }
 }
 
-/// Two masses: the knob, and a hand that holds it by a spring and a damper and pushes; both stepped finely.
+/// Two masses: the knob, and a hand that holds it by a spring and a damper and pushes; both in fine steps.
 #[derive(Debug, Clone)]
 pub struct Gripped<F> {
     /// Push on the hand, N·m, of the time.
     pub push: F,
     /// The hand's inertia, kg·m².
     pub inertia: f64,
-    /// Of the grip, N·m/rad.
+    /// Stiffness of the grip, N·m/rad.
     pub stiffness: f64,
-    /// Of the grip, N·m·s/rad.
+    /// Damping of the grip, N·m·s/rad.
     pub grip_damping: f64,
     /// Knob: position and speed.
     pub knob: (f64, f64),

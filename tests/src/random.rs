@@ -5,7 +5,7 @@
 pub struct Random(u64);
 
 impl Random {
-    /// A stream of its own for every seed.
+    /// The generator of a seed; each seed has its own stream.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(seed)

@@ -9,7 +9,7 @@ fn normal(random: &mut Random) -> f64 {
     (-2.0 * (u.max(1e-300)).ln()).sqrt() * (std::f64::consts::PI * v).cos()
 }
 
-/// A value, and the draw and the step that led to it.
+/// A value, the drawn vector, and the step that led to the value.
 type Child = (f64, Vec<f64>, Vec<f64>);
 
 /// The best point found and its value: the largest of `evaluations` (a whole generation more at most), from around the origin

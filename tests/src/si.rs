@@ -1,11 +1,11 @@
-//! SI values as tests write them, and what is asked of messages about them.
+//! SI values as tests write them, and checks of messages about them.
 
 use touchstone_control::Si;
 
 /// An SI value from its decimal text.
 ///
 /// # Panics
-/// For a text that is no number.
+/// The text is no number.
 #[must_use]
 pub fn si(text: &str) -> Si {
     text.parse()

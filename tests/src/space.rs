@@ -73,7 +73,7 @@ pub fn numbers(direction: &Direction<F>) -> [f64; 3] {
 /// The direction of three numbers.
 ///
 /// # Panics
-/// Of the zero vector.
+/// The vector is zero.
 #[must_use]
 pub fn direction(x: f64, y: f64, z: f64) -> Direction<F> {
     let longest = x.abs().max(y.abs()).max(z.abs());

@@ -8,15 +8,15 @@ use crate::space::{F, Push, at, dot, length, newton, push_in_n};
 
 /// Period of the control law.
 pub const TICK_S: f64 = 1e-3;
-/// Of the device: of it the guard trusts 80 %. The adversary's device has no more than those.
+/// Damping of the device that the guard trusts, 80 % of it. The adversary's device has no more.
 pub const TRUSTED_N_PER_MM_TICK: f64 = 0.8 * 2.5;
 /// A count.
 pub const COUNT_MM: f64 = 0.01;
 /// Overspeed, mm a tick.
 pub const FASTEST_MM: f64 = 1.0;
-/// `C`.
+/// Capacity, mJ: `C`.
 pub const CAPACITY_MJ: f64 = 20.0;
-/// `P`.
+/// Refill, mW: `P`.
 pub const REFILL_MW: f64 = 0.5;
 
 /// A wanted force of a position.
@@ -30,7 +30,7 @@ pub fn ball(x: [f64; 3]) -> [f64; 3] {
     x.map(|part| force * part / r)
 }
 
-/// A force that drives around: active by itself, bounded by the guard alone.
+/// A force that drives around: active, so that only the guard bounds it.
 #[must_use]
 pub fn whirl(x: [f64; 3]) -> [f64; 3] {
     let [a, b, c] = x.map(|part| part / 2.0);
@@ -48,11 +48,11 @@ pub struct Port {
     pub law: Law,
     /// From sample to force, 0 to 1.
     pub delay_ticks: f64,
-    /// What the guard takes it for; `None` is no guard.
+    /// The delay that the guard assumes; `None` for no guard.
     pub guard_delay: Option<f64>,
 }
 
-/// What came of a run, mJ.
+/// Result of a run, mJ.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Outcome {
     /// Most that was got out in any window, less its refill.
@@ -87,7 +87,7 @@ impl Port {
         VectorGuard::new(&settings, &device).expect("settings")
     }
 
-    /// A hand of these numbers, for so many ticks.
+    /// Plays a hand of these numbers for this many ticks.
     #[must_use]
     pub fn play(&self, way: Way, numbers: &[f64], ticks: u32) -> Outcome {
         let guard = self.guard_delay.map(Self::guard);
@@ -154,9 +154,9 @@ impl Port {
 /// A way of moving.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Way {
-    /// A motion that comes again every six ticks, each half of a tick by itself.
+    /// A motion that repeats every six ticks; each half of a tick has its own speed.
     Periodic,
-    /// A speed for each half of a tick, chosen by what the force is and does.
+    /// A speed for each half of a tick, chosen by the force and its change.
     Policy,
     /// Circles: two sines across each other and one along.
     Circles,
@@ -165,7 +165,7 @@ pub enum Way {
 const PERIOD: usize = 6;
 
 impl Way {
-    /// All of them.
+    /// All kinds of motion.
     pub const ALL: [Way; 3] = [Way::Periodic, Way::Policy, Way::Circles];
 
     /// How many numbers choose a hand.
@@ -205,7 +205,7 @@ impl HandState {
         }
     }
 
-    /// Within overspeed, as a vector.
+    /// The step, limited to the overspeed limit as a vector.
     fn limited(step: [f64; 3], ticks: f64) -> [f64; 3] {
         // Room for the counts that the measurement may be off: the promise is for what is not overspeed.
         let most = 0.97 * FASTEST_MM * ticks;

@@ -1,4 +1,4 @@
-//! A HIP that is led along straight lines through an object, and what its surface point does.
+//! A HIP that is led along straight lines through an object, and the path of its surface point.
 
 use touchstone_control::Position;
 use touchstone_control::space::environment::{Cuboid, Plane, Plate};
@@ -27,7 +27,7 @@ pub fn plane(normal: Direction<F>, height: f64) -> Plane<F> {
     }
 }
 
-/// All touches along a path of straight lines, in mm, at so many ticks a leg.
+/// All touches along a path of straight lines, in mm, with this many ticks a leg.
 #[must_use]
 pub fn along(
     rule: Rule<F>,

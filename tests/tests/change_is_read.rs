@@ -1,4 +1,4 @@
-//! The encoder is read once more when the force changes: what a reading that fails costs, and where there is none.
+//! The second reading of the encoder when the force changes: the cost of a failed reading, and drives without one.
 
 use touchstone_control::{ChangeOfForce, Si};
 use touchstone_drive::change::law_settings;

@@ -21,7 +21,7 @@ struct Setup {
     motor: MotorParameters,
     shunts: [Shunt; 2],
     preloaded: Drive,
-    /// What the next control tick will ask for.
+    /// The command of the next control tick.
     wanted: CurrentCommand,
     command: CurrentCommand,
     alive: bool,
@@ -60,7 +60,7 @@ impl Setup {
         setup
     }
 
-    /// One period; with a new command whenever one is due.
+    /// Runs one period, with a new command whenever one is due.
     fn period(&mut self) -> CurrentOutput {
         let now = self.rig.now();
         let sample = CurrentSample {
@@ -94,7 +94,7 @@ impl Setup {
         out
     }
 
-    /// The control tick: reads the shaft as it is now.
+    /// Runs the control tick, which reads the shaft as it is now.
     fn control(&mut self) {
         let now = self.rig.now();
         let turn = |rad: f64| rad / std::f64::consts::TAU;
@@ -108,7 +108,7 @@ impl Setup {
         };
     }
 
-    /// Up to and with the next control tick.
+    /// Runs up to and including the next control tick.
     fn tick(&mut self) {
         while !self.period().pend_control {}
     }
@@ -150,8 +150,9 @@ fn a_step_of_current_is_there_in_a_millisecond_without_overshoot() {
     }
 }
 
-/// What the guard's books rest on: how much of a change of force is missing when the encoder is read once more, and how late the change is in
-/// the mean; with the motor's and the bridge's own time, and a reading a quarter of a period after each sample.
+/// The assumptions of the guard's account: how much of a change of force is missing at the encoder's second reading,
+/// and how late the change is in the mean. With the motor's and the bridge's own time, and a reading a quarter of a
+/// period after each sample.
 #[test]
 fn a_step_of_current_comes_as_the_guard_counts_on() {
     let settings = DeviceSettings::defaults(Board::NucleoG474re);

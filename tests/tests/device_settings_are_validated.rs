@@ -1,4 +1,4 @@
-//! A device's settings: both sides of every bound, the bounds between settings, and what a refusal says.
+//! A device's settings: both sides of every bound, the bounds between settings, and the text of a refusal.
 
 use touchstone_control::{LawKind, Regulate, Si};
 use touchstone_drive::wire::{checked, hardware};
@@ -8,7 +8,7 @@ use touchstone_protocol::settings::{
 };
 use touchstone_protocol::{Board, Decimal, DeviceSettings};
 
-/// Settings that leave every other as much room as there is.
+/// Settings that leave every other setting its whole range.
 fn roomy(board: Board) -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(board);
     let largest = hardware(board).current_max_a;
@@ -64,7 +64,8 @@ const PARTS_OF_THE_SUM: [(&str, u32); 4] = [
     ("law.filter.ground_damping_n_m_s_per_rad", 1),
 ];
 
-/// Its range is the law's, for all number formats and rates; a device's format holds `B/T` up to 2^19 N·m/rad.
+/// The damper, whose range is the law's, for all number formats and rates; a device's format holds `B/T` up to 2^19
+/// N·m/rad.
 const DAMPER: &str = "law.virtual_damping_n_m_s_per_rad";
 
 /// What each board says of a field's value.
@@ -99,7 +100,7 @@ fn both_ends_of_every_range_are_accepted_on_some_board() {
     }
 }
 
-/// Twice the sum is a gain of `fixed32`, which has 12 fractional bits and 19 above the point: each part may come, the others at their
+/// Twice the sum is a gain of `fixed32`, which has 12 fractional bits and 19 above the point. Each part may come, the others at their
 /// least, just below 2^18 N·m/rad, and is named for what is more.
 #[test]
 fn a_part_of_the_filters_sum_may_be_what_the_format_holds() {
@@ -171,7 +172,7 @@ fn beyond_every_range_the_path_the_value_and_the_range_are_named() {
     }
 }
 
-/// What a change of the defaults is refused for.
+/// The reason for which a change of the defaults is refused.
 fn refusal(board: Board, change: impl Fn(&mut DeviceSettings)) -> String {
     let mut settings = DeviceSettings::defaults(board);
     settings.law = LawSettings::thesis();

@@ -18,7 +18,7 @@ fn bits(random: &mut Random) -> u32 {
     if word & 32 == 0 { shifted } else { !shifted }
 }
 
-/// Once in so many times.
+/// True once in this many times on average.
 fn once_in(random: &mut Random, times: u64) -> bool {
     (random.bits() >> 20).is_multiple_of(times)
 }

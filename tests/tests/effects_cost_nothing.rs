@@ -134,8 +134,8 @@ fn what_a_scene_does_not_name_costs_no_instruction() {
     );
 }
 
-/// Instructions by which a stage around the law's side may cost more than what it computes: two calls' worth, the one to it and the
-/// one from it to what is inside, and the question whether it changed the torque, of which estimator and guard must be told.
+/// Instructions that a stage may cost beyond its own computation: two calls, the one to it and the one from it to the
+/// inner part, and the check whether it changed the torque, which estimator and guard must learn.
 const STAGE: f64 = 32.0;
 
 /// Every column of a run, in bits.

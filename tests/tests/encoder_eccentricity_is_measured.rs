@@ -1,5 +1,5 @@
-//! A calibration that measures also tells what an encoder's magnet out of the axis makes of the angle: both orders within a count and a
-//! hundredth of their amplitude, and within twice what it says that it does not know. `-- --nocapture` shows by how much.
+//! A calibration that measures also finds the encoder's error from an off-centre magnet: both orders within a count
+//! and a hundredth of their amplitude, and within twice their stated uncertainty. `-- --nocapture` shows by how much.
 
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -28,7 +28,7 @@ const KNOB: Device = Device {
 
 const COUNTS: u32 = 16_384;
 const COUNT_RAD: f64 = TAU / COUNTS as f64;
-/// What is found may be off by a count and this part of the amplitude.
+/// The found value may be off by a count and this share of the amplitude.
 const OFF_MOST: f64 = 0.01;
 
 const fn torque(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
@@ -67,7 +67,7 @@ impl Tamper for Noisy {
     }
 }
 
-/// A case: the encoder's error in degrees and its phases, and what else is there.
+/// A case: the encoder's error in degrees and its phases, and other disturbances.
 #[derive(Clone, Copy)]
 struct Case {
     degrees: [f64; 2],
@@ -100,7 +100,7 @@ fn settings(case: &Case) -> DeviceSettings {
     settings
 }
 
-/// What a calibration tells, and the truth as the zero that it set sees it.
+/// Telemetry of a calibration, and the true error from the zero that it set.
 fn told(case: &Case, seed: u64) -> (Vec<CalibrationTick>, KnownEncoder, [Complex<f64>; 2]) {
     let settings = settings(case);
     let [r, flux, j, b, friction] = case.parts;
@@ -169,13 +169,13 @@ fn told(case: &Case, seed: u64) -> (Vec<CalibrationTick>, KnownEncoder, [Complex
     (ticks, known, truth)
 }
 
-/// What is found, and the truth.
+/// The found error and the true one.
 fn measured(case: &Case, seed: u64) -> (Eccentricity, [Complex<f64>; 2]) {
     let (ticks, known, truth) = told(case, seed);
     (Eccentricity::new(&ticks, &known).unwrap(), truth)
 }
 
-/// How far each order is off, rad; by itself, and in parts of what is said not to be known, with half a count.
+/// Error of each order, rad; alone, and as a share of the stated uncertainty, with half a count.
 fn off(found: &Eccentricity, truth: &[Complex<f64>; 2]) -> [[f64; 2]; 2] {
     std::array::from_fn(|index| {
         let it = &found.harmonics[index];

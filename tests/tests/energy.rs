@@ -1,4 +1,4 @@
-//! Energy over ten million ticks: what the law's side adds up, what crossed the port, and where it all went.
+//! Energy over ten million ticks: what the law's side sums up, what crossed the port, and where it all went.
 
 use touchstone_control::observer::{ExactObserver, ThesisObserver};
 use touchstone_control::{CountScale, Force, Position, Settings, Si};
@@ -36,7 +36,7 @@ impl Sum {
     }
 }
 
-/// All that goes into and out of device and hand.
+/// Energies that go into and out of device and hand.
 #[derive(Debug, Clone, Copy, Default)]
 struct Books {
     motor: Sum,
@@ -47,7 +47,7 @@ struct Books {
     last_rest: Option<f64>,
 }
 
-/// A plant whose every tick is entered in the books.
+/// A plant whose every tick is entered in the energy account.
 struct Audited<'a, S> {
     plant: S,
     books: &'a mut Books,
@@ -83,7 +83,7 @@ impl<S: Stepper> Crossing for Audited<'_, S> {
     }
 }
 
-/// The law's side: observers that see what the law sees.
+/// The law's side: observers with the law's own inputs.
 struct Observers {
     exact: ExactObserver<f64>,
     thesis: ThesisObserver<f64>,

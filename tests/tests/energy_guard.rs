@@ -1,4 +1,4 @@
-//! The energy guard keeps its promise at the hand's port: in every window of time no hand gets out more than the capacity and
+//! The energy guard keeps its promise at the hand's port. In every window of time no hand gets out more than the capacity and
 //! the refill, whatever the delay, whatever the law, whether it is looked for or not.
 
 use std::f64::consts::TAU;
@@ -46,8 +46,8 @@ fn a_motion_at_20_hz_gets_out_no_more_than_promised() {
     }
 }
 
-/// A hand that presses, rests and is gone faster than the guard answers for: the guard lets go one tick later, and what that tick gave is
-/// beside the bound, not in it. At 50 rad/s, which it answers for, there is no such tick.
+/// A hand presses, rests and then leaves faster than the guard's overspeed. The guard lets go one tick later, and the
+/// energy of that tick comes on top of the bound. At 50 rad/s, below the overspeed, there is no such tick.
 #[test]
 fn a_tick_of_overspeed_counts_by_itself() {
     let gone = |rad_per_s: f64| {
@@ -82,7 +82,7 @@ fn a_tick_of_overspeed_counts_by_itself() {
     );
 }
 
-/// The books of a guard that does not know of the delay are wrong, and a search finds it: the tests here can fail.
+/// The account of a guard that does not know of the delay are wrong, and a search finds it: the tests here can fail.
 #[test]
 fn a_guard_that_does_not_know_the_delay_does_not_hold() {
     for delay in [0.1, 0.5, 1.0] {
@@ -97,8 +97,9 @@ fn a_guard_that_does_not_know_the_delay_does_not_hold() {
     }
 }
 
-/// A board as shipped: 0.1 ms until a voltage acts and 0.265 ms of a current loop, of which its guard is told nothing, as it takes positions
-/// once a tick. The law that ships, without its damper; the same hands where the guard is told, and the position taken when the force changes.
+/// A board as shipped: 0.1 ms until a voltage acts and 0.265 ms of a current loop. Its guard takes positions once a
+/// tick and assumes none of that delay. The shipped law, without its damper; compared with a guard that knows the
+/// delay, and takes the position when the force changes.
 #[test]
 fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
     let shipped = GuardSettings::default();
@@ -131,9 +132,10 @@ fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
     }
 }
 
-/// A board as it ships: its current loop as it acts, and one more reading of the encoder when half of a change of force is there. What
-/// remains is the rest of a change that comes after the tick. With the same guard and without that reading, or with positions taken once a
-/// tick, the same search takes more; and what it finds there, or found against a guard that was told of no delay, is played to the board too.
+/// A board as shipped: its current loop, and a second reading of the encoder when half of a change of force has taken
+/// place. What remains is the part of a change that comes after the tick. With the same guard without that reading, or
+/// with positions taken once a tick, the same search takes more. The hands that it finds there, or against a guard
+/// that assumes no delay, are played to the board too.
 #[test]
 fn a_board_that_reads_when_the_force_changes_keeps_the_promise() {
     let (board, law) = BoardLoop::shipped();
@@ -221,7 +223,7 @@ fn beyond_the_end(port: &Port, centre_rad: f64, amplitude_rad: f64, hz: f64) -> 
     port.play(&mut Imposed::new(path), 18_000)
 }
 
-/// What a search had found beyond the end of positions: with samples that stand still there the hand got 1.5 J out.
+/// A finding of the search beyond the end of positions: with samples that stand still there, the hand got 1.5 J out.
 #[test]
 fn no_motion_goes_uncounted_where_positions_end() {
     let mut worst = 0.0_f64;
@@ -248,7 +250,7 @@ fn no_motion_goes_uncounted_where_positions_end() {
     assert!(worst > 0.5 * CAPACITY_J, "{worst}");
 }
 
-/// The same where the position at the change of force is measured.
+/// The bound also holds where the position at the change of force is measured.
 #[test]
 fn measuring_the_change_of_force_holds_as_well() {
     for delay in [0.1, 0.5, 0.9] {
@@ -266,7 +268,8 @@ fn measuring_the_change_of_force_holds_as_well() {
     }
 }
 
-/// Holding (0 Hz), wiggling, trembling. Ten seconds here; an hour is `--example untouched -- 3600`.
+/// Checks a hand that holds (0 Hz), wiggles or trembles for ten seconds; `--example untouched -- 3600` does it for an
+/// hour.
 #[test]
 fn a_good_wall_is_left_untouched() {
     for (law, name, delay) in [(SOFT, "5", 0.0), (SOFT, "5", 0.5), (STIFF, "20", 0.0)] {

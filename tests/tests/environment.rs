@@ -1,4 +1,4 @@
-//! Walls on both sides, several walls and detents: what they promise together, over hostile motions and every law.
+//! Walls on both sides, several walls and detents: their joint promise, over hostile motions and every law.
 
 use touchstone_control::environment::{
     Counted, DetentSettings, Environment, Face, MOST_WALLS, Reading, Refused, Side, Spacing,
@@ -276,10 +276,10 @@ fn a_reading_is_odd() {
     }
 }
 
-/// Turns of a knob that nobody turns by chance.
+/// A position so many turns away that it cannot occur by chance.
 const FAR: i64 = 10_000;
 
-/// A wall so many turns further on.
+/// A wall this many turns further on.
 fn further(wall: &WallSettings, turns: i64) -> WallSettings {
     // A turn in 2^-64 rad.
     let way = (i128::from(turns) * 0x6_487e_d511_0b46_11a6 + (1 << 31)) >> 32;

@@ -57,8 +57,8 @@ fn newton_metres(force: Force<Fixed32>) -> f64 {
     force.0.to_num()
 }
 
-/// A change adds the difference at its first tick, and lets go of it at the rate: beside it, the same environment without a change and
-/// without a guard that would know of both.
+/// A change adds the difference at its first tick, and lets it fade at the rate. It is compared with the same
+/// environment without a change, and without a guard, which would react to both.
 #[test]
 fn a_change_adds_what_is_let_go_of_and_nothing_else() {
     let mut random = Random::new(7);
@@ -126,8 +126,8 @@ fn a_change_adds_what_is_let_go_of_and_nothing_else() {
     );
 }
 
-/// A hand that does not move feels the rate and no more, whatever appears or goes; only what a law does by itself comes on top, and a
-/// spring does nothing.
+/// A hand that does not move feels the rate and no more, whatever appears or goes. Only a law's own change of force
+/// comes on top, and a spring has none.
 #[test]
 fn a_hand_that_rests_feels_the_rate_and_no_more() {
     let settings = settings(LawKind::Spring, StatesKind::Measured);
@@ -198,7 +198,7 @@ fn a_wall_alone_hands_over_as_an_environment_of_it_does() {
     assert!(touched > 40, "{touched}");
 }
 
-/// What a hand gets out by having walls put under it again and again is what one account bounds.
+/// One account bounds what a hand gets out by having walls put under it again and again.
 #[test]
 fn many_changes_have_one_account() {
     let mut settings = settings(LawKind::Spring, StatesKind::Measured);

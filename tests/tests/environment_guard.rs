@@ -6,7 +6,7 @@ use touchstone_tests::environment::{COUNT_RAD, at, built, detents, mirrored, wal
 use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
 
-/// What a hand got out of the motor so far, J, at the true positions.
+/// Energy that a hand got out of the motor so far, J, at the true positions.
 struct Audit {
     force: f64,
     at: f64,
@@ -36,7 +36,8 @@ impl Audit {
     }
 }
 
-/// Into one wall within a tick and out within the next, then into the other one: every wall pays for each way out what nobody put in.
+/// Into one wall within a tick and out within the next, then into the other one: on each way out a wall without a
+/// guard pays for more than the hand put in.
 #[test]
 fn one_account_answers_for_all_walls_and_detents() {
     let mut settings = Settings {

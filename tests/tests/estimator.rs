@@ -31,9 +31,8 @@ fn float_agrees_with_the_matrices() {
     }
 }
 
-/// What rounding does in one tick to each state, and once more in what is shown, from the steps of the format and from how
-/// large states and commands became. Half a step of a weight is 2^-27 of a motion and 2^-31 of a torque; a part is cut at
-/// 2^-28.
+/// Rounding of each state in one tick, and once more in the output, from the steps of the format and the size of
+/// states and commands. Half a step of a weight is 2^-27 of a motion and 2^-31 of a torque; a part is cut at 2^-28.
 fn rounding(largest: [f64; 3], delay: f64, force: f64) -> ([f64; 3], [f64; 2]) {
     let (weight, torque, part) = (2f64.powi(-27), 2f64.powi(-31), 2f64.powi(-28));
     let [d, g, r] = largest;

@@ -1,4 +1,4 @@
-//! What every law promises whatever the user does, over every choice of every law: no force outside, never more than the
+//! What every law promises whatever the user does, over every choice of every law. No force outside, never more than the
 //! limit, no pull where it has no business to pull, nothing remembered after leaving, the same again for the same input.
 
 use touchstone_control::law::Contact;

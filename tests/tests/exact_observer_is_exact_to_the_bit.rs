@@ -53,7 +53,7 @@ fn over_ten_million_ticks_of_random_motion_and_force() {
     assert!(largest > 1 << 50 && largest < 1 << 62, "{largest:e}");
 }
 
-/// The same for a narrow format, whose sum leaves its range now and then: what is expected saturates as it should.
+/// The same for a narrow format, whose sum leaves its range now and then: the expected sum saturates there.
 macro_rules! narrow {
     ($name:ident, $format:ty, $signal:ty, $int:ty, $wide:ty) => {
         #[test]

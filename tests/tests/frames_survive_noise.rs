@@ -11,7 +11,7 @@ use touchstone_tests::random::Random;
 
 const FRAMES: usize = 1_000_000;
 
-/// What a decoder made of bytes: payloads, and how many errors it gave.
+/// A decoder's result for some bytes: payloads, and the number of errors.
 fn take(decoder: &mut Decoder, bytes: &[u8]) -> (Vec<Vec<u8>>, u32) {
     let (mut payloads, mut errors) = (Vec::new(), 0);
     for &byte in bytes {

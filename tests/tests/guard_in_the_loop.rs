@@ -1,4 +1,4 @@
-//! The guard where it stands, between law and motor: what scenes and devices do with it.
+//! The guard in its place between law and motor, in scenes and devices.
 
 use touchstone_control::{
     Controller, CountScale, Fixed16, Fixed32, Force, LawKind, Position, Reported, Settings, Si,
@@ -18,8 +18,8 @@ fn at(rad: f64) -> Position<Fixed32> {
     Position::from_f64(rad)
 }
 
-/// Laws that ring and kick in the hands of three grips, with every delay: whatever they do, the hand gets out at most the account,
-/// its refill and the encoder's share, and what the device's own motion held.
+/// Laws that ring and kick in the hands of three grips, with every delay. The hand gets out at most the account, its
+/// refill, the encoder's share, and what the device's own motion held.
 #[test]
 fn no_law_gives_more_than_the_account() {
     let (capacity_j, refill_w) = (0.045, 0.0005);
@@ -119,7 +119,8 @@ fn counted<N: Reported>(wall: &mut Controller<N>, count: i64) -> f64 {
     wall.tick(scale.penetration(count)).to_f64()
 }
 
-/// What a hand got out that wandered about the end of positions, J above the refill in the worst window, and how often it armed again.
+/// Energy of a hand that wandered about the end of positions, J above the refill in the worst window, and how often it
+/// armed again.
 fn wandering<N: Reported>(settings: &Settings, end_rad: f64, seed: u64) -> (f64, u32) {
     let fresh = Controller::<N>::new(settings).unwrap();
     let mut wall = fresh;
@@ -178,8 +179,8 @@ fn no_way_across_the_end_of_positions_goes_uncounted() {
     }
 }
 
-/// What a hand got out that has the force switched off every now and then, J above the refill in the worst window, and how much of it
-/// under the last force of an arming; with the guard told of it, or not.
+/// Energy of a hand that has the force switched off now and then, J above the refill in the worst window, and how much
+/// of it under the last force of an arming; with a guard that is told of the switching off, or is not.
 fn switching_off(told: bool, seed: u64) -> (f64, f64) {
     let mut settings = Settings::thesis();
     settings.guard.on = true;
@@ -213,7 +214,7 @@ fn switching_off(told: bool, seed: u64) -> (f64, f64) {
     (most, last)
 }
 
-/// Whoever has the force switched off gets no more out for it, however often.
+/// A hand that has the force switched off gets no more energy out by that, however often.
 #[test]
 fn what_the_last_force_of_an_arming_does_is_counted() {
     let capacity_j = Settings::thesis().guard.capacity.to_num::<f64>();

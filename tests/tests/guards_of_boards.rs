@@ -1,5 +1,5 @@
-//! `proofs/coq/Boards.v` is about the guards that boards ship with: the coefficients of each board's default settings, with what its
-//! current loop makes of delay and lag, and the device that those are of.
+//! `proofs/coq/Boards.v` describes the shipped boards' guards: the coefficients of each board's default settings, with
+//! its current loop's delay and lag, and the device that they assume.
 
 use touchstone_control::{Fixed32, Guard};
 use touchstone_drive::{change, wire};

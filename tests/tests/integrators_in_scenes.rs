@@ -1,4 +1,4 @@
-//! A scene's integrator takes the exact step's place, converges to it, and costs nothing where none is named.
+//! A scene's integrator replaces the exact step, converges to it, and costs nothing in scenes that name none.
 
 use touchstone_sim::run;
 use touchstone_sim::scene::{Choice as _, Integrator, Scene};

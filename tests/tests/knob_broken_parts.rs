@@ -1,4 +1,4 @@
-//! Parts that break while the motor drives: the fault, and what the hand was given until then.
+//! Parts that break while the motor drives: the fault, and the energy that the hand got until then.
 
 use touchstone_drive::calibration::Reason;
 use touchstone_drive::encoder::Frames;
@@ -13,7 +13,7 @@ fn settings() -> DeviceSettings {
     settings
 }
 
-/// The magnet has slipped by so many counts since the calibration.
+/// The magnet has slipped by this many counts since the calibration.
 struct Slip {
     counts: i64,
 }
@@ -88,7 +88,7 @@ fn a_slipped_magnet_is_found_before_the_motor_gives_a_fifth_of_a_joule() {
     }
 }
 
-/// Loses readings from tick 8,000 on: every so many of each kind.
+/// Loses readings from tick 8,000 on: one in this many of each kind.
 struct Lossy {
     tick: Option<u32>,
     change: Option<u32>,
@@ -106,7 +106,7 @@ impl Tamper for Lossy {
     }
 }
 
-/// Which kind of reading the fault names, and the ticks that it took.
+/// The kind of reading that the fault names, and the number of ticks until then.
 fn lost(tick: Option<u32>, change: Option<u32>) -> Option<(i32, u32)> {
     let mut knob = Knob::new(&settings(), GIMBAL, 0.0, Lossy { tick, change }).armed();
     for _ in 0..60_000 {
@@ -140,16 +140,16 @@ fn bad_readings_that_are_not_in_a_row_are_a_fault_and_a_few_are_not() {
     assert_eq!(lost(Some(100), Some(100)), None);
 }
 
-/// What a current sensor says from tick 8,000 on.
+/// Fault of a current sensor from tick 8,000 on.
 #[derive(Debug, Clone, Copy)]
 enum Sensor {
-    /// Its resting value.
+    /// The part always gives its resting value.
     Rests(usize),
-    /// What it said then.
+    /// The part keeps giving the value of that moment.
     Frozen(usize, Option<u16>),
     /// Half of what it should.
     Half(usize),
-    /// A sixteenth.
+    /// The part gives a sixteenth of its value.
     Weak(usize),
 }
 impl Tamper for Sensor {
@@ -298,7 +298,7 @@ impl Tamper for Good {
     }
 }
 
-/// A brisk hand at a good device, so many ticks.
+/// A brisk hand at a good device, for this many ticks.
 fn good(motor: MotorParameters, dead_share: f64, ticks: u32, hertz: f64) {
     let mut knob = Knob::new(&settings(), motor, 0.0, Good(ticks));
     knob.rig.bridge.dead_share = dead_share;
@@ -320,7 +320,7 @@ fn good(motor: MotorParameters, dead_share: f64, ticks: u32, hertz: f64) {
     assert!(touched > ticks / 50, "{touched} of {ticks}");
 }
 
-/// As long as `TOUCHSTONE_TICKS` says; 10,000 ticks of each, which are 10 s, where it says nothing.
+/// `TOUCHSTONE_TICKS` sets the length; the default is 10,000 ticks of each, which are 10 s.
 #[test]
 fn good_devices_raise_no_alarm() {
     let ticks =

@@ -16,7 +16,7 @@ fn settings(kind: EncoderKind, pole_pairs: u8) -> DeviceSettings {
     settings
 }
 
-/// Electrical degrees between what was found and the truth.
+/// Error of the found alignment, electrical degrees.
 fn error_deg<T: Tamper>(
     knob: &Knob<T>,
     motor: &MotorParameters,

@@ -74,7 +74,7 @@ fn armed(what: What) -> Knob<Inject> {
     knob
 }
 
-/// Nothing that a person can ask for arms it, until it was stopped and calibrated.
+/// Checks that no request arms the device until it was stopped and calibrated.
 fn stays_off(knob: &mut Knob<Inject>, code: FaultCode) {
     for command in [
         Command::Arm,
@@ -112,7 +112,7 @@ fn stays_off(knob: &mut Knob<Inject>, code: FaultCode) {
     assert_eq!(knob.device.state(), State::Armed);
 }
 
-/// Injects; the fault must be there within so many control ticks, with nothing on from the first bad one.
+/// Injects a fault; it must be latched within this many control ticks, with the outputs off from the first bad one.
 fn within(ticks: u32, code: FaultCode, what: What) -> i32 {
     let mut knob = armed(what);
     for tick in 1..=ticks {

@@ -35,7 +35,7 @@ fn known(settings: &DeviceSettings) -> KnownMotor {
     }
 }
 
-/// What the desktop makes of a record.
+/// A telemetry record as the desktop evaluates it.
 fn told(telemetry: &Telemetry) -> Option<MotorTick> {
     let milli = |value: i32| 1e-3 * f64::from(value);
     telemetry.measuring.map(|it| MotorTick {
@@ -47,7 +47,7 @@ fn told(telemetry: &Telemetry) -> Option<MotorTick> {
     })
 }
 
-/// Calibrates; what was told on the way, and where it ended.
+/// Calibrates; returns the telemetry, and the final state.
 fn calibrated<T: Tamper>(
     settings: &DeviceSettings,
     truth: MotorParameters,
@@ -75,7 +75,7 @@ fn measured(truth: MotorParameters, knob: Device) -> MeasuredMotor {
     motor(&ticks, &known(&settings)).unwrap()
 }
 
-/// How far it is off: R, L, flux, J in parts; b and friction in parts of what is allowed.
+/// Errors of the result: R, L, flux, J relative; b and friction over the allowed error.
 fn errors(found: &MeasuredMotor, truth: &MotorParameters, knob: &Device) -> [f64; 6] {
     let part = |found: f64, truth: f64| found / truth - 1.0;
     let allowed = |found: f64, truth: f64, floor: f64| (found - truth) / (0.2 * truth).max(floor);

@@ -14,7 +14,7 @@ fn settings(kind: EncoderKind) -> DeviceSettings {
     settings
 }
 
-/// A knob with dry friction, which nobody holds.
+/// A knob with dry friction and without a hand.
 fn knob<T: Tamper>(
     settings: &DeviceSettings,
     motor: MotorParameters,
@@ -80,7 +80,7 @@ fn reason(state: State) -> Option<Reason> {
     }
 }
 
-/// By how many electrical degrees the device is wrong about its rotor.
+/// Error of the device's rotor angle, electrical degrees.
 fn wrong_deg<T: Tamper>(knob: &Knob<T, BareCoulomb>, motor: &MotorParameters, start: f64) -> f64 {
     // Count 0 is where the device was switched on.
     let truth = motor.electrical_rad(start) / TAU * 65_536.0;

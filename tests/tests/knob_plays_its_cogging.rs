@@ -87,7 +87,7 @@ fn bare<T: Tamper>(
     knob
 }
 
-/// A calibration with a sweep; what was told on the way.
+/// Calibrates with a sweep; returns the telemetry.
 fn sweep<T: Tamper, S: Stepper>(knob: &mut Knob<T, S>, sweep: Sweep) -> Vec<SweepTick> {
     knob.ask(Command::Stop);
     knob.tick();
@@ -102,7 +102,7 @@ fn sweep<T: Tamper, S: Stepper>(knob: &mut Knob<T, S>, sweep: Sweep) -> Vec<Swee
     ticks
 }
 
-/// What the desktop makes of a record.
+/// A telemetry record as the desktop evaluates it.
 fn told<T: Tamper, S: Stepper>(knob: &Knob<T, S>) -> Option<SweepTick> {
     let record = knob.telemetry();
     record.measuring.map(|it| SweepTick {
@@ -186,10 +186,11 @@ fn a_sweep_finds_the_cogging_and_the_map_takes_the_ripple_away() {
     }
 }
 
-/// Orders of the cogging, and of what an offset of the current sensors makes.
+/// Orders of the cogging, and of the torque that an offset of the current sensors causes.
 const ORDERS: [f64; 5] = [7.0, 12.0, 14.0, 84.0, 168.0];
 
-/// What a hand that turns the armed knob evenly feels of motor and cogging together, at their orders: effective value, N·m.
+/// Torque of motor and cogging together on a hand that turns the armed knob evenly, at their orders: effective value,
+/// N·m.
 fn felt(
     settings: &DeviceSettings,
     map: Option<&CoggingMap>,

@@ -1,5 +1,5 @@
-//! The whole knob, from encoder frame to motor current: its force is the simulator's controller's, to the bit, for the counts that
-//! it read; the motor's torque is that force; and the wall holds the hand.
+//! The whole knob, from encoder frame to motor current: its force is the simulator's controller's, bit for bit, for the counts that
+//! it read. The motor's torque is that force; and the wall holds the hand.
 
 use touchstone_control::{ChangeOfForce, Controller, CountScale, Fixed32, Force, Position, Si};
 use touchstone_drive::change::law_settings;
@@ -86,7 +86,8 @@ fn the_force_is_the_simulators_to_the_bit() {
     }
 }
 
-/// What a guard that is told of the board's delay, and reads the encoder when the force changes, costs a hand that means no harm: nothing.
+/// A guard that knows the board's delay, and reads the encoder when the force changes, does not reduce the force of an
+/// ordinary press.
 #[test]
 fn a_guard_that_is_told_changes_no_force_of_a_press() {
     for (k, kind) in [

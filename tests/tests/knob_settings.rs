@@ -1,4 +1,4 @@
-//! When settings count: from the next calibration on, and never after they were refused.
+//! Settings take effect from the next calibration on, and never after they were refused.
 
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::{Device, DeviceSettings, Si};

@@ -1,4 +1,4 @@
-//! What a reset leaves behind: which starts are faults, and with which value.
+//! The reset reasons: which starts are faults, and with which value.
 
 use touchstone_drive::{DeviceSettings, ResetFlags, ResetReason};
 use touchstone_protocol::FaultCode;

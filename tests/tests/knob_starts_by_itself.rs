@@ -1,4 +1,5 @@
-//! A start by itself: it asks for what a person would ask for, once, where all is as it should be, and for nothing where it is not.
+//! An unattended start: the board gives the commands of a person, once, where everything is in order, and none where
+//! something is not.
 
 use touchstone_drive::autostart::{Autostart, Glance, STEP_MS};
 use touchstone_drive::{DeviceSettings, ResetReason, Si};
@@ -8,7 +9,7 @@ use touchstone_world::motor::GIMBAL;
 
 const STEPS_A_SECOND: u32 = 1_000 / STEP_MS;
 
-/// All as it should be.
+/// Inputs in which everything is in order.
 const GOOD: Glance = Glance {
     state: State::Boot,
     is_supplied: true,
@@ -29,7 +30,7 @@ fn asked() -> Autostart {
     Autostart::new(true, ResetReason::PowerOn, true)
 }
 
-/// Steps with this until a command comes, for so many seconds at most; the command and when.
+/// Steps with these inputs until a command comes, for at most this many seconds; returns the command and its time.
 fn until(
     autostart: &mut Autostart,
     seconds: u32,
@@ -232,7 +233,7 @@ fn what_goes_wrong_between_check_and_arming_ends_it() {
     }
 }
 
-/// The supervisor's step around a whole knob: nobody speaks to it.
+/// The supervisor's step around a whole knob, without a desktop.
 #[test]
 fn a_knob_nobody_speaks_to_arms_and_its_force_fades_in() {
     let mut settings = DeviceSettings::default();

@@ -164,7 +164,7 @@ fn the_enhanced_law_never_pulls_inside_the_wall() {
     }
 }
 
-/// The published observer lends nothing: what the thesis' form shows, it shows by its own sum.
+/// The published observer lends nothing: what the thesis' form displays, it displays by its own sum.
 #[test]
 fn the_published_observer_has_no_loan() {
     for (observer, lent) in [(ObserverForm::Thesis, false), (ObserverForm::Exact, true)] {

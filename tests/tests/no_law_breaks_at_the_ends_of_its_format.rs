@@ -1,4 +1,4 @@
-//! The worst positions that a format can hold, in every order, through every choice of every law: the force stays within its
+//! The worst positions that a format can hold, in every order, through every choice of every law. The force stays within its
 //! limit, nothing overflows (the tests are built with overflow checks), and the float formats never make a NaN.
 
 use touchstone_control::{
@@ -11,7 +11,7 @@ use touchstone_tests::variants::all;
 /// Every sequence of this many positions.
 const LENGTH: u32 = 6;
 
-/// As a measured value arrives: the ends of the format, and next to the surface.
+/// Measured values at their worst: the ends of the format, and next to the surface.
 fn worst<N: Reported>() -> [Position<N>; 6] {
     [
         Position::from_f64(-1e9),

@@ -1,7 +1,7 @@
 //! The enhanced law in every number format against f64, on the same encoder counts.
 //!
 //! The counts are those of a closed loop with the default format, recorded for each thesis scene and played to all formats
-//! alike: so a difference is the format's and not that of another trajectory.
+//! alike. So a difference is the format's and not that of another trajectory.
 
 use touchstone_control::{CountScale, Fixed16, Fixed32, LawKind, Reported, Si};
 use touchstone_lab::thesis::{COUNTS, GRIPS, STIFFNESSES, cell};
@@ -10,7 +10,7 @@ use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::Scene;
 use touchstone_tests::thesis;
 
-/// What the encoder read.
+/// The encoder's counts.
 struct Counts {
     step_rad: f64,
     surface_rad: f64,
@@ -55,7 +55,7 @@ fn largest(a: &[f64], b: &[f64]) -> (f64, usize) {
         )
 }
 
-/// The thesis scenes with the enhanced law, by what they are called.
+/// The thesis scenes with the enhanced law, with their names.
 fn scenes() -> Vec<(String, Scene)> {
     let base = thesis("thesis-knob");
     let mut scenes = Vec::new();
@@ -74,7 +74,7 @@ fn scenes() -> Vec<(String, Scene)> {
     scenes
 }
 
-/// Largest difference over all scenes, and what was printed of it.
+/// Largest difference over all scenes, which is also printed.
 fn worst<N: Reported>() -> f64 {
     let mut worst = (0.0, String::new());
     for (name, scene) in scenes() {

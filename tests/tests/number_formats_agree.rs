@@ -2,7 +2,7 @@
 //! formats' own steps explain. Every bound below is derived, tick by tick where errors add up, and none is fitted.
 //!
 //! Angles lie on the coarser format's grid and every stiffness is a multiple of 2^-6, so that both formats see the same press
-//! and the same wall; what differs is how they round. `q` is the sum of what the two formats round off one force.
+//! and the same wall. What differs is how they round. `q` is the sum of what the two formats round off one force.
 
 use touchstone_control::settings::FilterSettings;
 use touchstone_control::{
@@ -37,7 +37,7 @@ fn wall(law: LawKind) -> Settings {
     }
 }
 
-/// One tick of both.
+/// One tick of both formats.
 #[derive(Debug, Clone, Copy, Default)]
 struct Tick {
     e: f64,
@@ -103,12 +103,12 @@ fn compare<N: Grain>(
     largest
 }
 
-/// What the two formats together round off one force.
+/// Sum of both formats' rounding of one force.
 fn quantum<N: Grain>() -> f64 {
     N::FORCE_N_M + Fixed32::FORCE_N_M
 }
 
-/// A bound that nothing comes near says little: the largest difference must be some of it.
+/// Checks that a bound is not far too wide: the largest difference must be a good share of it.
 fn assert_tight(what: &str, largest: f64, bound: f64) {
     assert!(
         largest > bound / 8.0,
@@ -128,7 +128,7 @@ fn springs<N: Grain>() {
 /// Let the two energies be `B` apart. Outwards `f = min(k e, E/|Δ|)` and inwards `f = max(k e, -E/|Δ|)`: in both, `f` changes
 /// by at most `1/|Δ|` per energy, so the forces are `B/|Δ| + q` apart where one was corrected, and `q` where none was. The
 /// next energy is `E + f Δ'`: going on in the same direction that takes away from an error (by at most `|Δ'|/|Δ|` of it), a
-/// turn adds to it; the force's rounding adds `q |Δ'|` and a float's sum its own.
+/// turn adds to it. The force's rounding adds `q |Δ'|` and a float's sum its own.
 fn tdpa<N: Grain>() {
     let q = quantum::<N>();
     let mut apart = 0.0;
@@ -195,7 +195,7 @@ fn fba<N: Grain>() {
     assert_tight(N::NAME, largest, inwards);
 }
 
-/// `k_v = 1` and the step's gain are the same in all formats and steps lie on the grid: the formats differ by what the first
+/// `k_v = 1` and the step's gain are the same in all formats and steps lie on the grid. The formats differ by what the first
 /// contact's last force was rounded, and by the decision "too soft", which may fall either way where it is that close. Such
 /// a tick moves the offsets `2 gain |Δ|` apart, here with `gain = k_c/k_v - 1 = 0.5`; the step itself is rounded once.
 fn sfa<N: Grain>() {

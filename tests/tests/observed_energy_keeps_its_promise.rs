@@ -14,9 +14,9 @@ struct Port {
     /// Penetration of the last tick, 0 outside.
     last: i128,
     held: i128,
-    /// `Σ f(n-1) Δe(n)`: what the port absorbed.
+    /// `Σ f(n-1) Δe(n)`: the energy that the port absorbed.
     exact: i128,
-    /// `Σ f(n) Δe(n)`: what the thesis' sum says.
+    /// `Σ f(n) Δe(n)`: the thesis' sum.
     thesis: i128,
 }
 
@@ -31,7 +31,7 @@ impl Port {
         }
     }
 
-    /// One tick at a penetration in steps of the position's format; gives the force in steps.
+    /// Runs one tick at a penetration in steps of the position's format; returns the force in steps.
     fn tick(&mut self, e: i32) -> i128 {
         let f = self.wall.tick(Position(Signal::from_bits(e)));
         let f = i128::from(f.0.to_bits());
@@ -176,9 +176,9 @@ fn tdpa_with_the_exact_observer_repairs_a_deficit_while_the_motion_goes_on() {
     assert!(repaired > 1_000, "{repaired} repairs only");
 }
 
-/// And where it does not: a motion that turns at every tick makes every guess wrong, and each wrong guess gives away up to
-/// the force limit over that way. No sum of past energy can prevent it; FBA's clamp, which holds for every next displacement,
-/// does.
+/// And where the motion does not go on: if it turns at every tick, every guess is wrong, and each wrong guess gives
+/// away up to the force limit over that way. No sum of past energy can prevent it; FBA's clamp, which holds for every
+/// next displacement, does.
 #[test]
 fn a_motion_that_turns_at_every_tick_defeats_tdpa_with_the_exact_observer_but_not_fba() {
     let (near, far) = (167_772_i32, 201_327_i32); // 10 and 12 mrad

@@ -1,5 +1,6 @@
-//! What a minute's lean leaves behind in the enhanced law once its loan is spent: the offset goes on growing while the energy holds the virtual
-//! mass, and the wall is too strong for as long as that takes to unwind. `docs/hard-cases.md` says why.
+//! What a minute of leaning leaves behind in the enhanced law once its loan is spent. The offset goes on growing while
+//! the energy holds the virtual mass, and the wall is too strong for as long as that takes to unwind.
+//! `docs/hard-cases.md` explains it.
 
 use std::f64::consts::TAU;
 use touchstone_control::{
@@ -9,14 +10,15 @@ use touchstone_tests::random::Random;
 
 const COUNTS_PER_REV: u32 = 40_000;
 
-/// What a lean and its easing to half its depth came to.
+/// Result of a lean and of easing it to half its depth.
 struct Eased {
     offset_rad: f64,
     /// From the end of the easing until the force, in the mean over a tenth of a second, is within 5 % of `k_de` for good; at most 119.
     settled_s: f64,
 }
 
-/// A lean at so many counts with a jitter of a count, eased to half the depth within a second and held there for two minutes.
+/// A lean at this many counts with a jitter of a count, eased to half the depth within a second and held there for two
+/// minutes.
 fn eased(settings: &Settings, depth: i64, lean_s: u32) -> Eased {
     let scale = CountScale::new(COUNTS_PER_REV, Si::ZERO).unwrap();
     let stiffness: f64 = settings.k_desired.to_num();

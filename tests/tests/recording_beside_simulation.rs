@@ -1,5 +1,6 @@
-//! A recording beside its simulation: a knob like its scene stays with it, one that is not parts from it and is told by what it has more or
-//! less of; of the whole drive what a bounce says, as a shield's coarse current sensors rule its slow motion.
+//! A recording compared with its simulation. A knob like its scene agrees; another one differs, and the comparison
+//! names the property that differs. For the whole drive only a bounce is compared, as a shield's coarse current
+//! sensors dominate its slow motion.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -43,7 +44,7 @@ fn said() -> Scene {
     Scene::load("thesis-knob").unwrap().with(change).unwrap()
 }
 
-/// The same as it is when somebody has flicked it.
+/// The same scene after a flick.
 fn flicked() -> Scene {
     let change = |scene: &mut Scene| {
         scene.operator.grip = Grip::None;
@@ -70,7 +71,7 @@ fn kept(test: &str, ticks: impl Iterator<Item = (String, String, String)>) -> Pa
     file
 }
 
-/// What a simulated device would have told.
+/// Telemetry of a simulated device.
 fn simulated(test: &str, of: &Scene) -> PathBuf {
     let trace = run(of, true).unwrap().trace.unwrap();
     let step = std::f64::consts::TAU / f64::from(COUNTS);
@@ -90,7 +91,8 @@ fn compared(test: &str, file: &Path, scene: &Scene, hand: HandWas) -> Beside {
     found
 }
 
-/// Of the span of a flick, 0.2 rad and 76 mN·m: a force of so many counts (0.4 mrad, 5 N·m/rad) is 2.5 % of it.
+/// Allowed difference as a share of a flick's span, 0.2 rad and 76 mN·m. A force of a count (0.4 mrad, 5 N·m/rad) is
+/// 2.5 % of it.
 const LIKE: f64 = 0.02;
 
 #[test]

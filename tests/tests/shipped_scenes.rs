@@ -1,4 +1,4 @@
-//! Every shipped scene runs, and ends as it is known to end.
+//! Every shipped scene runs, and ends in its known way.
 
 use std::path::Path;
 use touchstone_control::LawKind;
@@ -66,7 +66,7 @@ fn presses_come_to_rest_at_the_desired_stiffness_on_credit() {
     }
 }
 
-/// The tuned law on the small motor, by its current and by its voltage, for every grip: the press of 30 mN·m comes to rest at the wall's stiffness, no deeper than the
+/// The tuned law on the small motor, by its current and by its voltage, for every grip. The press of 30 mN·m comes to rest at the wall's stiffness, no deeper than the
 /// scorecard allows, and the guard is not needed.
 #[test]
 fn the_small_knob_shows_its_wall_to_every_grip() {

@@ -1,4 +1,4 @@
-//! The wall as it is shipped, one setting for all of this: three grips and, each alone, a coarser encoder, half and double
+//! The shipped wall, one setting for all of this: three grips and, each alone, a coarser encoder, half and double
 //! inertia and damping, up to a tick of delay; pressed, moved, and let go.
 
 use touchstone_control::Settings;
@@ -137,7 +137,7 @@ fn a_moving_hand_feels_the_stiffness() {
     }
 }
 
-/// In every shipped scene the guard leaves every bit as it is.
+/// Checks that the guard changes no bit in any shipped scene.
 #[test]
 fn the_guard_leaves_the_shipped_scenes_alone() {
     for name in touchstone_sim::scene::names() {
@@ -153,7 +153,7 @@ fn the_guard_leaves_the_shipped_scenes_alone() {
     }
 }
 
-/// One scene, seconds and not ticks: the same settings at other rates.
+/// Settings in seconds instead of ticks: the same scene at other rates.
 #[test]
 fn the_same_settings_serve_other_rates() {
     for rate_hz in [1_000, 2_000, 5_000, 10_000] {

@@ -1,4 +1,4 @@
-//! Estimated states in three axes: the wall of one axis where the surface is one, and the truth where the device rests.
+//! Estimated states in three axes: on a plane they equal those of one axis, and at rest they equal the true state.
 
 use touchstone_control::estimator::EstimatorState;
 use touchstone_control::space::environment::{Plane, Sphere};
@@ -12,7 +12,7 @@ use touchstone_tests::variants;
 
 const RATE_HZ: u32 = 1000;
 
-/// What an omega.3's axis is told to be, with commands that act half a tick late.
+/// Estimator settings of an omega.3's axis, with commands that act half a tick late.
 fn axis() -> EstimatorSettings {
     EstimatorSettings {
         bandwidth_hz: si("62.6"),
@@ -91,7 +91,8 @@ fn a_floor_is_the_wall_of_one_axis_to_the_bit() {
     assert!(pushing > compared / 3, "{pushing} of {compared} push");
 }
 
-/// Held still, at a place and under a force: the estimate is what is measured, to a quantum, whatever the surface does.
+/// Held still, at a place and under a force, the estimate equals the measured place, to a quantum, whatever the
+/// surface does.
 #[test]
 fn at_rest_the_place_is_the_measured_one() {
     let centre = Vector::default();
@@ -116,7 +117,8 @@ fn at_rest_the_place_is_the_measured_one() {
     }
 }
 
-/// What a later stage made of a force is what the estimator goes on with: one that was told of no force at all expects another motion.
+/// The estimator uses the force that was commanded in the end: one that is told of no force at all expects another
+/// motion.
 #[test]
 fn a_force_that_did_not_act_is_told() {
     let law = UNIT.law::<F>(&omega(LawKind::Spring, 5.0)).expect("law");

@@ -1,4 +1,4 @@
-//! On a plane the shell of three axes is the law of one, to the bit: every law with every choice, on planes of any inclination.
+//! On a plane the shell of three axes is the law of one, bit for bit: every law with every choice, on planes of any inclination.
 
 use touchstone_control::law::Sample;
 use touchstone_control::space::environment::Plane;

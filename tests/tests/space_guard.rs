@@ -50,7 +50,7 @@ fn no_hand_in_space_gets_out_more_than_promised() {
     assert!(worst_turn < 3.0 * 6e-8 / 0.01);
 }
 
-/// The test can fail: a guard that is told of no delay does not hold with one.
+/// Shows that the test can fail: a guard that assumes no delay does not hold with one.
 #[test]
 fn a_guard_that_does_not_know_the_delay_does_not_hold() {
     let (_, got) = port(ball, 0.5, Some(0.0)).worst(Way::Policy, 1500, 500, 2);
@@ -102,7 +102,7 @@ fn overspeed_in_any_direction_switches_off() {
     );
 }
 
-/// Near the end of what a coordinate can say no force is shown, and what those of before moved is booked first.
+/// Near the end of a coordinate's range there is no force, and the motion under the earlier forces is booked first.
 #[test]
 fn the_end_of_positions_in_any_direction_takes_the_force_away() {
     let guard = guard();

@@ -1,4 +1,4 @@
-//! The loop of the page of three axes is that of the thesis' comparison: the same hand gives the same forces, to the bit.
+//! The loop of the page of three axes is that of the thesis' comparison: the same hand gives the same forces, bit for bit.
 
 use touchstone_control::{GuardSettings, LawKind, Si};
 use touchstone_lab::thesis::space::{

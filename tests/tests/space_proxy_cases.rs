@@ -97,7 +97,8 @@ fn proxy_case_3_in_a_concave_corner_it_lies_on_the_crease() {
     }
 }
 
-/// Around an edge at 0.3 mm below both faces. The cone keeps the first face until the way out of it is `1/sin` of its angle times that out of the other.
+/// Around an edge at 0.3 mm below both faces. The cone keeps the first face until the way out through it is `1/sin` of
+/// the cone's angle times that through the other.
 #[test]
 fn proxy_case_4_over_a_convex_edge_the_force_turns_continuously() {
     let edge = Edge::new([
@@ -161,7 +162,7 @@ fn proxy_case_5_a_seam_between_coplanar_faces_is_not_felt() {
     }
 }
 
-/// A pyramid of so many faces with its apex at the origin.
+/// A pyramid of this many faces with its apex at the origin.
 fn pyramid(faces: u32) -> Vec<Plane<F>> {
     (0..faces)
         .map(|i| {

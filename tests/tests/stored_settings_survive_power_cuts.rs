@@ -1,4 +1,5 @@
-//! The settings in flash: a cut of power at any write or erase loses nothing but that write, and what is damaged is refused.
+//! The settings in flash: a cut of power at any write or erase loses only that write, and damaged settings are
+//! refused.
 
 use touchstone_control::Si;
 use touchstone_drive::wire::checked;
@@ -12,7 +13,7 @@ use touchstone_protocol::{
 use touchstone_tests::flash::Flash;
 use touchstone_tests::random::Random;
 
-/// As many as the boards have.
+/// Pages of settings on the boards.
 const PAGES: usize = 8;
 /// Enough to go through all pages, and again.
 const SAVES: u16 = 200;
@@ -29,7 +30,7 @@ fn settings(number: u16) -> DeviceSettings {
     settings
 }
 
-/// What is kept for the start with them.
+/// Data for the start that are kept with the settings.
 fn kept(number: u16) -> KeptStart {
     KeptStart {
         alignment: Some(KeptAlignment::new(

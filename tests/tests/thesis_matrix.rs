@@ -1,7 +1,7 @@
 //! The thesis' comparison (§5.1), cell by cell: three grips, encoders of 16,384 and 40,000 counts, default parameters.
 //!
 //! The bounds are those of `docs/figures.md`. A verdict below [`Verdict::LimitCycle`] means that the knob comes to
-//! rest within four encoder counts in every hold; [`Verdict::Active`] then says that the user's port gave energy, and is no
+//! rest within four encoder counts in every hold. [`Verdict::Active`] then says that the user's port gave energy, and is no
 //! instability.
 
 use touchstone_control::LawKind;

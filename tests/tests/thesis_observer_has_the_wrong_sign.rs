@@ -1,4 +1,4 @@
-//! One press of 0.05 rad into 5 N·m/rad and back in 0.2 s, at 1 kHz: the wall *gives* the user 0.154 mJ, because a held
+//! One press of 0.05 rad into 5 N·m/rad and back in 0.2 s, at 1 kHz. The wall *gives* the user 0.154 mJ, because a held
 //! force lags behind the motion by half a tick. The thesis' observer (2.1) reports the same amount with the opposite sign,
 //! as if the wall had taken it; the exact observer reports what the port did.
 
@@ -13,7 +13,7 @@ const TICKS: u32 = 200;
 const STIFFNESS_N_M_PER_RAD: f64 = 5.0;
 const MILLI: f64 = 1e-3;
 
-/// What the sums say after one press, J.
+/// The sums after one press, J.
 struct Press {
     /// The port's own energy, with the angle's analytic velocity between the ticks.
     true_j: f64,
@@ -71,7 +71,7 @@ fn press<N: Reported>() -> Press {
     }
 }
 
-/// To the three digits in which the numbers are quoted.
+/// Compares to the three digits in which the numbers are quoted.
 fn assert_milli(what: &str, value_j: f64, quoted_mj: f64) {
     let value_mj = value_j / MILLI;
     assert!(

@@ -1,5 +1,6 @@
-//! How fine a torque each board gives: its current sensors' code as a torque, and the ripple that a code of noise makes of it, through
-//! the current loop and the motor. `cargo test -p touchstone-tests --test torque_resolution -- --nocapture` prints the table.
+//! Torque resolution of each board: its current sensors' code as a torque, and the ripple that noise of one code
+//! causes through the current loop and the motor. `cargo test -p touchstone-tests --test torque_resolution --
+//! --nocapture` prints the table.
 
 use touchstone_drive::hardware::{B_G431B_ESC1, Hardware, IHM08M1, IHM16M1};
 use touchstone_drive::transform::Dq;
@@ -21,16 +22,17 @@ const KIT: MotorParameters = MotorParameters {
     ..GIMBAL
 };
 
-/// What a board and a motor came to, mN·m.
+/// Results for a board and a motor, mN·m.
 struct Found {
     per_code: f64,
-    /// Of the mean torque of a control tick, from tick to tick, rms.
+    /// Ripple of a control tick's mean torque, from tick to tick, rms.
     ripple: f64,
-    /// Of the mean over a second from what was asked for.
+    /// Error of the mean over a second.
     off: f64,
 }
 
-/// Somebody holds the shaft, 0.3 of the largest current is asked for, and each reading has Gaussian noise of `noise` codes rms.
+/// The shaft is held, 0.3 of the largest current is commanded, and each reading has Gaussian noise of `noise` codes
+/// rms.
 fn held(
     hardware: &Hardware,
     settings: &DeviceSettings,

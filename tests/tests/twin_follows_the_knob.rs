@@ -1,5 +1,5 @@
-//! The model beside a device computes its force to the bit from what telemetry tells, whatever the law remembers; and says nothing
-//! where it cannot know.
+//! The model beside a device computes its force bit for bit from the telemetry, whatever the law remembers; and gives
+//! nothing where it cannot know.
 
 use touchstone_control::Si;
 use touchstone_drive::DeviceSettings;
@@ -15,7 +15,7 @@ fn shipped(guard: bool) -> DeviceSettings {
     settings
 }
 
-/// Arms twice, presses twice a time, and is disarmed in the middle of a press; every record, as telemetry tells it.
+/// Arms twice, presses twice each time, and is disarmed in the middle of a press; returns every telemetry record.
 fn records(settings: &DeviceSettings) -> Vec<Telemetry> {
     let mut knob = honest(settings).armed();
     let start = knob.rig.now().angle_rad;

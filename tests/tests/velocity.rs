@@ -1,4 +1,4 @@
-//! Velocity filters against what is known of them in closed form: ramps, noise, the Riccati equation, and the adaptive window as its
+//! Velocity filters compared with closed forms: ramps, noise, the Riccati equation, and the adaptive window as its
 //! authors write it; in every number format.
 
 use touchstone_control::velocity::{LONGEST_WINDOW, Velocity, VelocityState};
@@ -217,8 +217,8 @@ fn a_slow_ramp_of_counts_is_quieter_than_its_difference() {
     }
 }
 
-/// What the digits that fixed point leaves out come to in the velocity: a part is cut at 2^-28, half a step of a weight is 2^-27, and
-/// what either does to a state in a tick lives on as long as the filter remembers.
+/// Rounding error of the velocity in fixed point. A part is cut at 2^-28, half a step of a weight is 2^-27, and each
+/// error of a state lives on as long as the filter remembers.
 fn rounding(from: VelocityKind, surprise: f64) -> f64 {
     let (cut, half_step) = (2f64.powi(-28), 2f64.powi(-27));
     let gains = match velocity::<f64>(from, COUNT) {

@@ -1,5 +1,6 @@
-//! A motor that is given a voltage, for want of current sensors: what its torque is, what it is not, and what nobody finds out.
-//! `cargo test -p touchstone-tests --test voltage_mode -- --nocapture` prints the figures of docs/voltage-mode.md.
+//! A motor that is driven by voltage, for want of current sensors: its torque, its errors, and the faults that go
+//! unnoticed. `cargo test -p touchstone-tests --test voltage_mode -- --nocapture` prints the figures of
+//! docs/voltage-mode.md.
 
 use touchstone_control::Si;
 use touchstone_drive::change::ChangeConfig;
@@ -26,14 +27,14 @@ const MOTOR: MotorParameters = MotorParameters {
     ..GIMBAL
 };
 
-/// Its knob, without dry friction.
+/// The knob on that motor, without dry friction.
 const KNOB: Device = Device {
     inertia: 3e-5,
     damping: 9e-6,
     friction: None,
 };
 
-/// As a person tells them.
+/// Settings with the motor's values as a person enters them.
 fn told() -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(BOARD);
     settings.motor.resistance_ohm = Si::lit("5.53");
@@ -44,7 +45,7 @@ fn told() -> DeviceSettings {
     settings
 }
 
-/// The true motor's resistance, by a factor to what was said.
+/// The true motor, whose resistance is the entered one times a factor.
 fn of_resistance(factor: f64) -> MotorParameters {
     MotorParameters {
         resistance_ohm: MOTOR.resistance_ohm * factor,
@@ -90,7 +91,7 @@ impl Bare {
         }
     }
 
-    /// One PWM period, with a fresh command from the true angle once in 20; the mean torque, N·m.
+    /// Runs one PWM period, with a new command from the true angle once in 20; returns the mean torque, N·m.
     fn period(&mut self, q: f64) -> f64 {
         if self.periods.is_multiple_of(20) {
             let now = self.rig.now();
@@ -127,7 +128,7 @@ impl Bare {
         (halves[0] + halves[1]) / 2.0
     }
 
-    /// The torque of a current that is asked for, on a shaft that is held, N·m.
+    /// The torque of a commanded current on a held shaft, N·m.
     fn held(&mut self, q: f64) -> f64 {
         for _ in 0..100 {
             self.period(q);
@@ -335,8 +336,8 @@ fn a_computed_current_trips_and_a_real_one_does_not() {
     assert!(largest > 5.0, "{largest}");
 }
 
-/// A hand goes to and fro about the surface for four seconds, at 3 Hz: the most that the motor gave back after any moment, and the same of
-/// the force that was asked for, mJ.
+/// A hand goes to and fro about the surface for four seconds, at 3 Hz. Returns the most energy that the motor gave
+/// back after any moment, and the same for the wanted force, mJ.
 fn given_back(factor: f64) -> [f64; 2] {
     let plant = HeldLinear::new(&KNOB, &MEDIUM, PERIOD_S / 2.0).unwrap();
     let mut settings = told();

@@ -1,7 +1,7 @@
 //! `cargo xtask bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS]`: instructions per tick of an example of `host-sim/sim`; `bench --ladder
 //! [--write]`: of every effect of a scene alone and of all pairs ([`ladder`]).
 //!
-//! The example is called as `EXAMPLE ARGS… TICKS` twice under valgrind's callgrind, with few and with more ticks; the
+//! The example is called as `EXAMPLE ARGS… TICKS` twice under valgrind's callgrind, with few and with more ticks. The
 //! difference of the instruction counts over the difference of the ticks is free of start-up, and, unlike a wall clock,
 //! the same on a busy machine. Without ARGS, each name that `EXAMPLE --list` prints is counted.
 
@@ -11,11 +11,11 @@ use crate::counted::{built, instructions, per_tick};
 use crate::outcome::Outcome;
 use crate::{ladder, packages, shell};
 
-/// What a configuration may cost, instructions a tick: plant, encoder, law and guard in double precision are 367 here, and another
-/// compiler gets a little room.
+/// Budget of a configuration, instructions a tick: plant, encoder, law and guard in double precision take 367 here,
+/// and another compiler gets a little room.
 const LIMITS: &[(&str, f64)] = &[("held-guarded-f64", 385.0)];
 
-/// What to count.
+/// The programs to count.
 #[derive(Debug, PartialEq, Eq)]
 struct Plan {
     example: String,
@@ -24,7 +24,7 @@ struct Plan {
 }
 
 impl Plan {
-    /// Without words: what a tick of the simulator costs.
+    /// Parses the arguments; none means the cost of a tick of the simulator.
     fn parse(words: &[String]) -> Option<Plan> {
         let end = words.iter().position(|word| word == "--");
         let (own, args) = match end {
@@ -71,7 +71,7 @@ pub fn run(words: &[String]) -> Outcome {
     counted
 }
 
-/// Counts what was asked for: the configuration named by the arguments, or each that the example lists.
+/// Counts the configuration named by the arguments, or each that the example lists.
 fn count_all(plan: &Plan) -> Result<Outcome, Outcome> {
     let binary = built(&plan.example)?;
     let listed = shell::capture(shell::program(&binary).arg("--list")).unwrap_or_default();

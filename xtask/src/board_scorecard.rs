@@ -1,5 +1,5 @@
-//! `cargo xtask fil --scorecard`: the scorecard's programme, played by a hand on the emulated reference board, and the figures that come of
-//! it beside the desktop's of the same scene.
+//! `cargo xtask fil --scorecard`: a hand plays the scorecard's programme on the emulated reference board, and the
+//! figures are compared with the desktop's of the same scene.
 
 use std::path::PathBuf;
 
@@ -9,20 +9,20 @@ use crate::{emulator, shell};
 
 /// The scene of the board's knob.
 const SCENE: &str = "gimbal-knob";
-/// What the board has and the scene has not: its current loop's bandwidth as it ships, and that the loop takes a command with the PWM
-/// period after the one in which the encoder was read.
+/// Properties of the board that the scene lacks: the bandwidth of its shipped current loop, and that the loop takes a
+/// command with the PWM period after the encoder's reading.
 const LOOP: [&str; 2] = [
     "device.current_loop.bandwidth_hz=600",
     "timing.computational_delay_s=0.00005",
 ];
-/// The surface's places within a count of the encoder at which the board is played, as shares of it; the scene's own first. A press
-/// alone is played at all of them, too: of one place a figure lies outside of what the desktop scatters by in two of nine cases, and
-/// another compiler's program is another draw.
+/// Places of the surface within a count of the encoder at which the board is played, as shares of a count; the scene's
+/// own first. A press alone is played at all of them too. At a single place a figure lies outside the desktop's
+/// scatter in two of nine cases, and another compiler's program is another sample.
 const PLACES: [&str; 4] = ["0", "0.25", "0.5", "0.75"];
 /// Figures are the same within this share.
 const SAME: &str = "0.1";
 
-/// All grips and deeds, or as much as takes seconds: a medium grip's press.
+/// Plays all grips and actions; or only a medium grip's press, which takes seconds.
 pub fn run(is_whole: bool) -> Outcome {
     played(is_whole).unwrap_or_else(|outcome| outcome)
 }

@@ -12,7 +12,7 @@ use crate::{inspect, shell};
 /// An entry of a list of changes.
 #[derive(Debug, Default, Clone, Hash)]
 pub struct Entry {
-    /// What else it says, by name.
+    /// Other fields of the entry, by name.
     words: BTreeMap<String, String>,
     pub changes: Vec<Change>,
 }
@@ -20,16 +20,16 @@ pub struct Entry {
 /// A change of a file.
 #[derive(Debug, Default, Clone, Hash)]
 pub struct Change {
-    /// From the workspace's folder.
+    /// The path from the workspace's folder.
     pub file: String,
-    /// Is there exactly once.
+    /// Text that must occur exactly once.
     pub find: String,
-    /// What is there instead.
+    /// The replacement.
     pub replace: String,
 }
 
 impl Entry {
-    /// What it says of one thing; nothing where it does not.
+    /// The text about one thing, empty where there is none.
     pub fn word(&self, name: &str) -> &str {
         self.words.get(name).map_or("", String::as_str)
     }
@@ -65,7 +65,7 @@ pub fn list(path: &str) -> Result<Vec<Entry>, Outcome> {
     }
 }
 
-/// From lines of a name, a tab and a text; `next` begins an entry.
+/// Parses lines of a name, a tab and a text; `next` begins an entry.
 fn entries(lines: &[String]) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     for (name, text) in lines.iter().filter_map(|line| line.split_once('\t')) {
@@ -151,7 +151,7 @@ impl Change {
     }
 }
 
-/// Makes changes, asks, and takes them back. `Err`: one does not fit, or no answer.
+/// Makes changes, runs a question, and takes them back. `Err`: a change does not fit, or there is no answer.
 pub fn with<T>(
     work: &Path,
     changes: &[Change],

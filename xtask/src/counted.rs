@@ -19,7 +19,8 @@ pub fn per_tick(ticks: [u64; 2], counted: [u64; 2]) -> f64 {
     (counted[1] as f64 - counted[0] as f64) / (ticks[1] - ticks[0]) as f64
 }
 
-/// An example of `host-sim/sim`, optimised like what is handed out: across crates, so that a count does not depend on where they end.
+/// Builds an example of `host-sim/sim`, optimised like the released program: across crates, so that a count does not
+/// depend on where they end.
 pub fn built(example: &str) -> Result<PathBuf, Outcome> {
     let mut build = shell::cargo_locked("build");
     build.args(["--profile", "dist", "--package", "touchstone-sim"]);

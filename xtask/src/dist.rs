@@ -12,9 +12,9 @@ use crate::{firmware, inspect, shell, toolchain};
 
 const USAGE: &str = "cargo xtask dist";
 
-/// What is handed out has everything: `flash` and `log` without another program, meshes, Parquet.
+/// Features of the released program, which is complete: `flash` and `log` without another program, meshes, Parquet.
 const FEATURES: &str = "touchstone/probe,touchstone/mesh,touchstone/parquet";
-/// Optimised across crates and stripped.
+/// Cargo profile of the shipped program: optimised across crates and stripped.
 const PROFILE: &str = "dist";
 
 pub fn run(args: &[String]) -> Outcome {
@@ -54,7 +54,7 @@ fn made() -> Result<Outcome, Outcome> {
     Ok(packed)
 }
 
-/// Builds the program for this machine; where it is. No path of this machine stays in it.
+/// Builds the program for this machine; returns its path. No path of this machine stays in it.
 fn program(folder: &Path) -> Result<PathBuf, Outcome> {
     let home = std::env::var_os("CARGO_HOME").map_or_else(
         || PathBuf::from(std::env::var_os("HOME").unwrap_or_default()).join(".cargo"),
@@ -99,7 +99,8 @@ fn metadata(folder: &Path) -> Result<Vec<PathBuf>, Outcome> {
     Ok(files)
 }
 
-/// The unpacked program runs, and finds the boards' programs beside it and all that writes them inside, with nothing on its PATH.
+/// Checks that the unpacked program runs with an empty PATH, and finds the boards' programs beside it and the flash
+/// tool inside.
 fn tried(unpacked: &Path) -> Result<(), Outcome> {
     let mut calls = vec![vec!["run", "thesis-knob", "--quiet"]];
     for board in firmware::BOARDS {
@@ -123,7 +124,7 @@ fn name() -> String {
     )
 }
 
-/// Which version it is.
+/// The version of the tree.
 fn identity() -> String {
     let changed = git(&["status", "--porcelain"]).is_none_or(|changes| !changes.is_empty());
     let changed = if changed {

@@ -120,7 +120,8 @@ pub fn is_there() -> bool {
     TOOLS.iter().all(runs) && has_libclang()
 }
 
-/// bindgen loads libclang while it runs: from the folders of the system, of LLVM's versions, or where it is told to.
+/// Whether bindgen can load libclang while it runs: from the folders of the system, of LLVM's versions, or a given
+/// one.
 fn has_libclang() -> bool {
     let folders = [
         "/usr/lib",

@@ -1,7 +1,7 @@
 //! `cargo xtask fil [--sample | --brief | --only TEXT] [--board BOARD]`: the firmware in the loop. The real programs of all boards, or of one, on an
 //! emulated chip with a simulated motor and hand: boot, calibration, arming, the thesis' press compared with the law on this machine to the
 //! bit, and every fault, injected. A table; one that is wrong fails all. `--sabotage`: that rows do go wrong, [`sabotage`]. `--scorecard`: what
-//! a hand feels of the reference board, [`board_scorecard`]; a press of it is in the run of everything and in that of
+//! a hand feels of the reference board, [`board_scorecard`]. A press of it is in the run of everything and in that of
 //! the sample, which has one injection of three, all but the longest check on the reference board, and few checks on the others; the brief run
 //! has the same injections, and the checks that are done soon.
 
@@ -12,13 +12,13 @@ use crate::{board_scorecard, emulator, sabotage};
 
 const SAMPLE: &str = "--sample";
 const BRIEF: &str = "--brief";
-/// What the first gate runs of it.
+/// The part that the first gate runs.
 pub const ONE_BOARD: Share = Share::Part(
     &[BRIEF, "--board", REFERENCE],
     "two of three injections; the checks of starts, power cuts, heat, noise, cogging and eccentricity; the other four boards, and with them \
      whether every fault code is latched",
 );
-/// What the full gate runs of it.
+/// The part that the full gate runs.
 pub const SAMPLED: Share = Share::Part(
     &[SAMPLE],
     "two of three injections and the map of the cogging; most checks of the boards that are not the reference",

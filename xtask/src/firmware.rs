@@ -23,7 +23,7 @@ pub const BOARDS: [&str; 5] = [
 
 /// The board of which the first gate runs program and faults.
 pub const REFERENCE: &str = "nucleo-g474re-ihm16m1";
-/// What the first gate runs of `cargo xtask firmware`.
+/// The part of `cargo xtask firmware` that the first gate runs.
 pub const ONE_BOARD: Share = Share::Part(
     &["--board", REFERENCE],
     "the programs of the other four boards",
@@ -108,7 +108,7 @@ fn lint(board: &str) -> Outcome {
     shell::run(clippy.args(["--", "-D", "warnings"]))
 }
 
-/// What all commands are told.
+/// Adds the arguments that all cargo commands share.
 fn arguments(cargo: &mut Command, board: &str, options: &[String], sources: &Path, folder: &Path) {
     cargo
         // Where its own `.cargo/config.toml` is.

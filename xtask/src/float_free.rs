@@ -3,7 +3,7 @@
 //! Three looks, each finding what the others cannot: at the source (types, literals, casts, outside what the feature
 //! `float` turns on); at the code that this machine's compiler makes of an example that uses all that firmware uses, with all
 //! that it calls in other crates; and, where the compiler can make it, at the microcontroller's code, where a soft-float target
-//! turns every float operation into a call with a telling name. Where the code is looked at, calls to panics are found too:
+//! turns every float operation into a call with a telling name. Where the code is examined, calls to panics are found too:
 //! set-up and tick must have none.
 
 use std::path::{Path, PathBuf};
@@ -15,10 +15,10 @@ use crate::{inspect, shell, toolchain};
 /// A crate and the example that stands for firmware.
 struct Subject {
     package: &'static str,
-    /// Its source.
+    /// Folder of the crate's source.
     folder: &'static str,
     example: &'static str,
-    /// Its assembly, by the beginning of the file's name.
+    /// Beginning of the name of its assembly file.
     assembly: &'static str,
 }
 
@@ -101,7 +101,7 @@ fn in_thumb_code(subject: &Subject) -> Outcome {
     look(subject, &folder.join(target).join("release"), target)
 }
 
-/// One folder for each compiler: the code of two must not be mixed.
+/// A separate folder for each compiler: the code of two must not be mixed.
 fn folder(name: &str, version: &str) -> PathBuf {
     shell::target("float-free").join(format!("{name}-{version}"))
 }

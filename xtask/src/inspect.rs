@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use crate::outcome::Outcome;
 use crate::shell;
 
-/// Cargo, to build or run it as it is compiled soonest.
+/// A cargo command that builds or runs the crate in its fastest profile to compile.
 fn of_tools(what: &str) -> Command {
     let mut cargo = shell::cargo_locked(what);
     cargo.args([
@@ -20,7 +20,8 @@ fn of_tools(what: &str) -> Command {
     cargo
 }
 
-/// Builds it while there is time: a step that asks it only at its end would have to wait. What is wrong is said there.
+/// Builds the crate early, so that a step that needs it only at its end does not wait. Errors are reported at that
+/// step.
 pub fn build() {
     let _ = of_tools("build").stderr(Stdio::null()).status();
 }
@@ -34,7 +35,7 @@ pub fn call<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> Outcome {
     outcome
 }
 
-/// The same with its lines handed over instead of shown.
+/// Same as [`run`], with its lines returned instead of shown.
 pub fn ask<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> (Vec<String>, Outcome) {
     let mut cargo = of_tools("run");
     let done = cargo

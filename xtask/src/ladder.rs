@@ -17,7 +17,8 @@ const TICKS: [u64; 2] = [1_000, 5_000];
 /// Where the table stands in `docs/effects.md`.
 const BEGIN: &str = "<!-- ladder: begin, written by `cargo xtask bench --ladder --write` -->\n";
 const END: &str = "<!-- ladder: end -->\n";
-/// Instructions that an effect at amplitude zero may cost. Nothing but ticks is counted; what is left is the rounding of a table.
+/// Instructions that an effect at amplitude zero may cost. Only ticks are counted; the rest is the rounding of a
+/// table.
 const NOTHING: f64 = 0.01;
 
 type Costs = BTreeMap<String, f64>;
@@ -140,7 +141,7 @@ fn counted(binary: &Path, names: &[&str]) -> Result<Costs, Outcome> {
         .collect()
 }
 
-/// That a long climb takes no more memory than a short one: no tick of any configuration allocates.
+/// Checks that a long climb takes no more memory than a short one: no tick of any configuration allocates.
 fn allocated(binary: &Path) -> Result<(), Outcome> {
     let count = |more: u64| -> Result<u64, Outcome> {
         let log = shell::target("bench/ladder").join(format!("heap.{more}"));

@@ -4,7 +4,7 @@ use crate::outcome::Outcome;
 use crate::step::Gates;
 use crate::{packages, shell};
 
-/// Without what only a probe needs, which is more crates than all the others together.
+/// The workspace without the crates for a probe, which are more than all the others together.
 const WORKSPACE: &str = "--workspace";
 pub const GATES: Gates = Gates::part(&[WORKSPACE], "the probe's crate with its feature");
 

@@ -1,7 +1,8 @@
-//! `cargo xtask live`: the live page's WebAssembly, which is committed so that whoever runs the program needs no second target.
+//! `cargo xtask live`: the live page's WebAssembly, which is committed so that a user of the program needs no second
+//! target.
 //!
-//! The same source gives the same bytes with the same compiler, in any folder: paths are taken out, nothing is left to chance. What
-//! it was made with stands beside it, and `cargo xtask wasm` makes it again and compares.
+//! The same source gives the same bytes with the same compiler, in any folder: paths are removed. A file beside the
+//! module records how it was made, and `cargo xtask wasm` makes it again and compares.
 
 use std::path::PathBuf;
 
@@ -16,7 +17,7 @@ fn folder() -> PathBuf {
     shell::root().join("host-sim/live/module")
 }
 
-/// What is told of the module beside it.
+/// Text of the file beside the module.
 fn about(compiler: &Compiler, bytes: &[u8]) -> String {
     format!(
         "made by    cargo xtask live\ncompiler   {}, its library {}\ntarget     {TARGET}\nprofile    live (Cargo.toml)\nbytes      {}\n",
@@ -93,7 +94,7 @@ fn remapped() -> Vec<(PathBuf, &'static str)> {
     all
 }
 
-/// Nothing, where this compiler can make the committed module again; in words, why not.
+/// The reason why this compiler cannot make the committed module again; `None` where it can.
 pub fn why_not_compared(compiler: &Compiler) -> Option<String> {
     let told = std::fs::read_to_string(folder().join("MADE.txt")).unwrap_or_default();
     let made_with = told
@@ -106,7 +107,7 @@ pub fn why_not_compared(compiler: &Compiler) -> Option<String> {
     })
 }
 
-/// Whether the committed module is what its source gives; in words, what was done.
+/// Checks that the committed module is built from the present source.
 pub fn check(compiler: &Compiler) -> Outcome {
     if let Some(why) = why_not_compared(compiler) {
         return Outcome::NotRun(why);

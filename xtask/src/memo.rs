@@ -1,5 +1,5 @@
-//! What was found of each wrong change, in a file: a run that is broken off goes on where it was. What is kept counts only for the same
-//! sources, the same program that was asked, where it is ours, and the same question.
+//! Results for each wrong change, in a file: an interrupted run goes on. A result counts only for the same sources,
+//! the same program under test, where it is ours, and the same question.
 
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// A word on it, and why.
 pub type Found = (String, String);
 
-/// What is known.
+/// The known results.
 pub struct Memo {
     file: PathBuf,
     ground: u64,
@@ -17,7 +17,7 @@ pub struct Memo {
 }
 
 impl Memo {
-    /// Of these sources and the program that is asked; what was found of others is not counted.
+    /// The results for these sources and the program under test; others do not count.
     pub fn open(file: PathBuf, sources: &Path, asked: Option<&Path>) -> std::io::Result<Self> {
         let mut hasher = DefaultHasher::new();
         take(sources, sources, &mut hasher)?;
@@ -41,7 +41,7 @@ impl Memo {
         hasher.finish()
     }
 
-    /// What was found.
+    /// An earlier result.
     pub fn get(&self, key: u64) -> Option<&Found> {
         self.known.get(&key)
     }
@@ -66,7 +66,7 @@ fn line(text: &str) -> Option<(u64, Found)> {
     Some((key, (word.to_owned(), reason.to_owned())))
 }
 
-/// All files of a folder, by their names in it and what is in them, in the order of their names.
+/// Hashes all files of a folder, by name and content, in the order of their names.
 fn take(root: &Path, from: &Path, hasher: &mut DefaultHasher) -> std::io::Result<()> {
     let mut entries = std::fs::read_dir(from)?.collect::<Result<Vec<_>, _>>()?;
     entries.sort_by_key(std::fs::DirEntry::file_name);

@@ -31,7 +31,7 @@ impl Outcome {
         }
     }
 
-    /// What an exit code of a program of the project stands for; `None` for one that no such program ends with.
+    /// The outcome for an exit code of a program of the project; `None` for a code that none of them uses.
     pub fn of_code(code: i32) -> Option<fn(String) -> Self> {
         match u8::try_from(code).ok()? {
             0 => Some(Outcome::Ok),

@@ -1,11 +1,11 @@
-//! What is installed, and fetching what is missing: rustup's components, Debian's packages.
+//! Finds installed tools and fetches missing ones: rustup's components, Debian's packages.
 
 use std::process::Command;
 
 use crate::outcome::Outcome;
 use crate::shell;
 
-/// What the emulator is built with: its programs; libclang has none to be found by.
+/// Packages that the emulator is built with; libclang has no program to be found by.
 pub const EMULATOR: [&str; 3] = ["clang", "libclang-dev", "cmake"];
 
 /// The first line that a program prints, such as its version; `None` if it is not there.

@@ -11,7 +11,7 @@ const BOARD: &str = "nucleo-g474re";
 
 /// One browser, no firmware, few seconds of real time.
 const SHORT: &str = "--short";
-/// What the first gate runs of it.
+/// The part that the first gate runs.
 pub const SHORT_RUN: Share = Share::Part(
     &[SHORT],
     "the second browser; the emulated firmware's board path; 15 of 20 s of real time",

@@ -1,13 +1,13 @@
-//! `cargo xtask probe`: boards behind a probe by the crate probe-rs. No other step builds that: clippy, the tests on a chip in software,
-//! and those of the program with the crate inside, all of them, as it is handed out so: one of the crate's own packages changes how
-//! `serde_json` keeps numbers, in the whole program.
+//! `cargo xtask probe`: boards behind a probe, by the crate probe-rs, which no other step builds. It runs clippy, the
+//! tests on a simulated chip, and all tests of the program with the crate inside, as it is released. The last is
+//! needed since one of the crate's packages changes how `serde_json` keeps numbers, in the whole program.
 
 use crate::outcome::Outcome;
 use crate::{packages, shell};
 
 const USAGE: &str = "cargo xtask probe";
 
-/// What turns it on, for the program and for the crate by itself.
+/// Features that switch it on, for the program and for the crate.
 const FEATURES: &str = "touchstone/probe,touchstone-probe/probe-rs";
 
 pub fn run(args: &[String]) -> Outcome {

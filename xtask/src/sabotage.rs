@@ -19,7 +19,7 @@ use crate::outcome::Outcome;
 use crate::{emulator, firmware, shell};
 
 const LIST: &str = "emulator/sabotage.toml";
-/// What the firmware is made of.
+/// The crates that the firmware is built from.
 const PARTS: [&str; 3] = ["control", "protocol", "drive"];
 const MORE: [&str; 3] = ["firmware", "memory.x", "memory-g474re.x"];
 const USAGE: &str = "cargo xtask fil --sabotage [--only TEXT]";
@@ -103,7 +103,7 @@ fn fits(one: &Entry, sources: &Path) -> Result<(), String> {
     })
 }
 
-/// What is to be tried, of each board first the program as it is, with the rows to be run and what is known of it already.
+/// The work: for each board first the unchanged program, with the rows to run and the known results.
 struct Asked<'s> {
     board: &'static str,
     sabotage: Option<&'s Entry>,
@@ -141,7 +141,7 @@ fn asked<'s>(all: &'s [Entry], memo: &Memo) -> Vec<Asked<'s>> {
     asked
 }
 
-/// Builds one after the other; what is known already is not built.
+/// Builds the programs one after the other; those with known results are skipped.
 fn build_all<'s>(
     all: &'s [Asked<'s>],
     folder: &Path,
@@ -187,7 +187,7 @@ fn build(board: &str, work: &Path, folder: &Path, kept: &Path) -> Result<PathBuf
     Ok(kept.to_path_buf())
 }
 
-/// Runs what was built as it comes; prints a line for each.
+/// Runs the programs as they are built; prints a line for each.
 fn judge_all(
     emulator: &Path,
     all: &[Asked<'_>],

@@ -1,4 +1,5 @@
-//! `cargo xtask schema`: what the program writes obeys the documented JSON schema, under a validator of another make (Python's).
+//! `cargo xtask schema`: the program's output obeys the documented JSON schema, under an independent validator
+//! (Python's).
 
 use std::process::Command;
 

@@ -1,18 +1,19 @@
-//! `cargo xtask setup [--install [--full]]`: what is installed, what is missing, what it is for and how to get it.
+//! `cargo xtask setup [--install [--full]]`: which tools are installed, which are missing, what they are for and how
+//! to get them.
 //!
-//! rustfmt and clippy, which every test run needs, are fetched by rustup without asking, and so is valgrind, by apt-get as
-//! root, when something is to be counted; the rest only with `--install`: what `cargo xtask test` needs, and with `--full` what its full run
-//! needs as well.
+//! Every test run needs rustfmt and clippy, so rustup fetches them unasked; so does apt-get, as root, with valgrind
+//! when something is to be counted. The rest is fetched only with `--install`: the needs of `cargo xtask test`, and
+//! with `--full` also those of its full run.
 
 use crate::outcome::Outcome;
 use crate::packages::{EMULATOR, apt_get, component, first_line, missing_component, valgrind};
 use crate::prove::{allocator, coq};
 use crate::{emulator, toolchain};
 
-/// Which gate needs it.
+/// The gate that needs the tool.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Need {
-    /// Without it the tests say nothing.
+    /// The tests mean nothing without it.
     Required,
     /// A step of `cargo xtask test` is not run without it.
     Test,
@@ -20,16 +21,16 @@ enum Need {
     Full,
 }
 
-/// Something that a command needs.
+/// A tool that a command needs.
 struct Tool {
     name: &'static str,
     need: Need,
     purpose: &'static str,
-    /// Its version; `None` if it is not there.
+    /// Version of the tool; `None` if it is missing.
     version: fn() -> Option<String>,
     /// How to get it.
     hint: &'static str,
-    /// Debian's packages, for what a step of the tests needs.
+    /// Debian's packages that a step of the tests needs.
     packages: &'static [&'static str],
 }
 

@@ -1,4 +1,4 @@
-//! Running other programs: from the workspace's folder, with what is run printed first.
+//! Runs other programs from the workspace's folder, and prints each command first.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
@@ -43,7 +43,7 @@ pub fn cargo(subcommand: &str) -> Command {
     command
 }
 
-/// The same for subcommands that resolve dependencies: in CI the lock file must be complete as it is.
+/// Same as [`cargo`], for subcommands that resolve dependencies: in CI the lock file must be complete.
 pub fn cargo_locked(subcommand: &str) -> Command {
     let mut command = cargo(subcommand);
     // All CI services set it.
@@ -53,14 +53,14 @@ pub fn cargo_locked(subcommand: &str) -> Command {
     command
 }
 
-/// The same command, after all others that want the processor.
+/// Makes the command run at the lowest priority.
 pub fn behind(command: &Command) -> Command {
     let mut nice = Command::new("nice");
     nice.args(["-n", "19"]);
     started_by(nice, command)
 }
 
-/// The same command, ended when it has taken so much processor time; so is each process that it starts.
+/// The same command, ended when it has taken this much processor time; so is each process that it starts.
 pub fn within(command: &Command, seconds: u32) -> Command {
     let mut limited = Command::new("sh");
     limited.args(["-c", &format!("ulimit -t {seconds} && exec \"$0\" \"$@\"")]);
@@ -118,7 +118,7 @@ pub fn run_reading(command: &mut Command, line: impl FnMut(&str)) -> Outcome {
     }
 }
 
-/// The same with its standard error among the lines, in the order in which they were written.
+/// Same as [`run_reading`], with standard error among the lines, in the order of writing.
 pub fn run_reading_all(command: &mut Command, mut line: impl FnMut(&str)) -> Outcome {
     println!("$ {}", shown(command));
     let words = shown(command);

@@ -86,7 +86,7 @@ fn made() -> Result<Outcome, Outcome> {
     )))
 }
 
-/// Looks at all pages but the API's, whose links `cargo xtask doc` checks; their number and what is wrong.
+/// Checks all pages but the API's, whose links `cargo xtask doc` checks; returns their number and the problems.
 fn checked(site: &Path) -> Result<(usize, Vec<String>), Outcome> {
     let mut wrong = Vec::new();
     let pages = pages(site)?;
@@ -154,7 +154,7 @@ fn resolved(folder: &Path, link: &str) -> PathBuf {
     path
 }
 
-/// What a page's `href` and `src` name of this site, without the part after `#` and `?`.
+/// Targets within this site of a page's `href` and `src`, without the part after `#` and `?`.
 fn links(html: &str) -> Vec<&str> {
     let after = html
         .split(" href=\"")

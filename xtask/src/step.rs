@@ -1,4 +1,4 @@
-//! What a row of `cargo xtask` is.
+//! A step: one row of `cargo xtask`.
 
 use crate::outcome::Outcome;
 
@@ -6,7 +6,7 @@ use crate::outcome::Outcome;
 pub struct Step {
     pub name: &'static str,
     pub about: &'static str,
-    /// What each gate runs of it, in the order of the table.
+    /// The part that each gate runs, in the order of the table.
     pub gates: Gates,
     pub run: fn(&[String]) -> Outcome,
 }
@@ -14,11 +14,11 @@ pub struct Step {
 /// The gates: `cargo xtask test --quick`, `cargo xtask test`, `cargo xtask test --full`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Gate {
-    /// Daily work.
+    /// The gate for daily work.
     Quick,
-    /// What a person waits for, and CI.
+    /// The run that a person waits for, and CI.
     Test,
-    /// What a night runs.
+    /// The run of a night.
     Full,
 }
 
@@ -30,14 +30,14 @@ pub struct Gates {
     pub full: Share,
 }
 
-/// What a gate runs of a step.
+/// The part of a step that a gate runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Share {
-    /// All of it.
+    /// The whole step.
     Whole,
-    /// With these arguments; what is then left out, for people.
+    /// The step with these arguments; the text names what is left out.
     Part(&'static [&'static str], &'static str),
-    /// Nothing.
+    /// The step is left out.
     LeftOut,
 }
 
@@ -69,7 +69,7 @@ impl Gates {
         }
     }
 
-    /// What a gate runs.
+    /// The part that a gate runs.
     pub const fn of(self, gate: Gate) -> Share {
         match gate {
             Gate::Quick => self.quick,
@@ -78,7 +78,7 @@ impl Gates {
         }
     }
 
-    /// Whether any gate runs any of it.
+    /// Whether any gate runs a part.
     pub fn is_tested(self) -> bool {
         self != Self::NONE
     }
@@ -94,7 +94,7 @@ impl Share {
         }
     }
 
-    /// What is left out of a step, for people; `None`: nothing.
+    /// The text about what is left out; `None` where nothing is.
     pub fn left_out(self) -> Option<&'static str> {
         match self {
             Share::Whole => None,

@@ -55,7 +55,7 @@ pub fn run(all: &[Step], args: &[String]) -> Outcome {
     verdict(&done, start.elapsed())
 }
 
-/// Which command runs what a gate leaves out.
+/// The command that runs what a gate leaves out.
 fn whole(gate: Gate) -> &'static str {
     match gate {
         Gate::Quick => "`cargo xtask test` runs more, `cargo xtask test --full` nearly all",
@@ -64,7 +64,7 @@ fn whole(gate: Gate) -> &'static str {
     }
 }
 
-/// What a gate leaves out of the steps, a line each.
+/// The steps that a gate leaves out, a line each.
 pub fn left_out(all: &[Step], gate: Gate) -> String {
     let mut text = String::new();
     for step in all.iter().filter(|step| step.gates.is_tested()) {
@@ -164,7 +164,7 @@ mod tests {
         );
     }
 
-    /// What the first gate leaves out, the night runs; a part has arguments.
+    /// The full gate runs what the first gate leaves out; a part has arguments.
     #[test]
     fn the_full_gate_has_every_step_of_the_others() {
         for step in crate::STEPS {

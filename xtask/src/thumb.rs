@@ -2,7 +2,7 @@
 //!
 //! The vectors of `tests/vectors` are played by this machine and by `tests/thumb` on the emulated one; every digest of the
 //! two must be the same. The second also counts its instructions per tick: exactly, but only for the ticks that were played,
-//! and instructions are not cycles. Then the program is looked at: what a tick reaches must be free of floats and panics.
+//! and instructions are not cycles. Then the program is examined: what a tick reaches must be free of floats and panics.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -12,12 +12,12 @@ use crate::{packages, shell};
 /// The oldest compiler that builds the workspace, `rust-version` in Cargo.toml.
 const RUST: (u32, u32) = (1, 95);
 
-/// The Cortex-M4 without its float unit: what then still calculates with floats must call for it by name.
+/// The Cortex-M4 without its float unit: code that still calculates with floats must then call for it by name.
 pub const SOFT_FLOAT: &str = "thumbv7em-none-eabi";
 /// The Cortex-M4 with its float unit.
 pub const BOARD: &str = "thumbv7em-none-eabihf";
 
-/// What a browser runs.
+/// The target for browsers.
 pub const WASM: &str = "wasm32-unknown-unknown";
 
 /// The control interrupt calls divisions and copies of the compiler's library: as installed they are made for speed, and so they are
@@ -32,9 +32,10 @@ const QUICK_BUILTINS: [&str; 2] = [
 enum Origin {
     /// The one that runs this program.
     Active,
-    /// The same where it is not one of rustup's releases but was linked under this name: it may be anything, whatever it calls itself.
+    /// A toolchain that a user linked under this name instead of one of rustup's releases: it may be anything,
+    /// whatever version it reports.
     Linked(String),
-    /// Another of rustup's toolchains, by name.
+    /// A toolchain of rustup other than the default, by name.
     Toolchain(String),
     /// A system package, beside rustup.
     System,
@@ -47,7 +48,7 @@ pub struct Compiler {
     origin: Origin,
     /// Such as `1.95.0`.
     pub version: String,
-    /// What it says of itself, with its commit: two builds of one version give other bytes.
+    /// The version text with its commit: two builds of one version give other bytes.
     pub identity: String,
     /// The target's `core` is not there and must be built from its source.
     from_source: bool,
@@ -80,7 +81,7 @@ impl Origin {
         }
     }
 
-    /// Its version and where its libraries lie, if it can build this workspace at all.
+    /// Version and library folder of the compiler, if it can build this workspace at all.
     fn look(self) -> Option<Candidate> {
         // Without its linker it can build nothing for a board: then it is as good as not there.
         let links = |linker| shell::capture(shell::program(linker).arg("--version")).is_some();
@@ -124,12 +125,13 @@ impl Compiler {
         }
     }
 
-    /// `cargo build` with it, and the options that belong to it. `libraries`: of Rust's own, where they are not installed.
+    /// `cargo build` with this compiler, and its options. `libraries`: Rust's own libraries to build where they are
+    /// not installed.
     pub fn cargo(&self, libraries: &[&str]) -> (Command, Vec<String>) {
         self.cargo_for("build", libraries)
     }
 
-    /// `cargo clippy` with it, and the options that belong to it; `None` if it has none that knows the target.
+    /// `cargo clippy` with this compiler, and its options; `None` if it has no clippy for the target.
     pub fn clippy(&self) -> Option<(Command, Vec<String>)> {
         let has_it = match &self.origin {
             _ if self.from_source => false,
@@ -143,7 +145,7 @@ impl Compiler {
         has_it.then(|| self.cargo_for("clippy", &["core"]))
     }
 
-    /// Any other command of cargo with it, and the options that belong to it.
+    /// Any other cargo command with this compiler, and its options.
     pub fn cargo_for(&self, subcommand: &str, libraries: &[&str]) -> (Command, Vec<String>) {
         let mut cargo = match &self.origin {
             Origin::Active | Origin::Linked(_) => shell::cargo_locked(subcommand),
@@ -198,7 +200,7 @@ pub fn find(target: &'static str) -> Option<Compiler> {
     with(&format!("{target}/lib"), false).or_else(|| with("src/rust/library/core", true))
 }
 
-/// The same; where there is none, rustup fetches the target, and where it cannot, apt-get Debian's compiler with the library's source.
+/// Same as [`find`]; without a compiler, rustup fetches the target, or apt-get Debian's compiler with the library's source.
 pub fn obtain(target: &'static str) -> Result<Compiler, Outcome> {
     let fetch: [fn(&str); 2] = [
         |target| {
@@ -220,7 +222,7 @@ pub fn obtain(target: &'static str) -> Result<Compiler, Outcome> {
     })
 }
 
-/// All compilers, once asked for. Every one of them takes two processes to ask.
+/// All compilers, looked up once, as each takes two processes.
 static CANDIDATES: Mutex<Option<Vec<Candidate>>> = Mutex::new(None);
 
 fn candidates() -> Vec<Candidate> {
@@ -228,7 +230,7 @@ fn candidates() -> Vec<Candidate> {
     known.get_or_insert_with(ask).clone()
 }
 
-/// Asks for all compilers again when they are next wanted: something was installed.
+/// Forgets the compilers, since something was installed.
 fn forget() {
     *CANDIDATES.lock().unwrap_or_else(PoisonError::into_inner) = None;
 }
@@ -270,7 +272,8 @@ pub fn host() -> String {
     host.unwrap_or_default().to_owned()
 }
 
-/// Names of rustup's own toolchains. One that somebody linked may be anything, whatever version it calls itself: it is left alone.
+/// Names of rustup's own toolchains. A toolchain that a user linked may be anything, whatever version it reports, and
+/// is left alone.
 fn toolchains() -> Vec<String> {
     let list = shell::capture(shell::program("rustup").args(["toolchain", "list"]));
     list.unwrap_or_default()
@@ -281,7 +284,8 @@ fn toolchains() -> Vec<String> {
         .collect()
 }
 
-/// Whether rustup gives a toolchain of this name: a channel or a version, a date, and the machine. It lets nobody link one by such a name.
+/// Whether a name is one of rustup's releases: a channel or a version, a date, and the machine. Rustup lets no user
+/// link a toolchain by such a name.
 fn is_released(name: &str) -> bool {
     let Some((channel, rest)) = name.split_once('-') else {
         return false;
@@ -297,7 +301,8 @@ fn is_released(name: &str) -> bool {
         && (matches!(channel, "stable" | "beta" | "nightly") || is_version())
 }
 
-/// Each target that a step builds for, and with what, for people. What is missing is fetched now, as the step would.
+/// Each target that a step builds for, with its compiler, for people. A missing one is fetched now, as the step would
+/// do.
 pub fn choices() -> Vec<String> {
     [BOARD, SOFT_FLOAT, WASM]
         .map(|target| match obtain(target) {
@@ -314,7 +319,7 @@ pub fn is_new_enough(version: &str) -> bool {
     (parts.next().unwrap_or(0), parts.next().unwrap_or(0)) >= RUST
 }
 
-/// `cargo build` of the first compiler that can, and its options; [`Outcome::NotRun`] where there is none.
+/// `cargo build` with the first suitable compiler, and its options; [`Outcome::NotRun`] where there is none.
 pub fn build_board() -> Result<(Command, Vec<String>), Outcome> {
     let compiler = obtain(BOARD)?;
     static SAID: Once = Once::new();

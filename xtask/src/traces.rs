@@ -1,6 +1,6 @@
-//! `cargo xtask traces [--write]`: what is expected at a first power-up, as pictures of the build guide: `docs/first-power`. The boards'
-//! programs run in the emulator, which keeps tables; an example of the laboratory draws them. With `--write` the pictures are kept;
-//! without, those that are kept must be the same.
+//! `cargo xtask traces [--write]`: the signals to expect at a first power-up, as pictures of the build guide:
+//! `docs/first-power`. The boards' programs run in the emulator, which records tables; an example of the laboratory
+//! draws them. With `--write` the committed pictures are replaced; without, they are compared.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ const PICTURES: [&str; 4] = ["pwm.svg", "step.svg", "calibration.svg", "press.sv
 /// No picture is larger, bytes.
 const LARGEST: usize = 60_000;
 const BOARDS: [&str; 2] = ["nucleo-g474re-ihm16m1", "nucleo-g474re"];
-/// Which board, what is looked at, and the table's name.
+/// Board, signal, and name of the table.
 const TABLES: [(usize, &str, &str); 5] = [
     (0, "pwm", "pwm.csv"),
     (1, "pwm", "pwm-ihm08m1.csv"),

@@ -25,12 +25,12 @@ const SLOWEST: usize = 10;
 
 static ALL_PASSED: AtomicBool = AtomicBool::new(false);
 
-/// All tests of all crates have passed since this program was started: a later step need not ask some of them again.
+/// Whether all tests of all crates have passed since this program started, so that a later step need not repeat some.
 pub fn all_passed() -> bool {
     ALL_PASSED.load(Relaxed)
 }
 
-/// What the lines of `cargo test` say.
+/// Results in the lines of `cargo test`.
 #[derive(Debug, Default)]
 struct Seen {
     passed: u64,
@@ -96,7 +96,7 @@ fn counts(line: &str) -> Option<(u64, u64)> {
     Some((before(" passed")?, before(" ignored")?))
 }
 
-/// The first few names, and how many more there are; all of them stand in the output above.
+/// The first few names, and how many more there are; the output above has all of them.
 fn first_of(names: &[String]) -> String {
     const FEW: usize = 4;
     let few = names[..names.len().min(FEW)].join(", ");

@@ -1,4 +1,5 @@
-//! `cargo xtask wasm`: what a browser needs compiles for `wasm32-unknown-unknown`, which has neither files nor threads nor a clock.
+//! `cargo xtask wasm`: the crates for a browser compile for `wasm32-unknown-unknown`, which has neither files nor
+//! threads nor a clock.
 
 use crate::outcome::Outcome;
 use crate::{live, shell, toolchain};

@@ -1,4 +1,5 @@
-//! `cargo xtask wheel`: the Python package with the program in it, `target/wheel/*.whl`; installed beside nothing else, and its tests run.
+//! `cargo xtask wheel`: the Python package with the program in it, `target/wheel/*.whl`; installed alone, and its
+//! tests run.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +7,7 @@ use crate::outcome::Outcome;
 use crate::shell;
 
 const USAGE: &str = "cargo xtask wheel";
-/// What builds the wheel, and what its tests need beside it.
+/// Packages that build the wheel, and that its tests need.
 const TOOLS: [&str; 5] = [
     "maturin>=1.9,<2",
     "pytest>=7",
@@ -90,7 +91,7 @@ fn tools(folder: &Path) -> Result<PathBuf, Outcome> {
     Ok(python)
 }
 
-/// Builds the program as it is handed out, and puts it where maturin takes it from.
+/// Builds the released form of the program, and puts it where maturin expects it.
 fn program(package: &Path) -> Result<(), Outcome> {
     let mut cargo = shell::cargo_locked("build");
     cargo.args(["--profile", "dist", "--package", "touchstone"]);

@@ -28,7 +28,7 @@ unsafe impl Object for ts_guard {
 }
 assert_room!(ts_guard);
 
-/// What the guard must know of the device, and what it promises. Start from `ts_guard_defaults`.
+/// Properties of the device that the guard needs, and the size of its promise. Start from `ts_guard_defaults`.
 #[repr(C)]
 #[derive(Clone, Copy)]
 #[allow(non_camel_case_types)]
@@ -90,8 +90,8 @@ impl ts_guard_config {
     }
 }
 
-/// Fills in capacity, refill, share of damping and overspeed as Touchstone's knob has them, and 0 for all that only you know of your device:
-/// rate, force limit, count and damping, delay and lag. `ts_guard_init` refuses a rate of 0.
+/// Fills in capacity, refill, share of damping and overspeed as Touchstone's knob has them, and 0 for all that only you know of your device.
+/// Rate, force limit, count and damping, delay and lag. `ts_guard_init` refuses a rate of 0.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_defaults(config: *mut ts_guard_config) -> ts_status {
@@ -181,8 +181,9 @@ fn fixed(digits: i32) -> touchstone_control::fixed::types::I8F24 {
     touchstone_control::fixed::types::I8F24::from_bits(digits)
 }
 
-/// One control period. `moved` is how far the device moved since the last tick, `wanted` the force of your law, `*allowed` what it may be, with the sign of
-/// a force that resists a positive `moved` positive. At most `capacity + refill * time` ever reaches the hand beyond what it put in.
+/// Runs one control period. `moved` is the displacement since the last tick, `wanted` the force of your law,
+/// `*allowed` the force to command; a force that resists a positive `moved` is positive. At most `capacity + refill *
+/// time` ever reaches the hand beyond what it put in.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_tick(
@@ -194,7 +195,8 @@ pub extern "C" fn ts_guard_tick(
     tick(guard, moved, 0, wanted, allowed)
 }
 
-/// The same where the encoder was also read when the last force took effect: `before_change` is the part of `moved` that came before.
+/// As `ts_guard_tick`, where the encoder was also read when the last force took effect: `before_change` is the part of
+/// `moved` that came before.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_tick_with_change(
@@ -207,7 +209,7 @@ pub extern "C" fn ts_guard_tick_with_change(
     tick(guard, moved, before_change, wanted, allowed)
 }
 
-/// Tells the guard that less than it allowed was commanded in the end. A larger force counts as the allowed one.
+/// Tells the guard that a smaller force than allowed was commanded. A larger force counts as the allowed one.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_commanded(guard: *mut ts_guard, force: ts_force) -> ts_status {
@@ -247,7 +249,8 @@ pub extern "C" fn ts_guard_resume(guard: *mut ts_guard) -> ts_status {
     )
 }
 
-/// What the hand may still get out, J times 2^48; negative after overspeed until refill and damping have made up for it.
+/// Energy that the hand may still get out, J times 2^48; negative after overspeed until refill and damping have made
+/// up for it.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_account(guard: *mut ts_guard, account: *mut ts_energy) -> ts_status {

@@ -23,7 +23,7 @@ pub type ts_energy = i64;
 #[allow(non_camel_case_types)]
 pub type ts_si = i64;
 
-/// Nothing here panics; a linker without an operating system asks for a handler all the same.
+/// Never called, as nothing here panics; but a linker without an operating system needs a handler.
 #[cfg(target_os = "none")]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {

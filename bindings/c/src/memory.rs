@@ -7,7 +7,7 @@
 use crate::status::ts_status;
 use core::ffi::{CStr, c_char};
 
-/// What stands in an object's memory: the mark of its type, then the value.
+/// Content of an object's memory: the mark of its type, then the value.
 #[repr(C)]
 pub struct Marked<T> {
     mark: u64,
@@ -19,9 +19,9 @@ pub struct Marked<T> {
 /// # Safety
 /// The object is at least as large and as strictly aligned as `Marked<Self::Value>`: `assert_room!` checks it.
 pub unsafe trait Object: Sized {
-    /// What it holds.
+    /// The value that the memory holds.
     type Value: Copy;
-    /// Its mark: different for each type.
+    /// Mark of the type: different for each type.
     const MARK: u64;
 }
 
@@ -104,7 +104,7 @@ pub(crate) fn text<'a>(text: *const c_char) -> Result<&'a str, ts_status> {
     text.to_str().map_err(|_| ts_status::TS_BAD_VALUE)
 }
 
-/// A buffer of C for a text; empty where there is none.
+/// A buffer of C for a text; empty for a null pointer.
 pub(crate) fn buffer<'a>(place: *mut c_char, length: usize) -> &'a mut [u8] {
     if place.is_null() || length == 0 {
         return &mut [];

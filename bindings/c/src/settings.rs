@@ -24,7 +24,7 @@ unsafe impl Object for ts_settings {
 }
 assert_room!(ts_settings);
 
-/// The defaults: the wall of Touchstone's simulated knob. Set at least what is otherwise on your device.
+/// The defaults: the wall of Touchstone's simulated knob. Set at least what differs on your device.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_settings_init(settings: *mut ts_settings) -> ts_status {
@@ -54,7 +54,7 @@ pub extern "C" fn ts_settings_set(
     }
 }
 
-/// Tells estimator and guard the encoder: counts of a whole turn, all edges counted, at least 1.
+/// Sets the encoder for estimator and guard: counts of a whole turn, all edges counted, at least 1.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_settings_set_counts_per_rev(

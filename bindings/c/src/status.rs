@@ -1,9 +1,10 @@
-//! What a call answers.
+//! Results of a call.
 
 use crate::memory;
 use core::ffi::c_char;
 
-/// What a call answers. `TS_OK` is 0; after any other answer the output is 0, so that a firmware that ignores it drives no motor.
+/// Result of a call. `TS_OK` is 0; with any other result the output is 0, so that a firmware that ignores the result
+/// drives no motor.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(non_camel_case_types, clippy::upper_case_acronyms)]

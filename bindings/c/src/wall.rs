@@ -39,8 +39,8 @@ pub extern "C" fn ts_wall_init(wall: *mut ts_wall, settings: *mut ts_settings) -
     }
 }
 
-/// One control period: how deep the device is in the wall, positive inside, to the force that pushes it out. Command the motor with its
-/// negative along the angle, and hold it until the next tick.
+/// Runs one control period: takes the depth in the wall, positive inside, gives the force that pushes out. Command the
+/// motor with its negative along the angle, and hold it until the next tick.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_tick(
@@ -66,7 +66,7 @@ pub extern "C" fn ts_wall_tick(
     }
 }
 
-/// Tells estimator and guard what was commanded in the end, where that is less than the wall's force.
+/// Tells estimator and guard the commanded force, where that is smaller than the wall's.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_commanded(wall: *mut ts_wall, force: ts_force) -> ts_status {

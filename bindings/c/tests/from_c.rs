@@ -68,7 +68,7 @@ fn the_guard_holds_an_end_stop_that_runs_away_without_it() {
     }
 }
 
-/// The same million ticks as `examples/hostile.c`.
+/// The same million ticks as in `examples/hostile.c`, by the Rust code.
 fn digest_of_the_rust_code() -> u64 {
     let mut state = 0x2545_F491_u32;
     let mut next = || {

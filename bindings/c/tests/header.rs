@@ -1,4 +1,4 @@
-//! `include/touchstone.h` is what the source gives.
+//! `include/touchstone.h` is generated from the source.
 
 use std::path::Path;
 

@@ -40,10 +40,11 @@ fn number(value: impl Into<Si>) -> f64 {
     value.into().to_num()
 }
 
-/// A bound on what a hand can get out of a device, whatever force stands before it.
+/// Bounds the energy that a hand can get out of a device, whatever force is wanted.
 ///
-/// At most `capacity_j + refill_w * time` reaches the hand beyond what it put in, if the device has the stated damping, encoder and delay, and its
-/// motor gives the torque that it is told. Units are rad and N·m; with m and N the same numbers serve a linear device.
+/// At most `capacity_j + refill_w * time` reaches the hand beyond what it put in, if the device has the stated
+/// damping, encoder and delay, and its motor gives the commanded torque. Units are rad and N·m; with m and N the same
+/// numbers serve a linear device.
 #[pyclass(name = "Guard", module = "touchstone")]
 struct PyGuard {
     inner: Guarded<Fixed32>,
@@ -105,10 +106,11 @@ impl PyGuard {
         })
     }
 
-    /// One control period: how far the device moved since the last tick and the wanted force, to the force that it may have.
+    /// Runs one control period: takes the displacement since the last tick and the wanted force, returns the force to
+    /// command.
     ///
-    /// A force that resists a positive motion is positive. `before_change` is the part of `moved` before the last force took effect, where the encoder
-    /// was read then too.
+    /// A force that resists a positive motion is positive. `before_change` is the part of `moved` before the last
+    /// force took effect, where the encoder was read then too.
     #[pyo3(signature = (moved_rad, wanted_n_m, before_change_rad=0.0))]
     fn tick(&mut self, moved_rad: f64, wanted_n_m: f64, before_change_rad: f64) -> PyResult<f64> {
         let (moved, before) = (position(moved_rad)?, position(before_change_rad)?);
@@ -147,7 +149,7 @@ impl PyGuard {
         Ok(PyArray1::from_vec(py, allowed))
     }
 
-    /// Tells the guard that less than it allowed was commanded in the end.
+    /// Tells the guard that a smaller force than allowed was commanded.
     fn commanded(&mut self, force_n_m: f64) -> PyResult<()> {
         self.inner.commanded(force(force_n_m)?);
         Ok(())
@@ -163,7 +165,7 @@ impl PyGuard {
         self.inner = Guarded::new(self.inner.guard).resumed(&self.inner);
     }
 
-    /// What the hand may still get out, J.
+    /// Energy that the hand may still get out, J.
     #[getter]
     fn account_j(&self) -> f64 {
         self.inner.account().0.to_num()
@@ -225,12 +227,13 @@ impl PyWall {
         })
     }
 
-    /// One control period: the penetration, positive inside, to the force that pushes out.
+    /// Runs one control period: takes the penetration, positive inside, returns the force that pushes out.
     fn tick(&mut self, penetration_rad: f64) -> PyResult<f64> {
         Ok(number(self.inner.tick(position(penetration_rad)?).0))
     }
 
-    /// One control period of an encoder's count: the torque along the angle, to be commanded until the next tick.
+    /// Runs one control period: takes an encoder's count, returns the torque along the angle, to be commanded until
+    /// the next tick.
     fn tick_count(&mut self, count: i64) -> f64 {
         let penetration = self.scale.penetration(count);
         -number(self.inner.tick(penetration).0)
@@ -257,7 +260,7 @@ impl PyWall {
         Ok(PyArray1::from_vec(py, forces))
     }
 
-    /// Tells estimator and guard that less than the wall's force was commanded in the end.
+    /// Tells estimator and guard that a smaller force than the wall's was commanded.
     fn commanded(&mut self, force_n_m: f64) -> PyResult<()> {
         self.inner.commanded(force(force_n_m)?);
         Ok(())
@@ -276,7 +279,7 @@ impl PyWall {
         Ok(())
     }
 
-    /// What the hand may still get out, J; `None` where the guard is off.
+    /// Energy that the hand may still get out, J; `None` where the guard is off.
     #[getter]
     fn account_j(&self) -> Option<f64> {
         self.inner
@@ -297,7 +300,7 @@ impl PyWall {
         self.settings.law.word()
     }
 
-    /// Which passivity bounds the settings exceed, in words.
+    /// The passivity bounds that the settings exceed, in words.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.settings.warnings().map(|it| it.to_string()).collect()

@@ -4,7 +4,7 @@
 //! let go of at a stated rate: `f(n) = g(n) + d(n)` with `g` the new environment's own force and `|d(n+1)| <= |d(n)|`, `|d(n+1) - d(n)| <= r T`.
 //! So a change adds at most `r T` a tick to what `g` does by itself.
 //!
-//! **No new account.** The guard goes on with its books, and answers for what is carried as for any other force: a wall that appears under a
+//! **No new account.** The guard goes on with its energy balance, and answers for what is carried as for any other force. A wall that appears under a
 //! hand, deep inside of it, pushes it out with what the account has.
 
 use super::{Environment, Reading, WallSettings};
@@ -15,14 +15,14 @@ use crate::{Controller, Energy, Force, Number, Si};
 pub(super) struct Carried<N: Number> {
     /// The last force before the change, until the first tick after it.
     before: Option<Force<N>>,
-    /// What is added to the walls' own force.
+    /// The force that is added to the walls' own until it has faded.
     left: Force<N>,
-    /// By how much it shrinks in a tick.
+    /// The force shrinks by this much in a tick.
     per_tick: Force<N>,
 }
 
 impl<N: Number> Environment<N> {
-    /// By how much a force may change in a tick at so many N·m/s (N/s): never by nothing.
+    /// The largest change of force in a tick at this rate in N·m/s (N/s); at least one step of the format.
     #[must_use]
     pub fn change_per_tick(rate: Si, rate_hz: u32) -> Force<N> {
         let ticks = Si::saturating_from_num(rate_hz.max(1));
@@ -50,8 +50,8 @@ impl<N: Number> Environment<N> {
         self.carried = None;
     }
 
-    /// From now on in the place of another one with the same settings of law and guard, while that is at work. Walls that both have
-    /// go on as they are.
+    /// Replaces another environment with the same settings of law and guard while that one is at work. Walls that both
+    /// have keep their memory.
     pub fn take_over(&mut self, before: &Self, per_tick: Force<N>) {
         for place in self.walls.iter_mut().flatten() {
             let same = before
@@ -69,7 +69,8 @@ impl<N: Number> Environment<N> {
         self.carry(before.shown, per_tick);
     }
 
-    /// The same in the place of a wall alone, solid above its surface: that wall, where its last tick was, and what it showed then.
+    /// Same as [`Environment::take_over`], in the place of a single wall that is solid above its surface: needs that wall,
+    /// the position of its last tick, and its force then.
     pub fn take_over_from(
         &mut self,
         before: &Controller<N>,
@@ -96,7 +97,7 @@ impl<N: Number> Environment<N> {
         });
     }
 
-    /// The walls' own force with what is carried along.
+    /// Adds the force that is carried along to the walls' own force.
     #[cold]
     #[inline(never)]
     pub(super) fn carried_onto(&mut self, own: Force<N>) -> Force<N> {

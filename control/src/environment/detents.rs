@@ -11,50 +11,53 @@ pub(super) const COARSEST: Si = Si::lit("6.2831853072");
 /// How far detents are apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Spacing {
-    /// So many in a turn, 1 to 6283: the same at every turn, to the bit.
+    /// This number of detents a turn, 1 to 6283: the same at every turn, bit for bit.
     PerTurn(u16),
-    /// So far from one to the next, rad (m), 0.001 to 6.283. Known to 2^-33, and its inverse to as much: 100,000 detents away, to some 1e-5 of it.
+    /// The distance between neighbours, rad (m), 0.001 to 6.283. It and its inverse are known to 2^-33; 100,000
+    /// detents away that is some 1e-5 of a pitch.
     Pitch(Si),
 }
 
-/// What a person sets of detents.
+/// The settings of detents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DetentSettings {
     /// How far they are apart.
     pub spacing: Spacing,
     /// The largest force, N·m (N).
     pub strength: Si,
-    /// Where one of them is, rad (m).
+    /// Position of one of the detents, rad (m).
     pub centre: Si,
 }
 
-/// A force that is a triangle over the way: 0 where a device rests, its largest a quarter of a pitch on either side, 0 again at
-/// the ridge between two of them. It has no jump, so that a device on a ridge does not chatter, and no memory: over a whole pitch the work
-/// is 0, and out of a detent it takes `A P/4` to the ridge. What sampling adds to that, the guard counts as it does with walls.
+/// Detents: a force that is a triangle over the way. It is 0 where a device rests, largest a quarter of a pitch on
+/// either side, and 0 again at the ridge between two detents.
+///
+/// It has no jump, so a device on a ridge does not chatter. It has no memory: over a whole pitch the work is 0, and
+/// from a detent to the ridge it takes `A P/4`. The guard counts what sampling adds to that, as it does with walls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Detents<N: Number> {
     place: Place,
-    /// `A`, as what a whole signal is multiplied with.
+    /// The strength `A`, as a factor of a whole signal.
     strength: Compliance<N>,
 }
 
-/// Where they are.
+/// Positions of the detents.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
-    /// So many in a turn, and one of them such a part of the way to the next further on, 2^-32.
+    /// Detents of a turn: how many, and the place of one as a share of the way to the next, in 2^-32.
     Turn { per_turn: i32, centre: i32 },
-    /// `1/P`, and where one of them is.
+    /// Detents along an axis: the inverse of the pitch, and the place of one.
     Axis { per_pitch: u64, centre: Si },
 }
 
-/// Of a pitch, as its fraction of `2^32`.
+/// A quarter of a pitch, in 2^-32 of a pitch.
 const QUARTER: u32 = 1 << 30;
 
 /// The most in a turn: with the finest pitch.
 pub(super) const MOST: u16 = 6283;
 
 impl DetentSettings {
-    /// Evenly around a turn, of 1 to 6283 of them.
+    /// Detents evenly around a turn: 1 to 6283 of them.
     #[must_use]
     pub const fn around_a_turn(per_turn: u16, strength: Si, centre: Si) -> Self {
         Self {
@@ -128,7 +131,7 @@ impl<N: Number> Detents<N> {
         if beyond < 0 { -force } else { force }
     }
 
-    /// How far beyond the nearest of them, as a part of the way to the next, 2^-32.
+    /// Distance beyond the nearest detent, as a share of the way to the next, in 2^-32.
     #[inline]
     fn beyond(&self, at: &impl Reading<N>) -> i32 {
         match self.place {
@@ -140,7 +143,7 @@ impl<N: Number> Detents<N> {
     }
 }
 
-/// The same by a pitch. Boards have none, and a memory without wait states that is short.
+/// Same as [`Detents::beyond`], for detents that are set by a pitch. No board uses it: it needs a double word.
 #[cold]
 #[inline(never)]
 fn along_axis(per_pitch: u64, angle: Si, centre: Si) -> i32 {

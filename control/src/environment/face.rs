@@ -1,15 +1,15 @@
-//! A wall's surface on an axis, and what a measured position is before it.
+//! A wall's surface on an axis, and the penetration of a measured position.
 
 use crate::encoder::on_step;
 use crate::{CountScale, Force, Number, Position, Si};
 
 crate::choice! {
-    /// On which side of its surface a wall is solid.
+    /// The side of its surface on which a wall is solid.
     Side {
-        /// At larger angles: it pushes towards smaller ones.
+        /// Solid at larger angles: it pushes towards smaller ones.
         #[default]
         Above = "above",
-        /// At smaller angles: it pushes towards larger ones.
+        /// Solid at smaller angles: it pushes towards larger ones.
         Below = "below",
     }
 }
@@ -31,7 +31,7 @@ impl Side {
 pub struct Face {
     /// `x_s`, rad (m).
     pub surface: Si,
-    /// On which side it is solid.
+    /// The side on which it is solid.
     pub side: Side,
 }
 
@@ -40,7 +40,7 @@ pub struct Face {
 pub struct Reached {
     /// Whole turns; 0 for a surface up to `FROM_ZERO`.
     pub turns: i32,
-    /// What is left of the surface beyond them.
+    /// The part of the surface's angle beyond the whole turns.
     pub face: Face,
 }
 
@@ -95,7 +95,7 @@ pub fn turn_of(angle: Si) -> i32 {
     .cast_signed()
 }
 
-/// A measured position. That of the mirrored position must be the mirror image, to the bit.
+/// A measured position. That of the mirrored position must be the mirror image, bit for bit.
 pub trait Reading<N: Number> {
     /// Along the axis, rad (m).
     fn angle(&self) -> Si;
@@ -118,7 +118,7 @@ pub trait Reading<N: Number> {
 pub struct Counted {
     /// The encoder, before whatever surface.
     pub scale: CountScale,
-    /// Its count.
+    /// The encoder's count.
     pub count: i64,
 }
 

@@ -6,14 +6,14 @@
 //! ```
 //!
 //! **Nothing is switched.** Every wall has a law with a memory of its own and is told where the device is at every tick, so that a law never
-//! learns that another wall was touched: outside its own it gives no force and has no memory. What all of them ask for together is limited as
+//! learns that another wall was touched. Outside its own it gives no force and has no memory. What all of them ask for together is limited as
 //! one force, and one guard answers for it, whose account therefore bounds what a hand gets out by going from one wall to the next as well.
 //! Estimators are told the force of all, for it is what moves the device.
 //!
 //! **Signs.** Forces here act against `+x`, as those of a wall that is solid above its surface. A wall that is solid below is the mirror image of
-//! one above, and is calculated as that, so that an environment and its mirror image answer mirrored motions with mirrored forces, to the bit.
+//! one above, and is calculated as that, so that an environment and its mirror image answer mirrored motions with mirrored forces, bit for bit.
 //!
-//! **No end.** A knob may turn on for 340 million turns: detents and the guard's books are the same at every turn, to the bit. A wall is felt as
+//! **No end.** A knob may turn on for 340 million turns: detents and the guard's energy account are the same at every turn, bit for bit. A wall is felt as
 //! far as positions reach, 128 rad of 32 bits: further outside nothing is to be felt, and deeper inside it is off, which
 //! [`Environment::is_beyond_reach`] says.
 //!
@@ -46,13 +46,13 @@ const EDGE: Si = Si::lit("2147481600");
 /// A wall: where it is, and the stiffness that it shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WallSettings {
-    /// Its surface, and on which side of it it is solid.
+    /// The surface and its solid side.
     pub face: Face,
     /// `k_de`, N·m/rad.
     pub k_desired: Si,
 }
 
-/// A wall at work.
+/// A wall with its law and the law's memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Walled<N: Number> {
     wall: WallSettings,
@@ -62,7 +62,7 @@ struct Walled<N: Number> {
 }
 
 impl<N: Number> Walled<N> {
-    /// All memory is new.
+    /// Clears all memory.
     #[cold]
     fn forget(&mut self) {
         self.states.forget();
@@ -76,9 +76,9 @@ pub struct Environment<N: Number> {
     walls: [Option<Walled<N>>; MOST_WALLS],
     detents: Option<Detents<N>>,
     limit: Force<N>,
-    /// The stage after all of them.
+    /// The energy guard behind the sum of all forces.
     pub guard: Option<Guarded<N>>,
-    /// A step of a position, for the guard's books.
+    /// A step of a position, for the guard's energy account.
     step: Si,
     /// The last position, in whole steps.
     last: Option<Si>,
@@ -89,15 +89,15 @@ pub struct Environment<N: Number> {
     commanded: Force<N>,
     /// The force of the last tick, before any later stage.
     shown: Force<N>,
-    /// What is left of the force before a change.
+    /// The rest of the force before a change, while it fades.
     carried: Option<Carried<N>>,
 }
 
 impl<N: Number> Environment<N> {
-    /// At power-up. The settings are those of every wall's law but for `k_desired`, and those of the guard.
+    /// The environment as at power-up. All walls share the law's settings but for `k_desired`, and the guard's.
     ///
     /// # Errors
-    /// What is refused, and of which wall.
+    /// The setting that is refused, and the wall that has it.
     #[cold]
     #[inline(never)]
     pub fn new(
@@ -164,7 +164,8 @@ impl<N: Number> Environment<N> {
         Ok(environment)
     }
 
-    /// This one in the place of another that ran before, for the next arming: all memory is new but the guard's account.
+    /// This environment in the place of one that ran before, for the next arming: all memory is cleared but the
+    /// guard's account.
     #[must_use]
     pub fn resumed(self, before: &Self) -> Self {
         let guard = match (self.guard, &before.guard) {
@@ -174,8 +175,8 @@ impl<N: Number> Environment<N> {
         Self { guard, ..self }
     }
 
-    /// One control period: where the device is, and how far it has moved since the force changed (where that is measured), to the force
-    /// against `+x`.
+    /// Runs one control period: takes where the device is, and how far it has moved since the force changed (where
+    /// that is measured), returns the force against `+x`.
     ///
     /// If a later stage changes that force, [`Environment::commanded`] must follow.
     #[inline]

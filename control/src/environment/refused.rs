@@ -6,11 +6,11 @@ use core::fmt;
 /// Why an environment is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refused {
-    /// More than [`super::MOST_WALLS`].
+    /// There are more walls than [`super::MOST_WALLS`].
     TooManyWalls,
     /// A setting of the law or of the guard.
     Law(SettingsError),
-    /// A setting as it is for one wall, by its place.
+    /// A setting of one wall, with the wall's number.
     Wall(u8, SettingsError),
     /// The detents' pitch is out of its range, rad (m).
     Pitch(Si),
@@ -18,7 +18,7 @@ pub enum Refused {
     PerTurn(u16),
     /// The detents' largest force is below 0 or above the force limit, N·m (N).
     Strength {
-        /// As given.
+        /// The strength as it was given.
         strength: Si,
         /// The force limit.
         limit: Si,

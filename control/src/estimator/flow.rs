@@ -19,20 +19,20 @@ pub(super) const LONGEST_DELAY: u8 = UNDER_WAY as u8;
 /// by `q (X(s) - X(r))`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flow<N: Number, const COMMANDS: usize> {
-    /// `V`.
+    /// Reach: `V`.
     pub reach: Weight<N>,
-    /// `X`.
+    /// Drift: `X`.
     pub drift: Weight<N>,
-    /// `β V`.
+    /// Loss: `β V`.
     pub loss: Weight<N>,
     /// For each command, the latest first, what it takes from position and displacement per tick.
     pub commands: [[Weight<N>; 2]; COMMANDS],
 }
 
-/// A device in ticks: what flows are made of.
+/// A device in units of ticks, from which flows are computed.
 #[derive(Debug, Clone, Copy)]
 pub struct DeviceInTicks {
-    /// `β = b T/J`.
+    /// Loss: `β = b T/J`.
     pub loss: Exact,
     /// `q = T²/J`, rad/(N·m).
     pub per_torque: Exact,
@@ -40,7 +40,7 @@ pub struct DeviceInTicks {
     pub delay: Exact,
 }
 
-/// More terms than `(β t)^k/k!` has digits, for `β t` up to 4.
+/// Number of terms of the series; for `β t` up to 4 more terms change no digit.
 const TERMS: i64 = 48;
 
 impl DeviceInTicks {
@@ -76,7 +76,8 @@ impl DeviceInTicks {
         self.flow(self.delay, |i| i)
     }
 
-    /// Over a time, each command ending so many ticks before its end, and beginning one tick earlier.
+    /// The motion over a time; each command ends the given number of ticks before its end, and begins one tick
+    /// earlier.
     fn flow<N: Number, const COMMANDS: usize>(
         &self,
         time: Exact,
@@ -144,8 +145,8 @@ pub(crate) fn approach(angle: Exact) -> Exact {
 }
 
 impl<N: Number, const COMMANDS: usize> Flow<N, COMMANDS> {
-    /// Whether over a time of 1 or 2 ticks nothing of it is longer than the time, and commands up to a limit take less than 2 rad and 2 rad
-    /// a tick for each tick: so no sum of [`Flow::apply`] overflows.
+    /// Whether the sums of [`Flow::apply`] cannot overflow: over 1 or 2 ticks no coefficient is longer than the time,
+    /// and commands up to the limit take less than 2 rad, and 2 rad a tick, for each tick.
     pub(super) fn is_bounded(&self, ticks: u8, limit: Part<N>) -> bool {
         let mut taken = [N::Wide::default(); 2];
         let mut fits = true;

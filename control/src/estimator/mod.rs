@@ -14,14 +14,14 @@
 //!
 //! The three poles of its error are one and the same, `z = exp(-2π p T)` for a bandwidth `p`:
 //! `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V β = 2 + ρ - 3z - α - X γ`. Then the state is taken ahead, by the same model and with the
-//! commands that are on their way, over the time until the next command begins to act; that is what a law is given.
+//! commands that are on their way, over the time until the next command begins to act. That is what a law is given.
 //!
 //! **At rest it is exact**, to a step of the format at most: `g` sums up `r` until there is none, whatever inertia and torque
 //! constant are assumed. So a wrong inertia costs accuracy while the device moves, and nothing when it is held.
 //!
 //! **Nothing overflows**, and nothing has to saturate on the way: a state that leaves `|r| < 8 rad`, `|d| < 4 rad` a tick or
 //! `|g| < 4 rad` a tick², which no device does, starts anew at what was measured. So `|x| <= 128 + 8`; with commands that take less than
-//! 2 rad in each tick (of what settings give, 1; looked at where the coefficients are made) and at most two ticks ahead a sum stays below
+//! 2 rad in each tick (of what settings give, 1; examined where the coefficients are made) and at most two ticks ahead a sum stays below
 //! `136 + 2·4 + 2·4 + 4 < 157` of 512 rad. See `proofs/src/estimator.rs`.
 
 mod flow;
@@ -45,9 +45,9 @@ pub type Weight<N> = <<N as Number>::Wide as crate::number::Wide>::Weight;
 /// Coefficients of the estimator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimator<N: Number> {
-    /// From one sample to the next.
+    /// The motion from one sample to the next.
     pub tick: Flow<N, TAPS>,
-    /// From the sample to when the command that follows it begins to act.
+    /// The motion from the sample to when the command that follows it begins to act.
     pub ahead: Flow<N, UNDER_WAY>,
     /// `α`, `β`, `γ`.
     pub correction: [Weight<N>; 3],
@@ -62,7 +62,7 @@ pub struct EstimatedMotion<N: Number> {
     pub position: N::Wide,
     /// Displacement per tick `d`, rad.
     pub moved: N::Wide,
-    /// What the hand adds to that each tick, `g`, rad.
+    /// The hand's push `g`: the change of the displacement in each tick, rad.
     pub pushed: N::Wide,
 }
 
@@ -81,7 +81,7 @@ pub(crate) const LARGEST_MOTION_BITS: u32 = 2;
 pub(crate) const LARGEST_SURPRISE_BITS: u32 = 3;
 
 impl<N: Number> EstimatedMotion<N> {
-    /// At rest at a measured position.
+    /// An estimate at rest at a measured position.
     #[must_use]
     pub fn standing(at: Position<N>) -> Self {
         Self {
@@ -119,7 +119,7 @@ pub(crate) fn corrected<N: Number, const COMMANDS: usize>(
     possible.then_some(after)
 }
 
-/// Whether a weight is from 0 to so much.
+/// Whether a weight lies from 0 to `most`.
 fn is_share<N: Number>(weight: Weight<N>, most: u8) -> bool {
     let most = N::Wide::weight(Exact::saturating_from_num(most));
     weight >= Weight::<N>::default() && most.is_some_and(|most| weight <= most)
@@ -139,8 +139,8 @@ impl<N: Number> Estimator<N> {
             && self.limit >= Force::zero()
     }
 
-    /// One control period: the measured penetration to penetration and displacement per tick at the time at which the command
-    /// that follows will begin to act. [`Estimator::commanded`] must follow.
+    /// Runs one control period: takes the measured penetration, returns penetration and displacement per tick for the
+    /// time at which the next command begins to act. [`Estimator::commanded`] must follow.
     #[inline(always)]
     pub fn tick(&self, state: &mut EstimatorState<N>, measured: Position<N>) -> Sample<N> {
         let motion = state
@@ -166,7 +166,7 @@ impl<N: Number> Estimator<N> {
         corrected(&self.tick, &self.correction, before, commands, measured)
     }
 
-    /// The force that was commanded after a tick, pushing out of the wall, as it is sent to the motor: after every stage that
+    /// Tells the estimator the force that was commanded after a tick, pushing out of the wall: after every stage that
     /// may change it.
     #[inline(always)]
     pub fn commanded(&self, state: &mut EstimatorState<N>, force: Force<N>) {

@@ -1,4 +1,4 @@
-//! What the estimator is told, in SI, and the coefficients that it becomes.
+//! The estimator's settings in SI, and the coefficients that are computed from them.
 
 use super::flow::{DeviceInTicks, LONGEST_DELAY, approach};
 use super::{Estimator, Weight};
@@ -87,9 +87,10 @@ impl EstimatorSettings {
         Ok(())
     }
 
-    /// The torque that moves the inertia by a radian a tick in each tick, N·m (N a metre). A function of its own: where one block calls
-    /// another function three times, small programs call it through a register, and what may be called so is not known to those who
-    /// bound the stack.
+    /// The torque that moves the inertia by a radian a tick in each tick, N·m (N a metre).
+    ///
+    /// It is a function of its own for the sake of the stack's bound: where a block calls another function three
+    /// times, the compiler of small programs makes an indirect call, which the analysis of the stack cannot follow.
     #[inline]
     fn inertia_in_ticks(&self, rate: Si) -> Si {
         self.inertia.saturating_mul(rate).saturating_mul(rate)
@@ -98,7 +99,7 @@ impl EstimatorSettings {
     /// Validates, and computes the coefficients.
     ///
     /// # Errors
-    /// As [`EstimatorSettings::validate`]; a force limit that the number format cannot hold counts against the inertia, as do coefficients
+    /// Same as [`EstimatorSettings::validate`]; a force limit that the number format cannot hold counts against the inertia, as do coefficients
     /// of which a sum could overflow ([`Estimator::is_bounded`]; none is known).
     pub fn estimator<N: Number>(
         &self,

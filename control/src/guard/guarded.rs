@@ -23,7 +23,7 @@ pub struct Guarded<N: Number> {
 }
 
 impl<N: Number> Guarded<N> {
-    /// At power-up: a full account.
+    /// The state at power-up: a full account.
     #[must_use]
     pub fn new(guard: Guard<N>) -> Self {
         let end = Position(N::saturating_signal(Si::MAX));
@@ -37,15 +37,15 @@ impl<N: Number> Guarded<N> {
         }
     }
 
-    /// With the account of another, whose force has ended: arming is no reason for a full one. What the hand did meanwhile
-    /// cost nothing, and is not counted for it either.
+    /// This guard with the account of an earlier one whose force has ended: arming does not fill the account. What the
+    /// hand did in between neither costs nor earns anything.
     #[must_use]
     pub fn resumed(mut self, before: &Self) -> Self {
         self.resume(before.account());
         self
     }
 
-    /// The same for an account alone.
+    /// Same as [`Guarded::resumed`], given the account alone.
     #[inline]
     pub fn resume(&mut self, account: Energy<N>) {
         self.state = GuardState {
@@ -54,13 +54,13 @@ impl<N: Number> Guarded<N> {
         };
     }
 
-    /// One control period: the measured penetration, that at which the force changed since the last tick (where it is
-    /// measured), and the force that the law wants, to the force that it may have.
+    /// Runs one control period: takes the measured penetration, the one at which the force changed since the last tick
+    /// (where it is measured), and the force that the law wants. Returns the force that is allowed.
     ///
-    /// While a force acts every displacement is the true one: the last sample was before the edge, so the next one, if it is not
-    /// overspeed, is a displacement beyond it at most; the force on its way then, if there still is one, ends with the sample after
-    /// that, at most at the format's end. Beyond the edge a motion costs nothing, as no force acts, and what is measured of it is not
-    /// more than it was.
+    /// While a force acts, every counted displacement is the true one. The sample before was before the edge of the
+    /// format, so the next one is at most one displacement beyond it, unless that is overspeed. A force still on its
+    /// way ends with the sample after that, at most at the format's end. Beyond the edge no force acts, so a motion
+    /// costs nothing, and what is measured of it is not more than it was.
     #[inline]
     pub fn tick(
         &mut self,
@@ -81,7 +81,7 @@ impl<N: Number> Guarded<N> {
         e >= self.edge || e <= -self.edge
     }
 
-    /// The same for a displacement since the last tick, and the part of it before the force changed.
+    /// Same as [`Guarded::tick`], given the displacement since the last tick and the part of it before the force changed.
     #[inline(always)]
     pub fn moved(
         &mut self,
@@ -104,8 +104,8 @@ impl<N: Number> Guarded<N> {
         force
     }
 
-    /// The same tick seen from the other end of the axis: `moved`, `before_change` and `wanted` with their signs changed give the
-    /// force with its own changed, and each rounding falls on the mirrored side of the books.
+    /// Same as [`Guarded::moved`], seen from the other end of the axis. `moved`, `before_change` and `wanted` with changed
+    /// signs give the force with a changed sign; each rounding falls on the mirrored side of the account.
     #[inline]
     pub fn moved_mirrored(
         &mut self,
@@ -116,7 +116,7 @@ impl<N: Number> Guarded<N> {
         self.moved_from(true, moved, before_change, wanted)
     }
 
-    /// From either end of the axis, in one place of a program: it is long.
+    /// The tick for both ends of the axis. It is long, so a program has it only once.
     #[inline]
     pub(crate) fn moved_from(
         &mut self,
@@ -153,7 +153,7 @@ impl<N: Number> Guarded<N> {
         self.guard.switched_off(&mut self.state);
     }
 
-    /// What the hand may still get out.
+    /// Energy that the hand may still get out.
     #[must_use]
     pub fn account(&self) -> Energy<N> {
         self.state.account

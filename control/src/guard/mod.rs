@@ -15,7 +15,7 @@
 //! `docs/energy-guard.md`.
 //!
 //! What makes the force smaller afterwards (fading in, a limit, rounding to a current) is told to [`Guard::commanded`], or the
-//! books are of a force that never acted.
+//! account is of a force that never acted.
 
 mod guarded;
 mod settings;
@@ -31,9 +31,9 @@ use crate::{Compliance, Energy, Force, Number, Position, Ratio, Stiffness};
 /// The guard's coefficients; what each must satisfy is what [`Guard::new`] sees to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guard<N: Number> {
-    /// `C`: what the account holds at most, and at power-up.
+    /// `C`: the most that the account holds, which is also what it has at power-up.
     pub capacity: Energy<N>,
-    /// `P T`: what it is given at every tick.
+    /// `P T`: the energy that the account gains at every tick.
     pub refill: Energy<N>,
     /// `c`: the trusted damping over a tick, rounded down.
     pub damping: Stiffness<N>,
@@ -51,14 +51,14 @@ pub struct Guard<N: Number> {
     pub per_reach: Stiffness<N>,
     /// How far the device can move under a force that is on its way, and half a count, rounded up.
     pub in_flight: Position<N>,
-    /// `(1 + s)/4c`: what a newton-metre can have lost, over any displacement whatever, until it is off; rounded up.
+    /// `(1 + s)/4c`: the most that a newton-metre can have lost, over any displacement, until it is off; rounded up.
     pub overrun: Compliance<N>,
 }
 
 /// The guard's memory. It starts full, once: arming, a reset of the law or leaving the wall are no reason for another.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct GuardState<N: Number> {
-    /// What the hand may still get out, J.
+    /// Energy that the hand may still get out, J.
     pub account: Energy<N>,
     /// The force of the last tick.
     pub force: Force<N>,
@@ -81,8 +81,8 @@ impl<N: Number> Guard<N> {
         }
     }
 
-    /// One control period, with positions taken once in it: how far the device moved since the last tick (inward positive)
-    /// and the force that the law wants, to the force that it may have.
+    /// Runs one control period with one position a period: takes the displacement since the last tick (inward
+    /// positive) and the force that the law wants, returns the force that is allowed.
     ///
     /// # Errors
     /// Overspeed: from now on the force is 0.
@@ -96,11 +96,11 @@ impl<N: Number> Guard<N> {
         self.step(state, moved, Position::zero(), wanted)
     }
 
-    /// One control period where the position was also taken when the force changed: `before_change` is the part of `moved` that
-    /// came before.
+    /// Same as [`Guard::tick`], with the position also taken when the force changed: `before_change` is the part of `moved`
+    /// that came before.
     ///
     /// # Errors
-    /// As [`Guard::tick`].
+    /// Same as [`Guard::tick`].
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_pointer_width = "64"), inline)]
     pub fn tick_with_change(
@@ -123,9 +123,11 @@ impl<N: Number> Guard<N> {
         state.force = force.within(state.force.modulus());
     }
 
-    /// The force is switched off, and no tick follows. After a tick after which none is commanded only the older one still acts, no longer
-    /// than a change takes, and its reserve pays for that. Of one that was not ended by a tick nobody knows how long it acted; but every
-    /// displacement was paid for, so an account that is empty answers for it.
+    /// The force is switched off, and no tick follows.
+    ///
+    /// After a tick that commands nothing, only the older force still acts, no longer than a change takes, and its
+    /// reserve pays for that. If no tick ended the force, it is unknown how long it acted; but every displacement was
+    /// paid for, so an empty account answers for it.
     #[cold]
     pub fn switched_off(&self, state: &mut GuardState<N>) {
         let account = if state.force == Force::zero() {
@@ -173,8 +175,8 @@ impl<N: Number> Guard<N> {
 
     /// The account after a tick.
     ///
-    /// All of it fits: forces and displacements are at most a quarter of their format, so that each product below is at most an
-    /// eighth of an energy's, and the account at most a quarter.
+    /// No sum overflows. Forces and displacements are at most a quarter of their format, so each product below is at
+    /// most an eighth of an energy's, and the account is at most a quarter.
     #[inline(always)]
     pub fn booked(
         &self,
@@ -197,31 +199,31 @@ impl<N: Number> Guard<N> {
             .plus_fitting(self.damped(distance))
     }
 
-    /// What the trusted damping took. A measured displacement is up to a count longer than the true one.
+    /// Energy that the trusted damping took. A measured displacement is up to a count longer than the true one.
     #[inline(always)]
     fn damped(&self, distance: Position<N>) -> Energy<N> {
         let surely = (distance - self.count).max(Position::zero());
         (self.damping * surely).down_fitting() * surely
     }
 
-    /// What a force may still cost after the next sample, before another takes its place.
+    /// The most that a force may still cost after the next sample, before another replaces it.
     #[inline(always)]
     #[must_use]
     pub fn reserve(&self, force: Force<N>) -> Energy<N> {
         force.modulus_fitting() * self.in_flight
     }
 
-    /// The largest force that so much energy, not below 0, can pay over every displacement up to the furthest, `E/D`.
+    /// The largest force that an energy, not below 0, can pay for over every displacement up to the furthest: `E/D`.
     ///
-    /// It needs no root, because it leaves the damping as a reserve; and it falls in proportion to what is left, so that the wall
-    /// becomes softer as the account runs dry, and ends nowhere.
+    /// It needs no root, because it leaves the damping as a reserve. It falls in proportion to the energy that is
+    /// left, so the wall becomes softer as the account empties, and there is no sudden end.
     #[inline(always)]
     #[must_use]
     pub fn largest_force(&self, free: Energy<N>) -> Force<N> {
         (self.per_reach * free.digits_fitting()).down_fitting()
     }
 
-    /// With a deficit no force is shown, so that nothing is lost.
+    /// Makes up for a deficit: meanwhile no force is shown, so no energy is lost.
     #[cold]
     fn make_up(&self, state: &mut GuardState<N>, distance: Position<N>) -> Force<N> {
         *state = GuardState {
@@ -231,7 +233,8 @@ impl<N: Number> Guard<N> {
         Force::zero()
     }
 
-    /// After overspeed: what the forces that acted, and the one that acts on until it is off, can have lost at most.
+    /// Charges overspeed: the largest loss possible under the forces that acted and the one that acts until it is
+    /// off.
     #[cold]
     fn overrun(&self, state: &mut GuardState<N>) -> Result<Force<N>, Overspeed> {
         let size = state.force.modulus().max(state.older.modulus());

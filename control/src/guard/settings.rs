@@ -1,4 +1,4 @@
-//! What a person sets of the guard, its ranges and warnings, and the coefficients made of it.
+//! The guard's settings, their ranges and warnings, and the coefficients computed from them.
 
 use super::Guard;
 use crate::quotient::over;
@@ -8,7 +8,7 @@ use crate::{
     SettingsError, Si, Stiffness, Warning,
 };
 
-/// What the guard must know of the device behind it.
+/// The properties of the device that the guard needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct GuardedDevice {
     /// Control rate `1/T`, Hz.
@@ -19,7 +19,8 @@ pub struct GuardedDevice {
     pub count: Si,
 }
 
-/// Rounding upwards of what was computed downwards: more than the few last digits that a sum of products and quotients loses.
+/// Added to make a value that was computed by rounding down an upper bound: more than the last digits that a sum of
+/// products and quotients can lose.
 const UP: Si = Si::from_bits(8);
 
 /// What settings and device come to, SI.
@@ -83,7 +84,7 @@ impl GuardSettings {
         within(Field::GuardLag, self.lag, tick.saturating_sub(self.delay))
     }
 
-    /// What the settings give away.
+    /// Warnings: settings with which the guard gives more energy away than it need.
     #[must_use]
     pub fn warnings(&self, device: &GuardedDevice) -> [Option<Warning>; 2] {
         let derived = self.derived(device);
@@ -111,7 +112,7 @@ fn refused<N: Number>(field: Field, value: Si) -> SettingsError {
     }
 }
 
-/// One step of a signal.
+/// The smallest step of a signal.
 pub(crate) fn quantum<N: Number>() -> Si {
     let step = |bit| Si::from_bits(1_i64.wrapping_shl(bit));
     let shows = |step: &Si| N::signal(*step).is_some_and(|signal| signal >= N::QUANTUM);

@@ -36,21 +36,21 @@ impl Random {
             .wrapping_add(1_442_695_040_888_963_407);
         self.0 ^ self.0 >> 31
     }
-    /// Of `-size..=size`.
+    /// A random number in `-size..=size`.
     fn within(&mut self, size: i64) -> i64 {
         (self.next() >> 20) as i64 % (2 * size + 1) - size
     }
 }
 
-/// What a force and its displacement took from the hand, and what the trusted damping did, in quanta of energy, in whole
-/// numbers: `c` is what the settings say, not what the guard has stored.
+/// The true account in whole quanta of energy: the work of each force over its displacement, and what the trusted
+/// damping took. `c` comes from the settings and not from what the guard has stored.
 struct Truth {
     joules: i128,
 }
 const JOULE: i128 = 1 << 48;
 
 impl Truth {
-    /// A displacement in a part of a tick, in thousandths of it. Rounded down.
+    /// Books a displacement in a part of a tick, given in thousandths, rounded down.
     fn moved(&mut self, force: i64, moved: i64, thousandths: i128) {
         let (force, moved) = (i128::from(force), i128::from(moved));
         // 0.32 N·m/rad over a tick: 0.8 of 4e-4 N·m·s/rad.
@@ -165,7 +165,7 @@ fn the_account_is_never_above_the_truth() {
     }
 }
 
-/// Without delay and without error the books are exact: the account alone, with no lower end, never passes zero.
+/// Without delay and without error the energy account is exact: the account alone, with no lower end, never passes zero.
 #[test]
 fn every_displacement_up_to_overspeed_is_paid() {
     let exact = GuardedDevice {

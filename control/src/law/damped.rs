@@ -1,24 +1,25 @@
-//! The spring-damper with a velocity of its own: what a practitioner does about the counts of a difference.
+//! The spring-damper with a filtered velocity: the usual remedy for the coarse steps of a difference of counts.
 
 use super::{Law, Sample, Spring, SpringState, View};
 use crate::velocity::{Velocity, VelocityState};
 use crate::{Force, Number};
 
-/// A [`Spring`] whose damper takes its velocity from a filter, and whose spring takes the penetration that it is told.
+/// A [`Spring`] with the penetration of the sample and a damper whose velocity comes from a filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Damped<N: Number> {
     /// Spring and damper.
     pub spring: Spring<N>,
-    /// What the damper takes for the velocity.
+    /// The filter that gives the damper its velocity.
     pub velocity: Velocity<N>,
 }
 
-/// Memory of [`Damped`]. Outside, the spring's is cleared; the filter goes on, for it knows the motion with which the wall is met.
+/// Memory of [`Damped`]. Outside the wall the spring's part is cleared; the filter goes on, so that it knows the
+/// motion at the next contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DampedState<N: Number> {
-    /// The spring's.
+    /// Memory of the spring.
     pub spring: SpringState,
-    /// The filter's.
+    /// Memory of the velocity filter.
     pub velocity: VelocityState<N>,
 }
 

@@ -1,6 +1,6 @@
 //! Enhanced successive force augmentation (thesis Algorithm 3.1, Fig. 3.18), made passive up to a stated credit.
 //!
-//! First contact is rendered at `k_de` with the filter bypassed. When the motion turns, a virtual mass takes over: the HIP
+//! First contact is rendered at `k_de` with the filter bypassed. When the motion turns, a virtual mass takes over. The HIP
 //! hangs on it by `k_f`, and the mass is pushed out by the soft spring `k_v` deformed by its penetration plus an offset `O`,
 //! which is changed until the stiffness felt at the HIP is `k_de`.
 //!
@@ -17,10 +17,10 @@
 //! `energy_credit`, and over one contact the mass can never give more than that beyond what it took.
 //!
 //! **A damper stands beside the augmented wall.** `(B/T) Δe`, the damper of the plain spring, is added to the wall's force in every
-//! phase; the sum never pulls and stays within the limit. Up to `k_v` the law is that damped spring, with `B k_de/k_v`. The books at the
+//! phase. The sum never pulls and stays within the limit. Up to `k_v` the law is that damped spring, with `B k_de/k_v`. The books at the
 //! *mass port* leave the damper out: what it takes is never given back through the offset, and the offset regulates the wall's
 //! stiffness alone. At the *wall's port* its force is held over a tick and acts over the next displacement, so where the motion turns
-//! it gives up to `(B/T) |Δe(n) Δe(n+1)|`; a device that damps `k T/2 + B` takes that. What a hand gets out in all is for the guard to
+//! it gives up to `(B/T) |Δe(n) Δe(n+1)|`. A device that damps `k T/2 + B` takes that. What a hand gets out in all is for the guard to
 //! bound.
 //!
 //! The form of the thesis (without the damper, its observer, offset changed on inward motion only) stays selectable.
@@ -73,15 +73,15 @@ pub struct EnhancedSfa<N: Number> {
     pub damper: Stiffness<N>,
     /// Soft stiffness `k_v`.
     pub soft: Stiffness<N>,
-    /// `1/k_v`.
+    /// Compliance: `1/k_v`.
     pub compliance: Compliance<N>,
     /// How the offset is changed.
     pub augmentation: Augmentation<N>,
-    /// Which stiffness is regulated.
+    /// The stiffness that is regulated.
     pub regulate: Regulate,
-    /// When the offset is changed.
+    /// The moments at which the offset is changed.
     pub update: OffsetUpdate,
-    /// Which observer.
+    /// The form of the energy observer.
     pub observer: ObserverForm,
     /// What happens to the force when the first contact ends.
     pub first_contact: FirstContact,
@@ -99,7 +99,7 @@ pub struct EnhancedSfa<N: Number> {
     pub limit: Force<N>,
 }
 
-/// What the augmented phase remembers.
+/// Memory of the augmented phase.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Augmented<N: Number> {
     /// The virtual mass.
@@ -113,7 +113,7 @@ pub struct Augmented<N: Number> {
 /// Memory of [`EnhancedSfa`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EnhancedState<N: Number> {
-    /// Where the contact stands.
+    /// Phase of the contact.
     pub contact: Contact,
     /// Penetration of the last tick.
     pub last: Position<N>,
@@ -126,8 +126,8 @@ pub struct EnhancedState<N: Number> {
 }
 
 impl<N: Number> EnhancedSfa<N> {
-    /// The force of the augmented wall and of the damper beside it, never pulling. The damper works on the displacement inside the
-    /// wall, as that of [`super::Spring`].
+    /// The force of the augmented wall plus that of the damper beside it, never pulling. The damper works on the
+    /// displacement inside the wall, as that of [`super::Spring`] does.
     #[inline(always)]
     fn damped(&self, augmented: Force<N>, sample: Sample<N>) -> Force<N> {
         (augmented + (self.damper * sample.moved_inside()).towards_zero())
@@ -253,9 +253,9 @@ impl<N: Number> EnhancedSfa<N> {
         Some(Force::zero())
     }
 
-    /// The HIP leaves the mass behind. A wall does not pull, so nothing pulls the mass either: from where it and its energy
-    /// were it moves as if it had not been coupled, if the energy pays for that, and else stands still. (What the sum of its
-    /// coefficients holds beyond inertia and ground is one more damper to ground here.)
+    /// The HIP leaves the mass behind. A wall does not pull, so nothing pulls the mass. It moves on from where it was
+    /// as if it had not been coupled, if its energy pays for that, and otherwise stands still. (Coefficients beyond
+    /// inertia and ground damping act as one more damper to ground here.)
     #[inline(never)]
     fn leave_behind(
         &self,

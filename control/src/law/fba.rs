@@ -12,7 +12,7 @@ use crate::{Energy, Force, Number, Position, Stiffness};
 pub struct Fba<N: Number> {
     /// Desired stiffness `k_de`.
     pub desired: Stiffness<N>,
-    /// `c_i/T`.
+    /// Device damping: `c_i/T`.
     pub device_damping: Stiffness<N>,
     /// `sqrt(4 c_i/T)`, rounded down, in the format of a stiffness.
     pub bound: Stiffness<N>,

@@ -20,7 +20,7 @@ pub use tdpa::{Tdpa, TdpaState};
 
 use crate::{Energy, Force, Number, Position};
 
-/// Where the contact stands.
+/// Phase of the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Contact {
     /// Outside the wall.
@@ -28,14 +28,14 @@ pub enum Contact {
     Free,
     /// First contact, up to the first reversal of the motion; laws without that distinction stay here.
     First,
-    /// After the first reversal: force augmentation.
+    /// Force augmentation, after the first reversal.
     Augmenting,
 }
 
-/// What a law shows of its inside, for telemetry and plots.
+/// A law's inner values, for telemetry and plots.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View<N: Number> {
-    /// Where the contact stands.
+    /// Phase of the contact.
     pub contact: Contact,
     /// The law's own observed energy; `None` if it observes none.
     pub energy: Option<Energy<N>>,
@@ -45,7 +45,7 @@ pub struct View<N: Number> {
     pub mass: Option<Position<N>>,
 }
 
-/// What a law is told each tick: measured, or estimated for the time at which its force will act.
+/// Input of a law in one tick: measured, or estimated for the time at which its force will act.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sample<N: Number> {
     /// Penetration `e = x - x_s`, positive inside.
@@ -55,7 +55,7 @@ pub struct Sample<N: Number> {
 }
 
 impl<N: Number> Sample<N> {
-    /// As measured: the displacement is the difference of two penetrations.
+    /// A sample as measured: the displacement is the difference of two penetrations.
     #[inline(always)]
     #[must_use]
     pub fn measured(e: Position<N>, last: Position<N>) -> Self {
@@ -72,12 +72,12 @@ impl<N: Number> Sample<N> {
 
 /// A control law over one number format.
 pub trait Law<N: Number> {
-    /// Its memory; the default is "outside, at rest".
+    /// The law's memory; the default is "outside, at rest".
     type State: Copy + Default;
 
-    /// One control period: where the HIP is and how it moves, to the force pushing out.
+    /// Runs one control period: takes where the HIP is and how it moves, returns the force pushing out.
     fn tick(&self, state: &mut Self::State, sample: Sample<N>) -> Force<N>;
 
-    /// The inside after the last tick.
+    /// The law's internal values after the last tick.
     fn view(&self, state: &Self::State) -> View<N>;
 }

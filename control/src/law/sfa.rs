@@ -16,9 +16,9 @@ pub struct Sfa<N: Number> {
     pub soft: Stiffness<N>,
     /// `k_c/k_v - 1`, the gain of (2.14a).
     pub gain: Ratio<N>,
-    /// `1/k_v`.
+    /// Compliance: `1/k_v`.
     pub compliance: Compliance<N>,
-    /// When the offset is changed.
+    /// The moments at which the offset is changed.
     pub update: OffsetUpdate,
     /// What happens to the force when the first contact ends.
     pub first_contact: FirstContact,
@@ -29,7 +29,7 @@ pub struct Sfa<N: Number> {
 /// Memory of [`Sfa`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SfaState<N: Number> {
-    /// Where the contact stands.
+    /// Phase of the contact.
     pub contact: Contact,
     /// Penetration of the last tick.
     pub last: Position<N>,

@@ -2,7 +2,7 @@
 //!
 //! With the thesis' observer the force is chosen so that the very sum that uses it never becomes negative: `E >= 0` is an
 //! invariant of that sum, to the last bit, and the corrected force is the quotient `E/|Δe|` rounded towards zero. Over a
-//! spring there is never anything to correct: for every force that grows with `e`, and its potential `G`,
+//! spring there is never anything to correct. For every force that grows with `e`, and its potential `G`,
 //! `f(n) Δe(n) >= G(n) - G(n-1)`, so that sum is never negative by itself, and the law is the plain spring.
 //!
 //! With the exact observer the energy up to now is a fact, the next displacement is not known and is taken to be like the
@@ -22,7 +22,7 @@ use crate::{Energy, Force, Number, ObserverForm, Position, Stiffness};
 pub struct Tdpa<N: Number> {
     /// Desired stiffness `k_de`.
     pub desired: Stiffness<N>,
-    /// Which observer.
+    /// The form of the energy observer.
     pub observer: ObserverForm,
     /// `c_i/T` if the device's own damping counts as dissipation (2.6), else zero.
     pub device_damping: Stiffness<N>,

@@ -1,4 +1,4 @@
-//! The float reference: the same law with rounding to nearest; what is measured saturates, what is calculated does not.
+//! The float reference: the same laws rounded to nearest. Measured values saturate, calculated ones do not.
 
 use super::{Number, Reported};
 use crate::Si;

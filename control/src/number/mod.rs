@@ -142,8 +142,8 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
     /// `f · moved + rest = e`. See [`crate::magnitude::affordable`].
     fn affordable(e: Self::Energy, f: Self::Signal) -> (Self::Signal, Self::Energy);
 
-    /// One passivity step for a stored energy `e >= 0`, a wanted force `f >= 0` and a displacement `d` (positive: inward, the
-    /// force absorbs): energy and force after it. See [`crate::magnitude::passivity_step`].
+    /// Runs one passivity step on a stored energy `e >= 0`, a wanted force `f >= 0` and a displacement `d` (positive:
+    /// inward, the force absorbs). Returns energy and force after it. See [`crate::magnitude::passivity_step`].
     fn passivity_step(
         e: Self::Energy,
         f: Self::Signal,

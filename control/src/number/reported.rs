@@ -1,7 +1,7 @@
-//! Between the formats and `f64`, for reports and for simulated devices.
+//! Conversion between the formats and `f64`, for reports and for simulated devices.
 //!
-//! A trait of its own and no part of [`Number`]: a feature may add to a crate, and a format that another crate implements
-//! must not become incomplete by it.
+//! It is a trait apart from [`Number`]: a feature of this crate may switch it on, and must not make a format
+//! incomplete that another crate implements.
 
 use super::{Fixed8, Fixed16, Fixed32, Number};
 use crate::{Energy, Force, Position};
@@ -49,13 +49,13 @@ fixed_reported!(Fixed8, i8);
 macro_rules! signal_reported {
     ($quantity:ident) => {
         impl<N: Reported> $quantity<N> {
-            /// In SI.
+            /// The value in SI units.
             #[inline(always)]
             #[must_use]
             pub fn to_f64(self) -> f64 {
                 N::signal_to_f64(self.0)
             }
-            /// From SI, to the nearest, saturating.
+            /// The nearest value to a number in SI units, saturating.
             #[inline(always)]
             #[must_use]
             pub fn from_f64(x: f64) -> Self {
@@ -68,7 +68,7 @@ signal_reported!(Position);
 signal_reported!(Force);
 
 impl<N: Reported> Energy<N> {
-    /// In SI, J.
+    /// The value in J.
     #[inline(always)]
     #[must_use]
     pub fn to_f64(self) -> f64 {

@@ -1,7 +1,7 @@
-//! Sums that end where their format ends, in the form that takes the fewest instructions.
+//! Sums that saturate at the ends of their format, in the form that takes the fewest instructions.
 //!
-//! A Cortex-M4 has an instruction for a word that saturates. Where there is none, the form without a branch takes six, and the
-//! one with a branch that is hardly ever taken two.
+//! A Cortex-M4 has one instruction for a word. For other widths, a form without a branch takes six instructions. A
+//! form with a branch that is hardly ever taken needs two.
 
 /// A signed integer whose sums saturate.
 pub(crate) trait Saturates: Copy {

@@ -8,7 +8,7 @@
 
 use core::fmt::Debug;
 
-/// What a weight is calculated with before it is rounded: ±128 in steps of 1.4e-17.
+/// Exact type in which a weight is calculated before it is rounded: ±128 in steps of 1.4e-17.
 pub type Exact = fixed::types::I8F56;
 
 /// A displacement, rad (m), or one per tick or tick².
@@ -29,7 +29,7 @@ pub trait Wide: Copy + Debug + Default + PartialEq + 'static {
     fn minus_fitting(self, other: Self) -> Self;
     /// Weight × part, exact.
     fn product(weight: Self::Weight, part: Self::Part) -> Self;
-    /// The leading digits, downwards, of what the caller knows to be within ±8.
+    /// The leading digits, rounded down, of a value that the caller knows to be within ±8.
     fn part(self) -> Self::Part;
     /// The leading digits of a torque that came from a signal: exact in the fixed formats.
     fn torque_part(self) -> Self::Part;

@@ -20,7 +20,7 @@ pub struct Bounding<N: Spatial> {
 }
 
 impl<N: Spatial> Bounding<N> {
-    /// Outside, at rest.
+    /// A law without memory, outside the object and at rest.
     pub fn new(law: Fba<N>) -> Self {
         Self {
             law,
@@ -30,12 +30,12 @@ impl<N: Spatial> Bounding<N> {
         }
     }
 
-    /// What it has observed, J.
+    /// The energy observed so far, J.
     pub fn energy(&self) -> Energy<N> {
         self.energy
     }
 
-    /// One control period: the force on the HIP.
+    /// Runs one control period; returns the force on the HIP.
     pub fn tick(&mut self, touch: &Touch<N>) -> Vector<Force<N>> {
         let moved = self.track.moved(touch);
         self.track.keep(touch);
@@ -55,7 +55,7 @@ impl<N: Spatial> Bounding<N> {
     }
 }
 
-/// What the device's damping took, rounded down.
+/// Energy that the device's damping took, rounded down.
 fn damped<N: Number + Spatial>(law: &Fba<N>, moved: Vector<Position<N>>) -> Energy<N> {
     let [x, y, z] = moved
         .map(|part| crate::observer::damping_loss(law.device_damping, part))

@@ -27,7 +27,7 @@ use core::fmt;
 /// Friction's coefficients.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction<N: Spatial> {
-    /// Of the spring across.
+    /// Stiffness of the spring across the normal.
     pub stiffness: Stiffness<N>,
     /// `μ_s/k`: how far it stretches a newton of normal force before it slides.
     pub static_reach: Compliance<N>,
@@ -42,7 +42,7 @@ pub struct FrictionState<N: Spatial> {
     pub sliding: bool,
     /// The stretch of the spring: from the anchor to the HIP, across the normal.
     pub stretch: Vector<Position<N>>,
-    /// While there is contact.
+    /// The hold on the surface while there is contact.
     pub contact: Option<Hold<N>>,
 }
 
@@ -58,7 +58,8 @@ pub struct Hold<N: Spatial> {
 }
 
 impl<N: Spatial> Friction<N> {
-    /// One control period: the force on the HIP under a normal force. Without one there is no contact, and nothing is kept.
+    /// Runs one control period: takes a normal force, returns the friction on the HIP. Without a normal force there is
+    /// no contact, and the memory is cleared.
     #[inline]
     pub fn tick(
         &self,
@@ -125,21 +126,21 @@ pub struct FrictionSettings {
 pub enum FrictionError {
     /// A stiffness that the device's damping does not answer for, or none; N/m.
     Stiffness {
-        /// As set.
+        /// The stiffness as it was set.
         stiffness: Si,
-        /// `2 b/T`.
+        /// Largest allowed stiffness: `2 b/T`.
         most: Si,
     },
     /// Coefficients that are not `0 <= kinetic <= static <= 10`.
     Coefficients {
-        /// `μ_s`.
+        /// Static coefficient: `μ_s`.
         static_coefficient: Si,
-        /// `μ_k`.
+        /// Kinetic coefficient: `μ_k`.
         kinetic_coefficient: Si,
     },
     /// A coefficient that does not fit the number format.
     OutOfFormat {
-        /// In the device's unit.
+        /// The value in the device's length unit.
         value: Si,
         /// The format.
         format: &'static str,
@@ -169,10 +170,10 @@ impl fmt::Display for FrictionError {
 }
 
 impl FrictionSettings {
-    /// The coefficients for a device of a rate in Hz and a trusted damping in N·s/m.
+    /// The coefficients for a device with a rate in Hz and a trusted damping in N·s/m.
     ///
     /// # Errors
-    /// What is outside its range or its format.
+    /// A setting that is outside its range or its number format.
     pub fn friction<N: Spatial>(
         &self,
         unit: LengthUnit,

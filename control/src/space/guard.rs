@@ -1,6 +1,6 @@
 //! The energy guard on the port of three axes: one account, forces and displacements as vectors.
 //!
-//! Its theorem is that of [`crate::guard`] with products read as scalar products and moduli as lengths: the port's books are the sum of
+//! Its theorem is that of [`crate::guard`] with products read as scalar products and moduli as lengths. The port's energy is the sum of
 //! three axes', each of which has its own inequality, and a displacement of length `d` costs a force of length `|F|` at most `|F| d`. A position
 //! vector whose coordinates are each right to half a count is right to `√3/2` counts. So the coefficients are those of the guard of
 //! one axis with `√3 δ` for its `δ`; only what each axis pays by itself for a change of its force takes `δ`. Derivation:
@@ -16,22 +16,23 @@ use crate::{Energy, Force, GuardSettings, GuardedDevice, Position, SettingsError
 /// The guard's coefficients.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VectorGuard<N: Spatial> {
-    /// As for one axis; its counts are those of a position vector, its slack that of one axis.
+    /// Coefficients as for one axis; the count is that of a position vector, the slack that of one axis.
     pub of_length: Guard<N>,
     /// From here on a coordinate is too near to the format's end: two furthest displacements before it.
     edge: Position<N>,
-    /// What of a displacement's length, rounded up, is not sure: a count, and a quantum, less which it is at most the length rounded down.
+    /// Uncertainty of a displacement's length that was rounded up: a count and a quantum. Less this, it is at most the
+    /// length rounded down.
     unsure: Position<N>,
 }
 
 /// The guard's memory. It starts full, once.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct VectorGuardState<N: Spatial> {
-    /// What the hand may still get out.
+    /// Energy that the hand may still get out.
     pub account: Energy<N>,
-    /// Against the force of the last tick: what a displacement along it puts in.
+    /// The direction against the last tick's force: a displacement along it puts energy in.
     pub against: Vector<Force<N>>,
-    /// That of the tick before it.
+    /// The force of the tick before the last.
     pub older: Vector<Force<N>>,
     /// No force of the last tick was longer.
     pub size: Force<N>,
@@ -44,7 +45,7 @@ impl<N: Spatial> VectorGuard<N> {
     /// Validates the settings and computes the coefficients. Both are in the device's unit: [`super::LengthUnit::guard`].
     ///
     /// # Errors
-    /// As [`Guard::new`].
+    /// Same as [`Guard::new`].
     pub fn new(settings: &GuardSettings, device: &GuardedDevice) -> Result<Self, SettingsError> {
         let of_axis = Guard::new(settings, device)?;
         let of_length: Guard<N> = Guard::new(
@@ -63,7 +64,7 @@ impl<N: Spatial> VectorGuard<N> {
         }))
     }
 
-    /// Of a guard's coefficients for lengths.
+    /// The guard whose coefficients for lengths these are.
     #[must_use]
     pub fn of(of_length: Guard<N>) -> Self {
         let furthest = of_length.furthest;
@@ -83,8 +84,8 @@ impl<N: Spatial> VectorGuard<N> {
         }
     }
 
-    /// One control period, with positions taken once in it: how far the device moved since the last tick and the force on the hand
-    /// that is wanted, to the force that it may have: the same direction, the same length or less.
+    /// Runs one control period with one position a period: takes the displacement since the last tick and the wanted
+    /// force on the hand. Returns the allowed force, of the same direction and at most the same length.
     ///
     /// # Errors
     /// Overspeed: from now on the force is 0.
@@ -98,11 +99,11 @@ impl<N: Spatial> VectorGuard<N> {
         self.tick_with_change(state, moved, Vector::default(), wanted)
     }
 
-    /// The same at a measured place. From two furthest displacements before the format's end on, in any coordinate, no force is shown:
-    /// beyond that end a motion would not be counted ([`crate::Guarded::tick`]).
+    /// Same as [`VectorGuard::tick`], at a measured place. Within two furthest displacements of the format's end, in any
+    /// coordinate, there is no force: beyond that end a motion would not be counted ([`crate::Guarded::tick`]).
     ///
     /// # Errors
-    /// As [`VectorGuard::tick`], and where a force is wanted there.
+    /// Same as [`VectorGuard::tick`], and where a force is wanted there.
     #[inline]
     pub fn tick_at(
         &self,
@@ -121,11 +122,11 @@ impl<N: Spatial> VectorGuard<N> {
         if ends { Err(Overspeed) } else { Ok(force) }
     }
 
-    /// One control period where the position was also taken when the force changed: `before_change` is the part of `moved` that
-    /// came before.
+    /// Same as [`VectorGuard::tick`], with the position also taken when the force changed: `before_change` is the part of
+    /// `moved` that came before.
     ///
     /// # Errors
-    /// As [`VectorGuard::tick`].
+    /// Same as [`VectorGuard::tick`].
     #[inline]
     pub fn tick_with_change(
         &self,
@@ -212,13 +213,14 @@ impl<N: Spatial> VectorGuard<N> {
             .plus_fitting(z)
     }
 
-    /// What the trusted damping took of a way.
+    /// Energy that the trusted damping took over a way.
     #[inline(always)]
     fn damped(&self, way: Position<N>) -> Energy<N> {
         (self.of_length.damping * way).down_fitting() * way
     }
 
-    /// After overspeed: what the forces that acted, and the one that acts on until it is off, can have lost at most.
+    /// Charges overspeed: the largest loss possible under the forces that acted and the one that acts until it is
+    /// off.
     #[cold]
     fn overrun(&self, state: &mut VectorGuardState<N>) -> Result<Vector<Force<N>>, Overspeed> {
         let size = state.size.max(state.older.length_up());

@@ -19,7 +19,7 @@ pub struct Magnitude<N: Spatial, L> {
 }
 
 impl<N: Spatial, L: Along<N>> Magnitude<N, L> {
-    /// Outside, at rest.
+    /// A law without memory, outside the object and at rest.
     pub fn new(law: L) -> Self {
         Self {
             law,
@@ -27,7 +27,7 @@ impl<N: Spatial, L: Along<N>> Magnitude<N, L> {
         }
     }
 
-    /// One control period: the force on the HIP.
+    /// Runs one control period; returns the force on the HIP.
     #[inline]
     pub fn tick(&mut self, touch: &Touch<N>) -> Vector<Force<N>> {
         let force = self.law.tick(self.track.sample(touch));

@@ -1,7 +1,8 @@
 //! What three axes need of a number format beyond [`Number`]: lengths, directions, shares of a vector.
 //!
-//! All of it is on magnitudes, so that no bit pattern is an exception: a square of a word has a double word's room three times over. Rounding
-//! is always towards zero, that is to the shorter vector; only [`Spatial::length_up`] says what nothing is longer than.
+//! All of it works on magnitudes, so that no bit pattern is an exception: a double word holds the sum of three
+//! squares. Rounding is always towards zero, that is to the shorter vector; only [`Spatial::length_up`] gives an upper
+//! bound.
 
 use super::root::{root_16, root_32, root_64, root_high_16, root_high_32, root_high_64};
 use crate::magnitude::Word;
@@ -17,7 +18,8 @@ pub trait Spatial: Number {
 
     /// `a · b` towards zero, saturating.
     fn times(a: Self::Signal, b: Self::Signal) -> Self::Signal;
-    /// A length along a direction: of each component's size so much, towards zero, with the length's sign. The size is that of [`Spatial::times`].
+    /// A length along a direction, component by component, rounded towards zero, with the length's sign. Sizes are
+    /// those of [`Spatial::times`].
     fn share_of_length(u: Axes<Self::Signal>, length: Self::Signal) -> Axes<Self::Signal>;
     /// `x · part / whole` towards zero with one rounding, saturating; 0 for a `whole` of 0. The sign is that of `x`.
     fn share(x: Self::Signal, part: Self::Signal, whole: Self::Signal) -> Self::Signal;
@@ -39,7 +41,8 @@ pub trait Spatial: Number {
     ) -> Axes<Self::Signal>;
     /// The largest signal whose square does not exceed `e`; 0 for a negative `e`. As [`Number::root`], by words instead of digits.
     fn root_of_squares(e: Self::Energy) -> Self::Signal;
-    /// What of `v` is across a direction, each component within two quanta and towards zero: never longer than `v`.
+    /// The part of `v` across a direction: each component within two quanta, rounded towards zero, never longer than
+    /// `v`.
     fn across(u: Axes<Self::Signal>, v: Axes<Self::Signal>) -> Axes<Self::Signal>;
     /// A direction turned towards another one by an angle of a cosine and a sine, each component within three quanta, never longer
     /// than 1; `None` where the two are parallel or opposite.
@@ -123,7 +126,7 @@ macro_rules! fixed_spatial {
                     Some(bits) => 1 << bits,
                     None => 0,
                 };
-            /// In a double word.
+            /// The vector in double words.
             #[inline(always)]
             fn long(v: Axes<<$name as Number>::Signal>) -> Axes<i64> {
                 v.map(|x| i64::from(x.to_bits()))

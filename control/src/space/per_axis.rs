@@ -14,24 +14,24 @@ use super::vector::{Direction, Vector};
 use crate::law::{Contact, Sample};
 use crate::{Energy, Force, Position};
 
-/// When the object has been left, its shifted surface included (§4.4.1).
+/// The condition for having left the object, its shifted surface included (§4.4.1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Leaving {
-    /// Each axis by itself: a force can remain after the object has been left (Fig. 4.7).
+    /// Each axis ends its contact alone: a force can remain after the object has been left (Fig. 4.7).
     Decoupled,
-    /// As soon as one axis has left: forces drop where a coordinate is small (Fig. 4.8).
+    /// All axes end as soon as one has left: forces drop where a coordinate is small (Fig. 4.8).
     AnyAxis,
-    /// By the projection of the offset on `e` (4.8, Fig. 4.9).
+    /// Judged by the projection of the offset on `e` (4.8, Fig. 4.9).
     #[default]
     Projection,
 }
 
-/// A law an axis.
+/// One law per axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PerAxis<N: Spatial, L> {
     /// The laws with their memories.
     pub laws: [L; 3],
-    /// When the object has been left.
+    /// The condition for having left the object.
     pub leaving: Leaving,
     track: Track<N>,
     /// Whether the side of an axis is the negative one; a coordinate of 0 keeps its side.
@@ -41,7 +41,7 @@ pub struct PerAxis<N: Spatial, L> {
 }
 
 impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
-    /// Outside, at rest.
+    /// A law without memory, outside the object and at rest.
     pub fn new(laws: [L; 3], leaving: Leaving) -> Self {
         Self {
             laws,
@@ -52,7 +52,7 @@ impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
         }
     }
 
-    /// One control period: the force on the HIP.
+    /// Runs one control period; returns the force on the HIP.
     pub fn tick(&mut self, touch: &Touch<N>) -> Vector<Force<N>> {
         let e = share_of(&touch.normal, touch.depth);
         let moved = self.displacements(touch, e);
@@ -82,7 +82,7 @@ impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
     }
 
     /// Each axis' part of the displacement along the normal of the last tick; on a surface that does not turn, the change of its
-    /// penetration, to the bit.
+    /// penetration, bit for bit.
     fn displacements(&self, touch: &Touch<N>, e: Vector<Position<N>>) -> Vector<Position<N>> {
         let normal = self.track.normal().unwrap_or(touch.normal);
         let Sample { moved, .. } = self.track.sample(touch);

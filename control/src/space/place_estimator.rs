@@ -2,23 +2,23 @@
 //!
 //! Along the axes of space and not along the normal, since that is where the model is linear: `M dv/dt = F - b v + M h` is the same
 //! whatever object is touched. Along a normal that turns, depth and velocity would change without any force, by `v²/R`, and the
-//! commands on their way would have to be turned with it; where the HIP leaves one face for another, the state would be that of another coordinate.
+//! commands on their way would have to be turned with it. Where the HIP leaves one face for another, the state would be that of another coordinate.
 //! `docs/three-axes.md` has both choices.
 //!
 //! Each axis is [`crate::Estimator`] as it stands, told `-x` for its penetration, so that a force along `x` is one that pushes out.
-//! On a plane across an axis through the origin a wall of three axes on estimated states therefore is the wall of one axis, to the bit.
+//! On a plane across an axis through the origin a wall of three axes on estimated states therefore is the wall of one axis, bit for bit.
 
 use super::number::Spatial;
 use super::vector::Vector;
 use crate::estimator::{Estimator, EstimatorState};
 use crate::{Force, Position};
 
-/// What the shells are told of the HIP.
+/// The predicted HIP that the shells work with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaceAhead<N: Spatial> {
-    /// Where it will be.
+    /// Position at which it will be.
     pub at: Vector<Position<N>>,
-    /// Its displacement per tick then.
+    /// Displacement per tick at that time.
     pub moved: Vector<Position<N>>,
 }
 
@@ -29,7 +29,7 @@ pub struct PlaceEstimator<N: Spatial> {
 }
 
 impl<N: Spatial> PlaceEstimator<N> {
-    /// Before the first sample. Coefficients are in the device's unit: [`super::LengthUnit::estimator`].
+    /// The state before the first sample. Coefficients are in the device's unit: [`super::LengthUnit::estimator`].
     #[must_use]
     pub fn new(axes: [Estimator<N>; 3]) -> Self {
         Self {
@@ -37,8 +37,8 @@ impl<N: Spatial> PlaceEstimator<N> {
         }
     }
 
-    /// One control period: a measured position to place and displacement at the time at which the command that follows will begin to act.
-    /// [`PlaceEstimator::commanded`] must follow.
+    /// Runs one control period: takes a measured position, returns place and displacement for the time at which the
+    /// next command begins to act. [`PlaceEstimator::commanded`] must follow.
     #[inline]
     pub fn tick(&mut self, measured: Vector<Position<N>>) -> PlaceAhead<N> {
         let mut ahead = PlaceAhead {

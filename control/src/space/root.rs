@@ -90,7 +90,8 @@ macro_rules! whole {
             (root >> pairs) as $word
         }
 
-        /// The same of a number with one of its four highest bits set: at most one power of four up.
+        /// The root of a number that has one of its four highest bits set: at most one power of four is taken out
+        /// before.
         #[inline]
         #[must_use]
         pub fn $high(n: $wide) -> $word {

@@ -8,9 +8,9 @@ use crate::{AnyLaw, Force, Number};
 
 /// A law with its memory.
 pub trait Along<N: Number> {
-    /// One control period: penetration and displacement along a direction, to the force out.
+    /// Runs one control period: takes penetration and displacement along a direction, returns the force out.
     fn tick(&mut self, sample: Sample<N>) -> Force<N>;
-    /// The inside after the last tick.
+    /// The law's internal values after the last tick.
     fn view(&self) -> View<N>;
     /// Forgets: outside, at rest.
     fn reset(&mut self);
@@ -40,17 +40,17 @@ impl<N: Number> Along<N> for AnyLaw<N> {
     }
 }
 
-/// One law with its memory, without the choice of the others.
+/// A single law with its memory, where no choice between laws is needed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Held<N: Number, L: Law<N>> {
     /// The law.
     pub law: L,
-    /// Its memory.
+    /// The memory of the law.
     pub state: L::State,
 }
 
 impl<N: Number, L: Law<N>> Held<N, L> {
-    /// Outside, at rest.
+    /// A law without memory, outside the object and at rest.
     pub fn new(law: L) -> Self {
         Self {
             law,

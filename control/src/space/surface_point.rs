@@ -20,7 +20,7 @@ pub enum Rule<N: Spatial> {
 }
 
 impl<N: Spatial> Turn<N> {
-    /// By the ratio of the part across to that along, the tangent of the angle.
+    /// A rule with a cone, given by the tangent of its angle.
     #[must_use]
     pub fn of_ratio(across: N::Signal) -> Self {
         let zero = N::Signal::default();
@@ -36,7 +36,7 @@ pub struct SurfacePoint<N: Spatial> {
     pub rule: Rule<N>,
     /// Direction to the closest surface point in the last tick.
     side: Direction<N>,
-    /// While inside: the direction in use, and where the HIP came in.
+    /// While inside: the direction in use, and the point at which the HIP entered.
     inside: Option<(Direction<N>, Vector<Position<N>>)>,
 }
 
@@ -51,7 +51,7 @@ impl<N: Spatial> SurfacePoint<N> {
         }
     }
 
-    /// One control period.
+    /// Runs one control period: finds the surface point for a place.
     #[inline]
     pub fn tick(&mut self, surface: &impl Surface<N>, at: Vector<Position<N>>) -> Touch<N> {
         let nearest = surface.nearest(at, &self.side);
@@ -73,7 +73,7 @@ impl<N: Spatial> SurfacePoint<N> {
     }
 }
 
-/// Back to a point.
+/// The direction back to a point.
 fn back_to<N: Spatial>(
     entry: Vector<Position<N>>,
     at: Vector<Position<N>>,

@@ -1,4 +1,4 @@
-//! What the shells are told of a contact, and how the hand moved along its normal.
+//! The contact and the motion along the normal, as the three-axis laws see them.
 
 use super::environment::Nearest;
 use super::number::Spatial;
@@ -9,9 +9,9 @@ use crate::law::Sample;
 /// Where the HIP is with respect to the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Touch<N: Spatial> {
-    /// The HIP.
+    /// Position of the hand's point (HIP).
     pub at: Vector<Position<N>>,
-    /// Out of the object: along it the force pushes.
+    /// The normal out of the object, along which the force pushes.
     pub normal: Direction<N>,
     /// How deep the HIP is below the surface point, positive inside.
     pub depth: Position<N>,
@@ -20,7 +20,7 @@ pub struct Touch<N: Spatial> {
 }
 
 impl<N: Spatial> Touch<N> {
-    /// Of a measured place.
+    /// The contact at a measured place.
     #[inline(always)]
     #[must_use]
     pub fn measured(at: Vector<Position<N>>, seen: Nearest<N>) -> Self {
@@ -56,11 +56,11 @@ impl<N: Spatial> Track<N> {
         })
     }
 
-    /// Penetration and inward displacement along the normal **of the last tick**, along which the last force acts: so that force
-    /// times displacement is the work at the port, `F·Δx`.
+    /// Penetration and inward displacement along the normal **of the last tick**. The last force acted along that
+    /// normal, so force times displacement is the work at the port, `F·Δx`.
     ///
-    /// On a surface that does not turn it is the change of the penetration, to the bit: what a law of one degree of
-    /// freedom is told. An estimated displacement is taken along the same normal, as it is.
+    /// On a surface that does not turn, the displacement is the change of the penetration, bit for bit, as in one
+    /// degree of freedom. An estimated displacement is taken along the same normal.
     #[inline]
     #[must_use]
     pub fn sample(&self, touch: &Touch<N>) -> Sample<N> {
@@ -97,7 +97,7 @@ impl<N: Spatial> Track<N> {
         self.last.map_or(Position::zero(), |(_, last)| last.depth)
     }
 
-    /// After the tick.
+    /// Keeps the contact after the tick.
     #[inline]
     pub fn keep(&mut self, touch: &Touch<N>) {
         let seen = Nearest {

@@ -2,7 +2,7 @@
 //!
 //! A metre is too long for a haptic device. [`Fixed32`](crate::Fixed32) has stiffnesses up to 524,287, and an omega.3's effector at 4 kHz is a `m/T²` of
 //! 2.4e6 N/m; compliances in steps of 6e-8, and 1/k_v of that device is 2e-4 m/N, to three digits. In centimetres the same
-//! are 24,000 N/cm and 0.02 cm/N to six digits; positions reach ±1.28 m in steps of 0.6 nm, stiffnesses 52 kN/mm, and an energy is in
+//! are 24,000 N/cm and 0.02 cm/N to six digits. Positions reach ±1.28 m in steps of 0.6 nm, stiffnesses 52 kN/mm, and an energy is in
 //! units of 10 mJ. In millimetres the energy guard's account would end at 32 mJ. So `Centimetre` is the unit of three axes, and a metre of arc, the radian, that of knobs. Laws do not
 //! know: newtons stay newtons, and a tick is free of the unit.
 //!
@@ -16,20 +16,20 @@ use crate::{
     VelocityKind, VelocitySettings,
 };
 
-/// Which length is 1.
+/// The length that counts as 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LengthUnit {
-    /// m: energies in J.
+    /// Metre; energies are in J.
     Metre,
     /// cm: energies in 10 mJ.
     #[default]
     Centimetre,
-    /// mm: energies in mJ.
+    /// Millimetre; energies are in mJ.
     Millimetre,
 }
 
 impl LengthUnit {
-    /// How many of it are a metre.
+    /// How many of these units are a metre.
     #[must_use]
     pub fn per_metre(self) -> u32 {
         match self {
@@ -82,10 +82,11 @@ impl LengthUnit {
         }
     }
 
-    /// A law of these settings, given in SI, that reckons in this unit.
+    /// Makes a law from settings in SI units; the law calculates in this unit of length.
     ///
     /// # Errors
-    /// As [`AnyLaw::new`]; a range is that of the setting in SI, a coefficient that does not fit is told in this unit.
+    /// Same as [`AnyLaw::new`]. Ranges in the error are in SI units, a coefficient that does not fit in this unit of
+    /// length.
     pub fn law<N: Number>(self, si: &Settings) -> Result<AnyLaw<N>, SettingsError> {
         let unit = self.settings(si);
         // Ranges are those of SI; the guard and the estimator of one axis are none of these.
@@ -98,10 +99,10 @@ impl LengthUnit {
         AnyLaw::new(&unit)
     }
 
-    /// An estimator an axis, of settings given in SI.
+    /// An estimator for each axis, from settings in SI.
     ///
     /// # Errors
-    /// As [`EstimatorSettings::estimator`]; ranges are told in this unit.
+    /// Same as [`EstimatorSettings::estimator`]; ranges are given in this unit.
     pub fn estimator<N: Spatial>(
         self,
         si: &[EstimatorSettings; 3],

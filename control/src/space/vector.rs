@@ -9,12 +9,12 @@ use core::ops::{Add, Neg, Sub};
 pub struct Vector<Q>(pub Axes<Q>);
 
 impl<Q: Copy> Vector<Q> {
-    /// Of each component by itself.
+    /// Applies a function to each component.
     #[inline(always)]
     pub fn map<R>(self, of: impl FnMut(Q) -> R) -> Vector<R> {
         Vector(self.0.map(of))
     }
-    /// Of two vectors, component by component.
+    /// Combines two vectors component by component.
     #[inline(always)]
     pub fn zip<P: Copy, R>(self, other: Vector<P>, of: impl Fn(Q, P) -> R) -> Vector<R> {
         let ([a, b, c], [p, q, r]) = (self.0, other.0);
@@ -57,13 +57,13 @@ macro_rules! signal_vector {
             pub(super) fn reversed(self) -> Self {
                 self.map(|x| $quantity::zero() - x)
             }
-            /// Its length, less than a quantum too short; saturating.
+            /// Length of the vector, less than a quantum too short; saturating.
             #[inline(always)]
             #[must_use]
             pub fn length_down(self) -> $quantity<N> {
                 $quantity(N::length_down(self.signals()))
             }
-            /// Its length, less than a quantum too long; saturating.
+            /// Length of the vector, less than a quantum too long; saturating.
             #[inline(always)]
             #[must_use]
             pub fn length_up(self) -> $quantity<N> {
@@ -75,8 +75,9 @@ macro_rules! signal_vector {
             pub fn is_longer(self, limit: $quantity<N>) -> bool {
                 N::longer(self.signals(), limit.0)
             }
-            /// Limited to a length below the end of the format, never longer; shorter by less than three quanta of each component, and a vector within the limit
-            /// stays as it is. The direction is kept to the rounding of the components, each towards zero.
+            /// The vector shortened to at most a limit below the end of the format. A vector within the limit is
+            /// unchanged; a longer one is shorter by less than three quanta of each component than it might be. The
+            /// direction is kept, but for the rounding of each component towards zero.
             #[inline]
             #[must_use]
             pub fn within(self, limit: $quantity<N>) -> Self {
@@ -95,7 +96,7 @@ macro_rules! signal_vector {
                     self.cut(length, limit)
                 }
             }
-            /// Where it is longer.
+            /// Shortens the vector where it is longer than the limit.
             fn cut(self, length: $quantity<N>, limit: $quantity<N>) -> Self {
                 // At the end of the format a length is no length any more: that of the half is.
                 if length + $quantity::<N>::quantum() == length {
@@ -132,7 +133,7 @@ impl<N: Spatial> Vector<Force<N>> {
 pub struct Direction<N: Spatial>(pub Axes<N::Signal>);
 
 impl<N: Spatial> Default for Direction<N> {
-    /// Up: along z.
+    /// The direction up, along z.
     fn default() -> Self {
         Self::along(2, false)
     }
@@ -153,7 +154,7 @@ impl<N: Spatial> Direction<N> {
         } = one;
         Self(parts)
     }
-    /// Of a vector; `None` of the zero vector.
+    /// The direction of a vector; `None` for the zero vector.
     #[inline]
     #[must_use]
     pub fn of(v: Vector<Position<N>>) -> Option<Self> {
@@ -184,7 +185,7 @@ impl<N: Spatial> Direction<N> {
     pub fn cosine(&self, other: &Self) -> N::Signal {
         N::along(self.0, other.0)
     }
-    /// So far along it: each component towards zero.
+    /// The vector of this length along the direction: each component rounded towards zero.
     #[inline(always)]
     #[must_use]
     pub fn times(&self, length: Position<N>) -> Vector<Position<N>> {
@@ -196,13 +197,14 @@ impl<N: Spatial> Direction<N> {
     pub fn times_force(&self, size: Force<N>) -> Vector<Force<N>> {
         Vector(self.0.map(|part| Force(N::times(part, size.0))))
     }
-    /// What of a displacement is across it: each component within two quanta, and never longer than the displacement.
+    /// The part of a displacement across the direction: each component within two quanta, and never longer than the
+    /// displacement.
     #[inline]
     #[must_use]
     pub fn across(&self, v: Vector<Position<N>>) -> Vector<Position<N>> {
         Vector(N::across(self.0, v.signals()).map(Position))
     }
-    /// The other way.
+    /// The opposite direction.
     #[inline(always)]
     #[must_use]
     pub fn opposite(&self) -> Self {
@@ -220,8 +222,8 @@ impl<N: Spatial> Direction<N> {
 /// An angle between 0 and a right one, by its cosine and sine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turn<N: Spatial> {
-    /// Its cosine.
+    /// Cosine of the angle.
     pub cosine: N::Signal,
-    /// Its sine.
+    /// Sine of the angle.
     pub sine: N::Signal,
 }

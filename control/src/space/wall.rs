@@ -19,16 +19,16 @@ use crate::{Force, Position};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(clippy::large_enum_variant)]
 pub enum Shell<N: Spatial, L> {
-    /// One along the normal.
+    /// One law along the normal.
     Magnitude(Magnitude<N, L>),
-    /// One an axis.
+    /// One law for each axis.
     PerAxis(PerAxis<N, L>),
     /// Force bounding of the vector.
     Bounding(Bounding<N>),
 }
 
 impl<N: Spatial, L: Along<N>> Shell<N, L> {
-    /// One control period: the force on the HIP.
+    /// Runs one control period; returns the force on the HIP.
     #[inline]
     pub fn tick(&mut self, touch: &Touch<N>) -> Vector<Force<N>> {
         match self {
@@ -39,14 +39,14 @@ impl<N: Spatial, L: Along<N>> Shell<N, L> {
     }
 }
 
-/// An object with what it is told of the HIP, its law, friction and guard.
+/// A virtual object: its shape, the estimator of the HIP, its law, friction and guard.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpaceWall<N: Spatial, S, L> {
     /// The object.
     pub surface: S,
     /// What says where the HIP will be; without one, it is where it is measured.
     pub estimator: Option<PlaceEstimator<N>>,
-    /// Which point of the object.
+    /// The point of the object that is touched.
     pub point: SurfacePoint<N>,
     /// The law.
     pub shell: Shell<N, L>,
@@ -57,7 +57,7 @@ pub struct SpaceWall<N: Spatial, S, L> {
     /// The guard, where there is one.
     pub guard: Option<(VectorGuard<N>, VectorGuardState<N>)>,
     last: Option<Vector<Position<N>>>,
-    /// What was commanded at the last tick, after every stage that may change it.
+    /// The force commanded at the last tick, after every later stage that may change it.
     commanded: Vector<Force<N>>,
 }
 
@@ -77,13 +77,13 @@ impl<N: Spatial, S: Surface<N>, L: Along<N>> SpaceWall<N, S, L> {
         }
     }
 
-    /// One control period: the measured position of the HIP to the force on it.
+    /// Runs one control period: takes the measured position of the HIP, returns the force on it.
     ///
     /// If a later stage changes that force, [`SpaceWall::commanded`] must follow.
     ///
     /// # Errors
-    /// Overspeed, of a guard, or a force that is wanted at the end of what positions can say: the force is 0, and the caller has to
-    /// switch off.
+    /// The guard found overspeed, or a force is wanted at the end of the position format. The force is 0, and the
+    /// caller has to switch off.
     #[inline]
     pub fn tick(&mut self, at: Vector<Position<N>>) -> Result<Vector<Force<N>>, Overspeed> {
         let (seen, moved) = match &mut self.estimator {

@@ -39,9 +39,10 @@ pub enum Velocity<N: Number> {
 /// Memory of a [`Velocity`]; the default is before the first position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum VelocityState<N: Number> {
-    /// Of what follows a motion: position, displacement per tick, and for a filter of the third order its change.
+    /// Memory of a filter that follows a motion: position, displacement per tick, and for a filter of the third order
+    /// its change.
     Motion(Option<EstimatedMotion<N>>),
-    /// Of a window: the last positions, the latest first.
+    /// Memory of a window: the last positions, the latest first.
     Positions([Position<N>; LONGEST_WINDOW]),
 }
 
@@ -52,7 +53,8 @@ impl<N: Number> Default for VelocityState<N> {
 }
 
 impl<N: Number> Velocity<N> {
-    /// One control period: the position to the displacement per tick. The first position is that of a device at rest.
+    /// Runs one control period: takes the position, returns the displacement per tick. The first position is that of a
+    /// device at rest.
     #[inline]
     pub fn tick(&self, state: &mut VelocityState<N>, at: Position<N>) -> Position<N> {
         if let Self::Window(window) = self {

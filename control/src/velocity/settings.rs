@@ -1,4 +1,4 @@
-//! What a velocity filter is told, in SI, and the coefficients that it becomes.
+//! The velocity filter's settings in SI, and the coefficients computed from them.
 
 use super::{FirstOrderAdaptiveWindow, LONGEST_WINDOW, Slope, Smoothed, Tracker, Velocity};
 use crate::estimator::{Flow, Weight, approach, per_tick, ratio_of_bits};
@@ -30,11 +30,11 @@ impl VelocitySettings {
         }
     }
 
-    /// Validates, and computes the coefficients; `None` where the law takes the displacement that it is told. `count` is what
-    /// positions are apart, rad (m).
+    /// Validates, and computes the coefficients; `None` where the law uses the displacement that it gets. `count` is
+    /// the distance between neighbouring positions, rad (m).
     ///
     /// # Errors
-    /// As [`VelocitySettings::validate`]; a count that the number format cannot hold.
+    /// Same as [`VelocitySettings::validate`]; a count that the number format cannot hold.
     pub fn velocity<N: Number>(
         &self,
         rate_hz: u32,
@@ -66,7 +66,7 @@ fn smoothed<N: Number>(share: Exact) -> Option<Velocity<N>> {
     Some(Velocity::Smoothed(Smoothed { share }))
 }
 
-/// Of `1 - r`.
+/// The tracker whose poles are at `r`, given `1 - r`.
 #[inline]
 fn tracker<N: Number>(lost: Exact, accelerates: bool) -> Option<Velocity<N>> {
     let two = Exact::const_from_int(2);

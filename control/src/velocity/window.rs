@@ -5,19 +5,20 @@ use crate::{Number, Position, Ratio, Stiffness};
 /// Positions that a window reaches back at most.
 pub const LONGEST_WINDOW: usize = 16;
 
-/// So many ticks, as a factor and as a divisor.
+/// A number of ticks, as a factor and as a divisor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slope<N: Number> {
-    /// `n`.
+    /// Length of the window, ticks: `n`.
     pub times: Stiffness<N>,
-    /// `1/n`.
+    /// Share: `1/n`.
     pub share: Ratio<N>,
 }
 
-/// The slope over the longest window for which a straight line from its first to its last position passes every position
-/// between by no more than `d`: long, so quiet, while the motion is even; short, so quick, when it turns.
+/// The slope over the longest usable window: one in which a straight line from its first to its last position passes
+/// every position between by no more than `d`. So the window is long, and quiet, while the motion is even; it is
+/// short, and quick, when the motion turns.
 ///
-/// Whether it does is asked of each position once: the slope must lie in the cone that every nearer position leaves.
+/// Each position is tested once: the slope must lie in the cone that all nearer positions allow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstOrderAdaptiveWindow<N: Number> {
     /// The windows, shortest first.
@@ -28,11 +29,11 @@ pub struct FirstOrderAdaptiveWindow<N: Number> {
     pub margin: Position<N>,
 }
 
-/// A bound on a slope: this far in so many ticks.
+/// A bound on a slope: a distance and the number of ticks it takes.
 type Bound<N> = Option<(Position<N>, Stiffness<N>)>;
 
 impl<N: Number> FirstOrderAdaptiveWindow<N> {
-    /// One control period: the displacement per tick.
+    /// Runs one control period; returns the displacement per tick.
     #[inline]
     pub fn tick(&self, past: &mut [Position<N>; LONGEST_WINDOW], at: Position<N>) -> Position<N> {
         let (mut least, mut most): (Bound<N>, Bound<N>) = (None, None);

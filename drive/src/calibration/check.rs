@@ -15,7 +15,7 @@
 //!    an eighth of a turn each way: a rotor that stands against it falls off the other way, or does not move at all.
 //! 4. On the way back and forth, at each 32nd of a turn, the difference of rotor and field is taken. Friction makes the rotor lag, once in
 //!    each direction: the mean of both is `φ`, and must be within 20 electrical degrees. Between the two ends, the rotor must have moved at least
-//!    half as far as the field, and in its direction: this is what tells a shaft that is held, phases in another order, and a rotor that is
+//!    half as far as the field, and in its direction. This is what tells a shaft that is held, phases in another order, and a rotor that is
 //!    against the field and stuck.
 //!
 //! What it cannot tell: a magnet that slipped by whole electrical turns, which is no difference to the motor; another number of pole pairs
@@ -29,15 +29,16 @@ use touchstone_protocol::KeptAlignment;
 
 /// How far the field is rocked each way, 2^-32 turns: an eighth.
 const REACH: i64 = 1 << 29;
-/// Furthest that rotor and field may be apart, turns/65,536: an eighth. A rotor that follows lags by less than half of it.
+/// Largest angle between rotor and field, turns/65,536: an eighth. A rotor that follows lags by less than half of
+/// that.
 const APART: i32 = 0x2000;
 /// Furthest that they may be apart in the mean, turns/65,536: 20 degrees, of which an eccentric magnet and cogging may take 15.
 const WRONG: i32 = 65_536 / 18;
 /// A shaft that stands still moves no further than this, turns/65,536: a 64th.
 const STILL: i32 = 0x400;
-/// So many half seconds it is waited for.
+/// How many half seconds the check waits for the shaft.
 const PATIENCE: u32 = 8;
-/// Places at which samples are taken are so far apart, 2^-32 turns as a power of two: a 32nd.
+/// Distance between places at which samples are taken, in 2^-32 turns as a power of two: a 32nd of a turn.
 const PLACES_LOG2: u32 = 27;
 
 /// The ways of the field, in their order.
@@ -52,7 +53,7 @@ enum Way {
 /// A running check.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Check {
-    /// At count 0 of the unwrapped encoder.
+    /// The alignment at count 0 of the unwrapped encoder.
     kept: Alignment,
     /// Where the shaft stands, for how many ticks, and how many were waited.
     stands: Option<i64>,
@@ -95,7 +96,7 @@ impl Alignment {
         self.offset.plus(turned)
     }
 
-    /// The same alignment where count 0 is this many counts further on.
+    /// The alignment after moving count 0 by this many counts.
     #[must_use]
     pub fn from(&self, count: i64, scale: &ElectricalScale) -> Self {
         Self {
@@ -151,7 +152,7 @@ impl Calibration {
             .is_none_or(|check| check.still >= self.config.settle / 2)
     }
 
-    /// One tick of the rocking.
+    /// Runs one tick of the rocking.
     pub(super) fn rock(&mut self, count: i64) -> Option<Progress> {
         // The count belongs to the field of the tick before: that one has acted.
         let field = self.field_angle();

@@ -1,4 +1,4 @@
-//! What a calibration is made of, from settings and hardware.
+//! Coefficients of a calibration, from settings and hardware.
 
 use crate::Amps;
 use crate::angle::ElectricalScale;
@@ -23,7 +23,7 @@ pub struct CalibrationConfig {
     pub(super) settle: u32,
     /// Counts about which a rotor at rest may move: a 64th of an electrical turn.
     pub(super) rest: i64,
-    /// Electrical turns of a way that are looked at.
+    /// Electrical turns of a way that are examined.
     pub(super) turns: i64,
     pub(super) pole_pairs: u8,
     pub(super) counts_per_rev: u32,
@@ -34,13 +34,13 @@ pub struct CalibrationConfig {
     /// The currents are measured.
     #[cfg(feature = "voltage")]
     pub(super) senses: bool,
-    /// They are not, and the motor that makes a voltage of them was not told.
+    /// The board measures no currents, and the motor's values that turn a current into a voltage are not set.
     #[cfg(feature = "voltage")]
     pub(super) is_untold: bool,
 }
 
 impl CalibrationConfig {
-    /// From validated settings.
+    /// Computes it from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {

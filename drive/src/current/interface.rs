@@ -1,4 +1,4 @@
-//! What the loop is told, what it samples, and what it tells: plain structs.
+//! Inputs, samples and outputs of the current loop, as plain structs.
 
 use super::Offsets;
 use crate::Volts;
@@ -6,16 +6,16 @@ use crate::angle::Angle;
 use crate::transform::Dq;
 use touchstone_protocol::FaultCode;
 
-/// What the bridge shall do until the next control tick.
+/// Mode of the bridge until the next control tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum CurrentMode {
     /// Off: all six switches open.
     #[default]
     Off = 0,
-    /// Off, and measure what the sensors read without current.
+    /// Off; the sensors' readings without current are measured.
     Offsets = 1,
-    /// On: the currents of the command, in the frame of the command.
+    /// Switched on, with the currents of the command in the frame of the command.
     Drive = 2,
 }
 
@@ -24,7 +24,7 @@ pub enum CurrentMode {
 pub struct CurrentCommand {
     /// Number of the control tick: a new number is a sign of life.
     pub tick: u32,
-    /// What to do.
+    /// The mode that is commanded.
     pub mode: CurrentMode,
     /// Electrical angle when the encoder was read.
     pub angle: Angle,
@@ -45,16 +45,16 @@ impl CurrentCommand {
     };
 }
 
-/// What is sampled in a PWM period.
+/// The samples of a PWM period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CurrentSample {
     /// Converter's code of the current of phase A.
     pub phase_a: u16,
-    /// Of phase B.
+    /// Reading of phase B's sensor.
     pub phase_b: u16,
-    /// Of the bus voltage.
+    /// Reading of the bus voltage.
     pub bus: u16,
-    /// Of the power stage's temperature: passed on.
+    /// Reading of the power stage's temperature, which is passed on.
     pub temperature: u16,
     /// The timer's break flag is set: the hardware has switched off.
     pub hardware_break: bool,
@@ -64,7 +64,7 @@ pub struct CurrentSample {
     pub command: CurrentCommand,
 }
 
-/// What the bridge is to do.
+/// Command to the bridge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BridgeCommand {
     /// All six switches open.
@@ -73,25 +73,25 @@ pub enum BridgeCommand {
     On([u16; 3]),
 }
 
-/// What the interrupt does next.
+/// The actions that the interrupt has to take next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CurrentOutput {
-    /// For the timer.
+    /// Command for the timer.
     pub bridge: BridgeCommand,
     /// A control tick is due: pend its interrupt.
     pub pend_control: bool,
-    /// The encoder is to be read once more: pend the same interrupt for it. Never together with a tick.
+    /// The encoder is to be read a second time: the interrupt is pended for that. Never together with a tick.
     pub reads_change: bool,
     /// The command is older than two control periods: an analogue drive, whose output this loop does not make, is switched off.
     pub is_stale: bool,
 }
 
-/// Why the loop switched off by itself.
+/// Why the loop switched off without a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Trip {
     /// [`FaultCode::OverCurrent`], [`FaultCode::StaleCommand`], [`FaultCode::HardwareBreak`] or [`FaultCode::DeadlineMiss`].
     pub code: FaultCode,
-    /// As [`touchstone_protocol::Context::value`].
+    /// Same as [`touchstone_protocol::Context::value`].
     pub value: i32,
 }
 

@@ -1,6 +1,6 @@
 //! One PWM period: phase currents in, compare values out. Field-oriented control at 20 kHz.
 //!
-//! The loop obeys a mailbox, the [`CurrentCommand`] of the last control tick, and trusts nothing else of the slower levels: it
+//! The loop obeys a mailbox, the [`CurrentCommand`] of the last control tick, and trusts nothing else of the slower levels. It
 //! switches off by itself when a current is too large, when the hardware break pulled, when the command is older than two
 //! control periods, or when it is itself too slow for the timer. What it saw goes back in a [`CurrentReport`].
 //!
@@ -36,7 +36,7 @@ use touchstone_protocol::FaultCode;
 pub struct CurrentConfig {
     /// Controller gains, the same for d and q.
     pub gains: PiGains,
-    /// Timer.
+    /// Modulator of the timer.
     pub modulator: Modulator,
     /// [`Modulator::share`], which takes a division.
     pub voltage_share: i32,
@@ -52,7 +52,7 @@ pub struct CurrentConfig {
     pub periods_per_tick: u16,
     /// PWM periods from a control tick until the encoder is read once more; 0: it is not.
     pub read_at: u16,
-    /// What makes a voltage of the current asked for, where none is measured.
+    /// Computes a voltage from the wanted current, where no current is measured.
     #[cfg(feature = "voltage")]
     pub voltage: Option<VoltageStage>,
 }
@@ -64,8 +64,8 @@ pub struct CurrentConfig {
 /// period after the sample. They act from that bottom to the next, around the top between them: a whole period after the sample.
 pub const ACTS_AFTER_PERIODS: u32 = 1;
 
-/// So many late periods in a row are a fault. One is noise: the current moves little in 50 us, and whatever held the loop up is
-/// over. A processor that is too slow for the loop is so in every period.
+/// How many late periods in a row are a fault. A single one is noise: the current moves little in 50 us, and the cause
+/// is over. A processor that is too slow for the loop is late in every period.
 const LATE_IN_A_ROW: u8 = 3;
 /// The loop with its memory.
 #[derive(Debug, Clone, Copy)]
@@ -86,7 +86,7 @@ pub struct CurrentLoop {
 }
 
 impl CurrentLoop {
-    /// Off, offsets unknown.
+    /// A loop that is off and does not know its sensors' offsets yet.
     #[must_use]
     pub fn new(config: CurrentConfig) -> Self {
         Self {
@@ -103,7 +103,7 @@ impl CurrentLoop {
         }
     }
 
-    /// Other coefficients, for a bridge that is off: what was counted goes on, offsets are forgotten.
+    /// Takes other coefficients while the bridge is off: counters go on, the sensors' offsets are forgotten.
     pub fn reconfigure(&mut self, config: CurrentConfig) {
         let report = CurrentReport {
             offsets: None,
@@ -117,7 +117,7 @@ impl CurrentLoop {
         };
     }
 
-    /// One PWM period.
+    /// Runs one PWM period.
     pub fn tick(&mut self, sample: &CurrentSample) -> CurrentOutput {
         let command = &sample.command;
         let config = &self.config;
@@ -173,7 +173,8 @@ impl CurrentLoop {
         }
     }
 
-    /// What the last period has seen, for the control tick. By reference: a copy would be a tenth of the period's instructions.
+    /// Report of the last period for the control tick. By reference, since a copy would be a tenth of the period's
+    /// instructions.
     #[must_use]
     pub const fn report(&self) -> &CurrentReport {
         &self.report
@@ -320,14 +321,15 @@ impl CurrentLoop {
     }
 }
 
-/// How far the rotor turns in so many PWM periods.
+/// How far the rotor turns in a number of PWM periods.
 #[inline(always)]
 fn moved(command: &CurrentCommand, periods: u32) -> Angle {
     // 2^-32 turns to 2^-16.
     Angle(((i64::from(command.advance) * i64::from(periods)) >> 16) as u16)
 }
 
-/// `√(length² - side²)`: what the circle of voltages leaves the q axis, rounded down to 1/1,024 V; lengths up to 63 V count.
+/// `√(length² - side²)`: the voltage that the limit on the vector's length leaves to the q axis, rounded down to
+/// 1/1,024 V; for lengths up to 63 V.
 fn other_side(length: Volts, side: Volts) -> Volts {
     let short =
         |v: Volts| u32::from(u16::try_from(v.saturating_abs().to_bits() >> 6).unwrap_or(u16::MAX));

@@ -1,4 +1,4 @@
-//! What the current sensors read without a current: a mean over 51 ms, and how far the readings were apart.
+//! The current sensors' readings without current: their mean over 51 ms, and their spread.
 
 /// The sensors' readings without current.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -17,7 +17,7 @@
 //!
 //! What nobody measures is computed, from the voltage given, the encoder's speed and the settings: `i = (v - e)/R`. It is as wrong as
 //! `R` is. What is compared with it, the trip current and the model of the windings' heat, is no protection against a wrong `R`, a
-//! shorted phase or an open one: those are the driver's own, by its line. See docs/voltage-mode.md.
+//! shorted phase or an open one. Those are the driver's own, by its line. See docs/voltage-mode.md.
 
 use super::{BridgeCommand, CurrentLoop, CurrentSample, other_side};
 use crate::hardware::Hardware;
@@ -41,11 +41,11 @@ pub struct VoltageStage {
     back_emf: Volts,
 }
 
-/// `2π/(3/2)`.
+/// The constant `2π/(3/2)`.
 const TWO_PI_OVER_THREE_HALVES: Si = Si::lit("4.188790205");
 
 impl VoltageStage {
-    /// For a motor, on a board; `None` on one that measures its currents.
+    /// Coefficients for a motor on a board; `None` if the board measures its currents.
     ///
     /// # Errors
     /// A back-EMF that does not fit.

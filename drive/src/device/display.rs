@@ -40,8 +40,8 @@ impl Device {
         }
     }
 
-    /// The tick in which the outputs are switched off: the guard's books of the way up to here, if the last tick's force `acted` on it,
-    /// or the worst of them.
+    /// Handles the tick in which the outputs are switched off: books the guard's way up to here if the last tick's
+    /// force `acted` on it, and the worst case otherwise.
     #[cold]
     pub(super) fn leave(
         &mut self,
@@ -60,7 +60,7 @@ impl Device {
         scenery.switched_off(&mut self.law);
     }
 
-    /// One tick of the law, and what becomes of its force.
+    /// Runs one tick of the law, and turns its force into a drive command.
     pub(super) fn display(
         &mut self,
         tick: u32,
@@ -130,7 +130,7 @@ impl Device {
     }
 }
 
-/// A share of what the map adds, as in [`torque_of`].
+/// A share of the cogging map's current, as in [`torque_of`].
 #[cfg(feature = "large")]
 #[inline(always)]
 fn shared(map: crate::Amps, share: Option<u32>) -> crate::Amps {
@@ -139,8 +139,8 @@ fn shared(map: crate::Amps, share: Option<u32>) -> crate::Amps {
     })
 }
 
-/// The torque along `x` of a force out of the wall, which is against `x`. While it fades in it has a share, 2^-32: at most
-/// 1 - 2^-31, and all of it when the fading is over.
+/// The torque along `x` for a force out of the wall, which acts against `x`. While the force fades in, it is
+/// multiplied by a share, 2^-32; without a share it is passed whole.
 #[inline(always)]
 #[must_use]
 pub fn torque_of(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {

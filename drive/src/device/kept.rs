@@ -1,27 +1,27 @@
-//! The alignment that is kept for the next start, and what a start by itself looks at.
+//! The alignment that is kept for the next start, and the inputs of an unattended start.
 
 use super::Device;
 use crate::calibration::{Alignment, Calibration};
 use touchstone_protocol::State;
 
-/// What is kept.
+/// The kept alignment.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Kept {
-    /// At the encoder's own zero.
+    /// The alignment at the encoder's own zero.
     alignment: Option<Alignment>,
     /// The last calibration was its check.
     was_checked: bool,
 }
 
 impl Device {
-    /// The alignment at the encoder's own zero that the next calibration is to check; `None`: it is to look for one. Whoever calls it knows
-    /// that it was measured with what the settings say.
+    /// Gives the next calibration the alignment at the encoder's zero to check; `None`: it searches for one. The
+    /// caller knows that it was measured with the present settings.
     pub const fn keep(&mut self, alignment: Option<Alignment>) {
         self.kept.alignment = alignment;
     }
 
-    /// The alignment in use, at the encoder's own zero. `None` unless the device is calibrated with the settings that it was given last, or
-    /// where the encoder has no zero of its own.
+    /// The alignment in use, at the encoder's zero. `None` unless the device is calibrated with its present settings,
+    /// or where the encoder has no zero.
     #[must_use]
     pub fn found(&self) -> Option<Alignment> {
         let config = self.configs.now();

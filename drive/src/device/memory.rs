@@ -1,4 +1,4 @@
-//! What a control tick remembers beside its parts: supervisor, calibration and law remember for themselves.
+//! The memory of the control tick. Supervisor, calibration and law have their own.
 
 use crate::calibration::Alignment;
 use crate::record::Record;
@@ -6,12 +6,12 @@ use crate::supervisor::Found;
 use touchstone_control::{Fixed32, Position};
 use touchstone_protocol::Machine;
 
-/// What the next tick finds.
+/// The memory that the next tick starts from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Memory {
-    /// Where the device stands.
+    /// State of the device.
     pub machine: Machine,
-    /// What the last calibration found.
+    /// Result of the last calibration.
     pub alignment: Alignment,
     /// Count of the unwrapped encoder that is the device's zero.
     pub zero: i64,
@@ -21,7 +21,7 @@ pub struct Memory {
     pub reported: Option<Found>,
     /// The settings that came last were refused.
     pub settings_refused: bool,
-    /// What the current loop counted of periods at its voltage's limit.
+    /// The current loop's count of periods at its voltage limit.
     pub saturated: u16,
     /// The law showed a force in its last tick.
     pub pushes: bool,
@@ -32,7 +32,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Just switched on.
+    /// The state just after power-on.
     pub(super) fn new() -> Self {
         Self {
             machine: Machine::new(),

@@ -10,7 +10,7 @@ use crate::scenery::Scenery;
 use crate::sweep::Running;
 use touchstone_protocol::{State, Sweep};
 
-/// What is asked of the next calibration, and how far this one is.
+/// The sweep that is wanted of the next calibration, and the state of one that runs.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Swept {
     wanted: Sweep,
@@ -18,18 +18,18 @@ pub(super) struct Swept {
 }
 
 impl Device {
-    /// What the next calibration goes on with.
+    /// Sets the sweep that the next calibration goes on with.
     pub const fn sweep(&mut self, sweep: Sweep) {
         self.swept.wanted = sweep;
     }
 
-    /// Takes the map of the cogging that is played; `None`: none is. Made ready with the settings that [`Device::prepare`] got last: where
-    /// these wait for a calibration, nothing is played until then.
+    /// Takes the cogging map that is played; `None`: no map. It was computed with the settings that
+    /// [`Device::prepare`] got last: if these wait for a calibration, nothing is played until then.
     pub fn play(&self, around: &mut Around, map: Option<&Played>) {
         around.play(map, self.configs.has_next());
     }
 
-    /// What the map adds where the shaft is now.
+    /// The map's current at the shaft's present place.
     #[inline(always)]
     pub(super) fn map_here(&self, scenery: &impl Scenery) -> Amps {
         let Some(played) = scenery.played() else {
@@ -43,13 +43,13 @@ impl Device {
         })
     }
 
-    /// The alignment is found, and a sweep was asked for.
+    /// Whether the alignment is found and a sweep is wanted.
     pub(super) fn begins_sweep(&self) -> bool {
         self.swept.wanted != Sweep::None && self.swept.running.is_none()
     }
 
-    /// One tick of a sweep, the first one with the alignment that was found. While it runs, the position that is told is that from the
-    /// encoder's own zero.
+    /// Runs one tick of a sweep, the first with the alignment that was found. During a sweep the reported position is
+    /// that from the encoder's zero.
     #[cold]
     #[inline(never)]
     pub(super) fn swept(&mut self, tick: u32, count: i64, map: Amps) -> Progress {
@@ -78,7 +78,7 @@ impl Device {
         }
     }
 
-    /// A state was left or entered: what was asked for was for one calibration.
+    /// Ends a sweep when the state changes: it is wanted for one calibration only.
     pub(super) fn leave_sweep(&mut self, before: State) {
         self.swept.running = None;
         if before == State::Calibrating {

@@ -5,7 +5,7 @@ use crate::scenery::WallAlone;
 use crate::timing::TickTiming;
 use touchstone_control::Si;
 
-/// Nothing but an encoder's counter.
+/// An input that holds only an encoder's counter.
 fn quiet(counter: u32) -> ControlInput {
     ControlInput {
         encoder: EncoderReading::Counter32(counter),
@@ -129,7 +129,7 @@ fn a_detent_is_the_same_ten_thousand_turns_on() {
     }
 }
 
-/// What the guard has left after a tick that ends the arming, J 2^-48: (before it, after it, after the next arming).
+/// The guard's account around a tick that ends the arming, J 2^-48: (before it, after it, after the next arming).
 fn accounts_around(ending: impl Fn(&mut ControlInput, &mut Device)) -> (i64, i64, i64) {
     let mut settings = DeviceSettings::default();
     settings.encoder.kind = EncoderKind::Incremental;

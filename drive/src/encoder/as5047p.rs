@@ -19,11 +19,12 @@
 
 use super::{EncoderError, Word};
 
-/// The frame that asks for `ANGLECOM` (0x3FFF), the angle compensated for the filter's delay: read bit and even parity set.
+/// The frame that requests `ANGLECOM` (0x3FFF), the angle compensated for the filter's delay: read bit and even parity
+/// set.
 pub const READ_ANGLE: u16 = 0xFFFF;
-/// The frame that asks for `ERRFL` (0x0001), which clears the error flag: read bit set, parity even.
+/// The frame that requests `ERRFL` (0x0001), which clears the error flag: read bit set, parity even.
 const READ_ERRORS: u16 = 0x4001;
-/// The frame that asks for `DIAAGC` (0x3FFC): read bit set, parity even.
+/// The frame that requests `DIAAGC` (0x3FFC): read bit set, parity even.
 const READ_FIELD: u16 = 0xFFFC;
 
 const ERROR: u16 = 1 << 14;
@@ -32,7 +33,7 @@ const DATA: u16 = 0x3FFF;
 const FIELD: u16 = 0xF << 8;
 const FIELD_IS_RIGHT: u16 = 1 << 8;
 
-/// What a tick's two frames brought. The second one asks for what the next tick's first frame brings.
+/// The answers in a tick's two frames. The second frame requests what the next tick's first frame brings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Frames {
     /// The answer to [`READ_ANGLE`].
@@ -42,7 +43,7 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// Where nothing was asked in the tick before.
+    /// The frames of a tick before which nothing beside the angle was requested.
     #[must_use]
     pub const fn alone(angle: u16) -> Self {
         Self {
@@ -52,26 +53,26 @@ impl Frames {
     }
 }
 
-/// An answer to what was asked at the end of the tick before.
+/// The answer to the request at the end of the tick before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asked {
     /// `DIAAGC`.
     Field(u16),
-    /// `ERRFL`, which nobody looks at: reading clears it.
+    /// `ERRFL`, whose value is not used: reading it clears the flag.
     Errors(u16),
 }
 
-/// What a tick asks for beside the angle.
+/// The register that a tick requests beside the angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Question {
     /// Whether the magnet is there.
     Field,
-    /// What was wrong with a frame: until that is read, the encoder marks every answer.
+    /// The error flags of a frame: the encoder marks every answer until they are read.
     Errors,
 }
 
 impl Question {
-    /// After the first of a tick's answers.
+    /// The state after the first of a tick's answers.
     #[must_use]
     pub const fn after(answer: u16) -> Self {
         if answer & ERROR != 0 {
@@ -81,7 +82,7 @@ impl Question {
         }
     }
 
-    /// The question that a frame asks.
+    /// The register that a frame requests; `None` for any other frame.
     #[must_use]
     pub const fn of(frame: u16) -> Option<Self> {
         match frame {
@@ -91,7 +92,7 @@ impl Question {
         }
     }
 
-    /// The frame that asks.
+    /// The frame that requests this register.
     #[must_use]
     pub const fn frame(self) -> u16 {
         match self {
@@ -100,7 +101,7 @@ impl Question {
         }
     }
 
-    /// What an answer to it is.
+    /// Marks an answer with the register that it belongs to.
     #[must_use]
     pub const fn answered(self, answer: u16) -> Asked {
         match self {

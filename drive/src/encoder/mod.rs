@@ -1,4 +1,4 @@
-//! From an encoder's raw word to an unbroken count, and what may be wrong with it.
+//! Turns an encoder's raw word into an unbroken count, and names the errors of a reading.
 
 mod as5047p;
 mod mt6701;
@@ -10,29 +10,29 @@ use touchstone_protocol::Unwrap32;
 pub use as5047p::READ_ANGLE as AS5047P_READ_ANGLE;
 pub use as5047p::{Asked, Frames, Question};
 
-/// What was read in this tick.
+/// The encoder's reading in this tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EncoderReading {
     /// A timer of 16 bits.
     Counter16(u16),
     /// A timer of 32 bits.
     Counter32(u32),
-    /// The frames that answered [`AS5047P_READ_ANGLE`] and what was asked in the tick before.
+    /// The frames that answered [`AS5047P_READ_ANGLE`] and the request of the tick before.
     As5047p(Frames),
     /// 24 bits of SSI, the first received in bit 23.
     Mt6701(u32),
-    /// Nothing came in time.
+    /// No reading came in time.
     Silent,
 }
 
 /// Why a reading is not used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EncoderError {
-    /// Nothing came, or the answer of another encoder.
+    /// No answer came, or the answer of another encoder.
     Silent,
     /// Parity or check sum are wrong; the raw word.
     Check(u32),
-    /// The encoder reports an error of its own; the raw word.
+    /// The encoder reports an error; the value is the raw word.
     Status(u32),
 }
 
@@ -63,7 +63,7 @@ impl EncoderReading {
     /// Checks and decodes.
     ///
     /// # Errors
-    /// What is wrong with the reading.
+    /// The error of the reading.
     #[inline]
     pub fn decode(self, kind: EncoderKind) -> Result<Word, EncoderError> {
         match (kind, self) {

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | 23–10 | angle, 16,384 counts a turn |
 //! | 9 | track lost |
-//! | 8 | push button: not looked at |
+//! | 8 | push button: not examined |
 //! | 7–6 | field: 0 right, 1 too strong, 2 too weak |
 //! | 5–0 | CRC of bits 23–6, polynomial `x⁶ + x + 1`, starting at 0 |
 

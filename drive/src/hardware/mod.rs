@@ -1,4 +1,5 @@
-//! What a board's parts make of volts and amperes: constants, no pins. A file a board, which says where each number comes from.
+//! Constants of a board's analogue parts, without pins: how readings become volts and amperes. One file a board says
+//! where each number comes from.
 
 mod b_g431b_esc1;
 mod ihm08m1;
@@ -48,11 +49,11 @@ pub struct Hardware {
     pub bus_max_v: Si,
     /// Highest temperature of the power stage, degrees Celsius.
     pub temperature_max_c: Si,
-    /// The temperature sensor; [`Thermistor::NONE`] where there is none.
+    /// The temperature sensor; [`Thermistor::NONE`] where the board has none.
     pub thermistor: Thermistor,
 }
 
-/// Timer counts, at 170 MHz, for which the low side must be on so that its shunt can be sampled: it turns on a dead time after the
+/// Timer counts, at 170 MHz, for which the low side must be on so that its shunt can be sampled. It turns on a dead time after the
 /// compare value, the amplifier settles, and the sample is taken 20 counts before the middle.
 const fn sampling_counts(dead_time_ns: u16, settling_ns: u16) -> u16 {
     const LEAD: u32 = 20;

@@ -1,4 +1,5 @@
-//! What a person does who wants it off, and what a desktop does that is gone: a button that is pressed, a cable that is pulled.
+//! Stop button and silent desktop: the two ways in which a person switches off, by pressing the button or pulling the
+//! cable.
 
 use super::Found;
 use crate::input::ControlInput;
@@ -15,7 +16,7 @@ pub struct AskedConfig {
 }
 
 impl AskedConfig {
-    /// From validated settings.
+    /// Computes it from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings) -> Self {
@@ -38,7 +39,7 @@ pub struct Asked {
 }
 
 impl Asked {
-    /// Just heard.
+    /// A state in which the desktop was just heard.
     #[must_use]
     pub const fn new() -> Self {
         Self { ticks: 0 }

@@ -24,7 +24,7 @@ use touchstone_protocol::{DeviceSettings, FaultCode};
 
 /// Fractional bits of a square of a current, A².
 const SQUARE_BITS: u32 = 16;
-/// More of them in the mean, so that what a tick adds to it is not lost.
+/// Further fractional bits of the mean, so that the small amount a tick adds is not lost.
 const MEAN_BITS: u32 = 48;
 /// The whole of the current.
 const ALL: u32 = 1 << 16;
@@ -34,18 +34,18 @@ const ALL: u32 = 1 << 16;
 pub struct HeatConfig {
     /// Share of the difference that a tick takes, 2^-32: tick over time constant, at most 2^-7.
     share: i32,
-    /// From here on the current falls: 80 % of `bears`.
+    /// The temperature above which the current is reduced: 80 % of `bears`.
     warm: i32,
-    /// Square of what the motor bears for ever.
+    /// Square of the current that the motor bears for ever.
     bears: i32,
-    /// Too hot.
+    /// Temperature of the fault, as the converter's code.
     hot: i32,
     /// Share of the limit that it may be given for ever, 1/65,536.
     for_ever: u32,
 }
 
 impl HeatConfig {
-    /// From validated settings.
+    /// Computes it from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings) -> Self {
@@ -87,7 +87,7 @@ impl HeatConfig {
     }
 }
 
-/// Of a current, A²: below 2^46.
+/// Square of a current, A²: below 2^46.
 const fn square(current: crate::Amps) -> i64 {
     let wide = current.to_bits() as i64;
     (wide * wide) >> SQUARE_BITS
@@ -107,13 +107,13 @@ impl Default for Heat {
 }
 
 impl Heat {
-    /// As after a night.
+    /// The windings at room temperature.
     #[must_use]
     pub const fn cold() -> Self {
         Self { mean: 0 }
     }
 
-    /// As hot as they may be: nobody knows how long the processor was away.
+    /// The windings at their limit: it is not known how long the processor was away.
     #[must_use]
     pub const fn unknown(config: &HeatConfig) -> Self {
         Self {
@@ -152,8 +152,8 @@ mod tests {
         }
     }
 
-    /// Asked for a current for ever, and given what is left: the windings' own mean square, in floats, at its largest; the current in
-    /// the end.
+    /// Wants the same current for `seconds`, and drives what the limit leaves. Returns the largest mean square of the
+    /// windings, in floats, and the current at the end.
     fn leans(settings: &DeviceSettings, asked: f64, seconds: f64) -> (f64, f64) {
         let config = HeatConfig::new(settings);
         let limit: f64 = settings.motor.current_limit_a.to_num();

@@ -43,7 +43,7 @@ use stuck::{Stuck, StuckConfig};
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
 
-/// Whether the motor is held against its model: the smaller chips have no room for it.
+/// Whether the motor is compared with its model: the smaller chips have no room for that.
 const HAS_MODEL: bool = cfg!(feature = "large");
 
 /// Why, and the value that goes into the context.
@@ -53,7 +53,7 @@ pub type Found = (FaultCode, i32);
 #[derive(Debug, Clone, Copy)]
 pub struct SupervisorConfig {
     shaft: ShaftConfig,
-    /// Not for an analogue drive, whose power stage is somebody else's.
+    /// `None` for an analogue drive, whose power stage is not ours.
     motor: Option<(PowerConfig, StuckConfig, HeatConfig)>,
     /// Where currents are measured.
     model: Option<ModelConfig>,
@@ -63,7 +63,7 @@ pub struct SupervisorConfig {
 }
 
 impl SupervisorConfig {
-    /// From validated settings.
+    /// Computes it from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -86,21 +86,21 @@ impl SupervisorConfig {
         }
     }
 
-    /// Whether a bus voltage is within its limits; any is, where the power stage is somebody else's.
+    /// Whether a bus voltage is within its limits; always, where the power stage is not ours.
     #[cfg(feature = "large")]
     #[must_use]
     pub fn takes_supply(&self, bus: crate::Volts) -> bool {
         self.motor.is_none_or(|(power, ..)| power.takes(bus))
     }
 
-    /// For the shaft's speed.
+    /// The filter of the shaft's speed.
     #[must_use]
     pub const fn shaft(&self) -> &ShaftConfig {
         &self.shaft
     }
 }
 
-/// What is remembered from tick to tick.
+/// The supervisor's memory from tick to tick.
 #[derive(Debug, Clone, Copy)]
 pub struct Supervisor {
     shaft: Shaft,
@@ -114,7 +114,7 @@ pub struct Supervisor {
     watched: bool,
 }
 
-/// What a tick's look gave.
+/// Result of a tick's checks.
 #[derive(Debug, Clone, Copy)]
 pub struct Verdict {
     /// The first limit that was broken.
@@ -125,7 +125,7 @@ pub struct Verdict {
     pub derating: u32,
 }
 
-/// What the state of the device makes of what is found.
+/// The checks that apply in the present state of the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Watch {
     /// Broken limits are faults.
@@ -147,7 +147,7 @@ impl Default for Supervisor {
 }
 
 impl Supervisor {
-    /// Nothing seen yet.
+    /// A memory that has seen no tick yet.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -163,14 +163,15 @@ impl Supervisor {
         }
     }
 
-    /// The processor was away, nobody knows for how long: the motor may be as hot as it may be.
+    /// The processor was away for an unknown time: the motor is taken to be as hot as it may be.
     pub const fn motor_may_be_hot(&mut self, config: &SupervisorConfig) {
         if let Some((_, _, heat)) = &config.motor {
             self.heat = Heat::unknown(heat);
         }
     }
 
-    /// For another configuration: the shaft is new, what the current loop counts and the motor's heat go on.
+    /// Starts with another configuration: the shaft's memory is cleared; the current loop's counters and the motor's
+    /// heat stay.
     pub const fn restart(&mut self) {
         self.shaft = Shaft::new();
         self.stuck = Stuck::new();
@@ -278,7 +279,7 @@ impl Supervisor {
         }
     }
 
-    /// What the current loop says, and the deadlines; of the time since the tick before.
+    /// Checks the current loop's report and the deadlines for the time since the last tick.
     fn look_at_loop(
         &mut self,
         config: &SupervisorConfig,

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! `r` is what the voltages have that the motor's equations do not explain, `a` what a good motor may have of it. Times the current
-//! this is the balance of power, `3/2 (v·i - R i²)` against the torque that was told times the speed, one axis at a time: the windings'
+//! this is the balance of power, `3/2 (v·i - R i²)` against the torque that was told times the speed, one axis at a time. The windings'
 //! heat, whose resistance nobody knows to a third, is in one of them only. A voltage across the current is a matter of the angle.
 //!
 //! What `a` allows:
@@ -37,12 +37,12 @@ pub struct ModelConfig {
     flux: I16F16,
     /// `p L`, H.
     henries: I16F16,
-    /// The mean is over so many ticks, as a power of two.
+    /// Length of the mean in ticks, as a power of two.
     over_log2: u32,
 }
 
 impl ModelConfig {
-    /// From validated settings; `None` for a board that measures no current.
+    /// Computes it from validated settings; `None` for a board that measures no current.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Option<Self> {
@@ -68,14 +68,14 @@ pub struct Model {
 }
 
 impl Model {
-    /// Nothing seen.
+    /// A memory that has seen no tick.
     #[must_use]
     pub const fn new() -> Self {
         Self { sums: [0; 4] }
     }
 
-    /// Takes a tick in which the motor was driven by the law, with the `speed` along the electrical angle, rad/s: by how much the
-    /// voltages are beyond what is allowed, mV.
+    /// Takes a tick in which the law drove the motor, with the `speed` along the electrical angle, rad/s. Returns by
+    /// how much the voltages exceed the allowed difference, mV.
     pub fn update(
         &mut self,
         config: &ModelConfig,

@@ -24,7 +24,7 @@ pub struct PowerConfig {
 }
 
 impl PowerConfig {
-    /// From validated settings.
+    /// Computes it from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -64,8 +64,8 @@ impl Power {
         thermistor.celsius(report.temperature)
     }
 
-    /// A broken limit, and the share of the current that the temperature leaves, in 1/65,536: all of it up to the first
-    /// temperature, nothing at the second, a straight line between.
+    /// Returns a broken limit, and the share of the current that the temperature leaves, in 1/65,536: all of it up to
+    /// the first temperature, nothing at the second, a straight line between.
     #[must_use]
     pub fn inspect(config: &PowerConfig, report: &CurrentReport) -> (Option<Found>, u32) {
         let temperature = Self::temperature(&config.thermistor, report);

@@ -1,7 +1,7 @@
 //! The encoder's readings: bad ones, jumps, and the speed that follows from the good ones.
 //!
 //! Overspeed is looked for twice. A tick's movement shows what is clearly too fast with the first reading whose whole period was
-//! so; the mean over a window also shows a slight excess of an encoder that counts little in a tick.
+//! so. The mean over a window also shows a slight excess of an encoder that counts little in a tick.
 //!
 //! A bad reading is not used, and the outputs are off until the next good one: nothing is driven on a guess. So many bad ones in
 //! a row are a fault, with the code of the last. After a gap the shaft may have moved for each of the ticks left out.
@@ -19,9 +19,9 @@ use touchstone_protocol::FaultCode;
 const WINDOW_MAX: usize = 20;
 /// Counts that an encoder may jitter.
 const JITTER: i64 = 4;
-/// A jump is a movement so many times as fast as the fastest allowed: what is slower is overspeed.
+/// A movement this many times as fast as the fastest allowed is a jump; a slower one is overspeed.
 const JUMP_FACTOR: i32 = 4;
-/// `2π`.
+/// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
 
 /// Coefficients.
@@ -45,7 +45,7 @@ pub struct ShaftConfig {
 }
 
 impl ShaftConfig {
-    /// From validated settings.
+    /// Computes it from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -91,20 +91,20 @@ impl ShaftConfig {
 /// What became of a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Seen {
-    /// Good.
+    /// The reading is good.
     Good {
         /// The unbroken count.
         count: i64,
         /// Counts since the last good reading.
         moved: i64,
     },
-    /// Not to be used.
+    /// The reading must not be used.
     Bad,
     /// A fault.
     Fault(FaultCode, i32),
 }
 
-/// The shaft as the encoder tells it.
+/// The shaft as the encoder measures it.
 #[derive(Debug, Clone, Copy)]
 pub struct Shaft {
     unwrapped: Option<Unwrapped>,
@@ -123,7 +123,7 @@ impl Default for Shaft {
 }
 
 impl Shaft {
-    /// Nothing read yet.
+    /// A memory that has read no angle yet.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -188,7 +188,7 @@ impl Shaft {
         Seen::Good { count, moved }
     }
 
-    /// The count of a reading between two ticks, if it is good and no jump; nothing is remembered of it.
+    /// The count of a reading between two ticks, if it is good and no jump. It is not remembered.
     #[inline(never)]
     #[must_use]
     pub fn at(&self, config: &ShaftConfig, reading: EncoderReading) -> Option<i64> {
@@ -253,7 +253,7 @@ impl Shaft {
         Self::speed_of(config, self.sum)
     }
 
-    /// The speed of so many counts in a window, rad/s, saturating.
+    /// The speed for a number of counts in a window, rad/s, saturating.
     fn speed_of(config: &ShaftConfig, counts: i32) -> I16F16 {
         I16F16::from_bits(clamp_i32(
             i64::from(counts) * i64::from(config.speed_per_count.to_bits()),
@@ -272,7 +272,7 @@ mod tests {
     use super::*;
     use crate::hardware::IHM08M1;
 
-    /// Turns a good encoder of 16,384 counts by so many in each tick; the tick with a fault, and the fault.
+    /// Turns a good encoder of 16,384 counts by this many counts in each tick; returns the fault and its tick.
     fn turned(rate_hz: u32, counts: i64) -> Option<(u32, Seen)> {
         let mut settings = DeviceSettings::default();
         settings.encoder.kind = EncoderKind::Incremental;

@@ -1,6 +1,6 @@
 //! The share of bad readings, whether or not they come in a row.
 //!
-//! A bad reading leaves the bridge off for a tick, and the guard answers for the worst that may have happened meanwhile: a few are
+//! A bad reading leaves the bridge off for a tick, and the guard answers for the worst that may have happened meanwhile. A few are
 //! harmless, an encoder that goes on so is not one to drive by. Each bad reading counts 50, each good one takes 1 away, and 1,000
 //! are a fault: 20 nearly at once, or a share of more than 1 in 51 that lasts. Every second one is found after 41 readings.
 //!
@@ -15,14 +15,14 @@ use touchstone_protocol::FaultCode;
 const BAD: u16 = 50;
 const MOST: u16 = 1_000;
 
-/// What of each kind is left.
+/// How many bad readings of each kind are still allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Share {
     of: [u16; 2],
 }
 
 impl Share {
-    /// None bad so far.
+    /// The state before any bad reading.
     #[must_use]
     pub const fn new() -> Self {
         Self { of: [0; 2] }

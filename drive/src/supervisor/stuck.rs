@@ -7,7 +7,7 @@
 //!
 //! The voltage must exceed 1 V (dead time, rounding), half of `R |i|` (a winding that is 100 K warmer has 39 % more resistance)
 //! and the back-EMF of a speed at which a good encoder would have counted several times. A stuck encoder on a slower shaft is
-//! not seen until it turns faster; meanwhile the wall's force stays constant, as does the field: the motor holds like a
+//! not seen until it turns faster. Meanwhile the wall's force stays constant, as does the field: the motor holds like a
 //! stepper and does not run away.
 
 use super::Found;
@@ -31,7 +31,7 @@ pub struct StuckConfig {
 }
 
 impl StuckConfig {
-    /// From validated settings.
+    /// Computes it from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings) -> Self {
@@ -65,7 +65,7 @@ impl Default for Stuck {
 }
 
 impl Stuck {
-    /// Not at all.
+    /// The state in which nothing points to a stuck encoder.
     #[must_use]
     pub const fn new() -> Self {
         Self { ticks: 0 }

@@ -1,4 +1,4 @@
-//! What a person says of a motor, where the board cannot measure it.
+//! The motor's values that a person sets where the board cannot measure them.
 
 use touchstone_control::Si;
 use touchstone_protocol::settings::DeviceSettings;
@@ -6,13 +6,13 @@ use touchstone_protocol::settings::DeviceSettings;
 /// A motor as a person says it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ToldMotor {
-    /// Of a phase to the star point, with the driver's transistor, Ω.
+    /// Resistance of a phase to the star point, with the driver's transistor, Ω.
     pub resistance_ohm: Si,
-    /// Of a phase to the star point, H.
+    /// Inductance of a phase to the star point, H.
     pub inductance_h: Si,
     /// N·m for an amplitude of 1 A.
     pub torque_constant_n_m_per_a: Si,
-    /// What the wall may push with, N·m.
+    /// The wall's force limit, N·m.
     pub force_limit_n_m: Si,
 }
 
@@ -25,7 +25,7 @@ impl ToldMotor {
         force_limit_n_m: Si::lit("0.045"),
     };
 
-    /// Into the settings.
+    /// Writes the board's properties into the settings.
     pub fn tell(&self, settings: &mut DeviceSettings) {
         settings.motor.resistance_ohm = self.resistance_ohm;
         settings.motor.inductance_h = self.inductance_h;

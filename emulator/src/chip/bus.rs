@@ -1,4 +1,4 @@
-//! Reads and writes of the program: which block answers, and what a write changes elsewhere.
+//! Reads and writes of the program: which block answers, and which other blocks a write affects.
 
 use super::Chip;
 use super::map::{Block, MAP};
@@ -53,7 +53,7 @@ impl Chip {
         }
     }
 
-    /// Which rows of the map are clocked, as RCC says now.
+    /// The rows of the map that RCC clocks now.
     pub(super) fn clocked(rcc: &Rcc) -> u64 {
         let clocked = |(.., clock): &(u32, u32, Block, Option<(u32, u32)>)| {
             clock.is_none_or(|(register, bit)| rcc.gives(register, bit))
@@ -61,7 +61,7 @@ impl Chip {
         (MAP.iter().enumerate()).fold(0, |all, (at, row)| all | u64::from(clocked(row)) << at)
     }
 
-    /// What a register holds, clocked or not.
+    /// The value of a register, whether its block has a clock or not.
     pub fn peek(&mut self, address: u32) -> u32 {
         let (now, (block, offset, _)) = (self.core.now, self.find(address));
         self.peripheral(block).read(offset, now)
@@ -116,7 +116,7 @@ impl Chip {
         self.core.limit = self.core.limit.min(self.next_event());
     }
 
-    /// What a write has changed elsewhere.
+    /// Passes the effects of a write on to other blocks.
     fn after_write(&mut self, block: Block) {
         match block {
             Block::AdcCommon => {

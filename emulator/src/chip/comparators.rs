@@ -36,7 +36,7 @@ const PLUS: [[(usize, usize); 2]; 4] = [
 const DAC3: [usize; 4] = [0, 1, 0, 1];
 const DAC1: [usize; 4] = [0, 1, 0, 0];
 
-/// Comparators' outputs, and what they saw when they rose.
+/// The comparators' outputs, and the currents at which they rose.
 #[derive(Debug, Clone, Default)]
 pub struct Comparators {
     /// V+ is above V-, with the hysteresis.
@@ -46,13 +46,13 @@ pub struct Comparators {
 }
 
 impl Comparators {
-    /// As after a reset; what was seen is kept.
+    /// Resets the outputs; the recorded currents are kept.
     pub fn reset(&mut self) {
         self.above = [false; 4];
     }
 }
 
-/// What a channel of a DAC gives to what is on the chip; `None` where it gives nothing.
+/// Voltage that a DAC's channel gives to the blocks on the chip; `None` where it gives none.
 fn dac_v(dac: &Plain, channel: usize) -> Option<f64> {
     let (cr, mcr) = (dac.get(0x00), dac.get(0x3c));
     let is_on = cr >> (16 * channel) & 1 != 0;
@@ -107,8 +107,9 @@ impl Chip {
         outputs
     }
 
-    /// Current through the shunt below a phase's lower transistor, to ground: what comes out of the motor while the lower transistor conducts.
-    /// With both off a current into the motor comes through the lower diode, and one out of it leaves through the upper.
+    /// Current through the shunt below a phase's lower transistor, to ground. While that transistor conducts, it is
+    /// the current out of the motor. With both transistors off, a current into the motor comes through the lower
+    /// diode, and one out of it leaves through the upper.
     fn shunt_a(&self, phase: usize, now: u64) -> f64 {
         let out = -self.world.leg_a(phase);
         match self.bridge.legs(now)[phase] {

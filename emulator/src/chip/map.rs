@@ -1,4 +1,4 @@
-//! Which registers are where.
+//! The addresses of the registers.
 
 /// A block of registers by its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,8 +24,8 @@ pub(super) enum Block {
     Other,
 }
 
-/// The register of RCC and the bit in it that give a block its clock (7.4.13 to 7.4.19); without one it is always clocked, or its clock is not
-/// looked at.
+/// The register of RCC and the bit in it that give a block its clock (7.4.13 to 7.4.19). `None`: the block always has
+/// a clock, or its clock is not modelled.
 type Clock = Option<(u32, u32)>;
 
 /// RM0440, table 3: the part that the firmware uses.

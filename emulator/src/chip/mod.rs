@@ -1,4 +1,4 @@
-//! The chip: what is connected to what inside, and the time.
+//! The chip: its inner connections, and the time.
 
 mod breaks;
 mod bus;
@@ -35,7 +35,7 @@ const SPI3: u32 = 51;
 const USART2: u32 = 38;
 const LPUART1: u32 = 91;
 
-/// What is not the processor.
+/// The chip without its processor.
 pub struct Chip {
     /// Time, counters.
     pub core: Core,
@@ -59,7 +59,7 @@ pub struct Chip {
     /// The flash controller.
     pub flash: Flash,
     rcc: Rcc,
-    /// Which rows of the map are clocked.
+    /// The rows of the map that are clocked.
     clocked: u64,
     /// The supply.
     pub pwr: Pwr,
@@ -70,17 +70,17 @@ pub struct Chip {
     system: Plain,
     cycle_offset: u32,
     locked_up: bool,
-    /// What is connected to the chip.
+    /// The board around the chip.
     pub board: Board,
     /// Motor, knob, hand.
     pub world: World,
     /// Exceptions that run.
     pub running: Vec<Running>,
-    /// What each exception's handler has cost.
+    /// Cost of each exception's handler.
     pub handlers: Vec<Handler>,
     /// A reset that is due.
     pub reset_request: Option<ResetCause>,
-    /// Accesses and instructions that there are not, so far.
+    /// Accesses and instructions so far that the chip does not have.
     pub faults: Vec<String>,
     /// Registers that were used and are not modelled: addresses.
     pub unknown: std::collections::BTreeSet<u32>,
@@ -185,7 +185,7 @@ impl Chip {
         self.drive_world();
     }
 
-    /// What is fed with the chip forgets what it knew.
+    /// An encoder that is fed by the chip loses its state.
     pub fn forget_encoder(&mut self) {
         self.spi3.slave = self.board.encoder.slave();
     }
@@ -222,7 +222,7 @@ impl Chip {
         self.core.interrupted = true;
     }
 
-    /// Tells the world what the bridge does from now on.
+    /// Gives the world the new state of the bridge.
     fn drive_world(&mut self) {
         let now = self.core.now;
         let duty = self.bridge.duty();

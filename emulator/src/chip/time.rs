@@ -1,15 +1,16 @@
-//! What happens by itself: the bridge's edges, the converters behind them, and everything that is due.
+//! Events that need no instruction: the bridge's edges, the conversions that they trigger, and everything else that is
+//! due.
 
 use super::Chip;
 use crate::peripheral::rcc::ResetCause;
 use crate::peripheral::timer::bridge::Edge;
 use crate::peripheral::{NEVER, Peripheral};
 
-/// How often a short is looked at, cycles.
+/// How often a short is examined, cycles.
 const LOOK: u64 = 4;
 
 impl Chip {
-    /// When something next happens by itself.
+    /// Time of the next event.
     #[must_use]
     pub fn next_event(&self) -> u64 {
         let timers = self
@@ -47,7 +48,7 @@ impl Chip {
             .min(storm)
     }
 
-    /// Does what is due by now.
+    /// Carries out the events that are due.
     pub fn advance(&mut self) {
         let now = self.core.now;
         // In the order of time: what a converter sees depends on what the bridge did before.
@@ -97,7 +98,7 @@ impl Chip {
         self.core.interrupted = false;
     }
 
-    /// The current of a short goes on with the transistors as they are, and the comparators look.
+    /// Advances the current of a short circuit with the transistors as they are, and lets the comparators compare.
     fn advance_short(&mut self, now: u64) {
         let legs = self.bridge.legs(now);
         self.world.advance_short(now, legs);
@@ -105,7 +106,7 @@ impl Chip {
         self.drive_world();
     }
 
-    /// Lets the converters sample and finish what is due by a time.
+    /// Lets the converters sample and finish everything that is due until a time.
     fn convert(&mut self, until: u64) {
         loop {
             let next = self
@@ -133,7 +134,7 @@ impl Chip {
         }
     }
 
-    /// Once a half period: shaft to encoders, break input, supply.
+    /// Runs once a half period and passes the shaft to the encoders, the break input and the supply.
     fn on_period(&mut self, _edge: Edge, now: u64) {
         self.world.advance(now);
         self.world.sensors.look();

@@ -1,4 +1,4 @@
-//! What the processor's every instruction touches: counters of instructions and cycles, and when to stop.
+//! Counters of instructions and cycles, which every instruction touches, and the decision when to stop.
 
 use super::decode::{Info, Kind, REFILL};
 
@@ -12,13 +12,13 @@ struct Cache {
 /// Why the processor stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stop {
-    /// Its time is over, or something changed that may interrupt.
+    /// The time slice is over, or something changed that may raise an interrupt.
     Slice,
-    /// Before a WFE.
+    /// Stopped before a WFE.
     WaitEvent,
-    /// Before a WFI.
+    /// Stopped before a WFI.
     WaitInterrupt,
-    /// Before an instruction that is not modelled.
+    /// Stopped before an instruction that is not modelled.
     Unsupported,
 }
 
@@ -30,7 +30,7 @@ pub struct Watch {
     start: u32,
     /// Where the present call returns to, with the stack that it had, and the counters at its start.
     call: Option<Call>,
-    /// Calls so far.
+    /// Number of calls.
     pub calls: u64,
     /// Most instructions of one call, without what interrupted it.
     pub worst: Cost,
@@ -55,7 +55,7 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// What was spent since `earlier`.
+    /// The costs since `earlier`.
     #[must_use]
     pub fn since(self, earlier: Self) -> Self {
         Self {
@@ -75,23 +75,24 @@ impl Cost {
         }
     }
 
-    /// Cycles if each fetch is waited for: no cache, no prefetch, nothing done meanwhile. A flash that helps takes fewer. Tables in
-    /// flash are not in it.
+    /// Cycles if the processor waits for each fetch: no cache, no prefetch, nothing in parallel. Real flash takes
+    /// fewer. Reads of tables in flash are not included.
     #[must_use]
     pub const fn waiting(self) -> u64 {
         self.cycles + WAIT_STATES * self.fetches
     }
 }
 
-/// Of flash at 170 MHz, the voltage in range 1, boosted (RM0440, table 29): what the firmware must set, `registers.tsv`.
+/// Wait states of the flash at 170 MHz, the voltage in range 1, boosted (RM0440, table 29): what the firmware must
+/// set, `registers.tsv`.
 pub const WAIT_STATES: u64 = 4;
 
-/// The counters.
+/// Registers, memories and counters of the processor.
 #[derive(Debug)]
 pub struct Core {
     /// Time in cycles of the processor, since power came on.
     pub now: u64,
-    /// What was executed; the cycles are those of instructions only, at the table's cost.
+    /// Costs of the executed instructions; cycles by the table, without wait states.
     pub spent: Cost,
     /// Stop at this time.
     pub limit: u64,
@@ -114,22 +115,23 @@ pub struct Core {
     fetched: u32,
     /// Flash, CCM, RAM: by their addresses.
     caches: [Cache; 3],
-    /// How often each double word of flash was fetched while [`Core::is_counting`], where somebody made room for it.
+    /// How often each double word of flash was fetched while [`Core::is_counting`]; empty unless a caller made room
+    /// for it.
     pub by_place: Vec<u32>,
     /// What runs is of those whose fetches are counted by their place.
     pub is_counting: bool,
     /// Functions that are counted.
     pub watches: Vec<Watch>,
-    /// Where they begin, and where calls of them return to.
+    /// Addresses where watched functions begin, and where their calls return to.
     watch_points: Vec<u32>,
-    /// Exceptions that run, and what each had cost at its start.
+    /// Number of exceptions that run inside each other.
     pub depth: usize,
-    /// What each level of exceptions (0 the thread) has spent.
+    /// Cost of each level of exceptions; level 0 is the thread.
     pub by_depth: [Cost; 8],
 }
 
 impl Core {
-    /// With code in flash, CCM and RAM: where each begins, and its size.
+    /// A processor with memories for code (flash, CCM, RAM), each given by start address and size.
     #[must_use]
     pub fn new(memories: [(u32, usize); 3]) -> Self {
         let cache = |(base, bytes): (u32, usize)| Cache {
@@ -171,7 +173,7 @@ impl Core {
         });
     }
 
-    /// After a reset; the time goes on.
+    /// Sets the state after a reset; the time goes on.
     pub fn reset(&mut self) {
         self.end = None;
         self.block_start = u32::MAX;
@@ -204,7 +206,7 @@ impl Core {
         }
     }
 
-    /// Remembers one.
+    /// Remembers a decoded instruction.
     pub fn learn(&mut self, address: u32, info: Info) {
         let memory = self.memory_of(address);
         let cache = &mut self.caches[memory];
@@ -245,9 +247,9 @@ impl Core {
         self.now += cycles;
     }
 
-    /// An instruction is about to be executed. `true`: it is not to be, stop before it.
+    /// Called before an instruction is executed. `true`: stop before it.
     ///
-    /// `link` and `stack` are asked for only where a watched function begins.
+    /// `link` and `stack` are read only where a watched function begins.
     #[inline]
     pub fn step(&mut self, address: u32, size: u32, info: Info) -> bool {
         if address < self.caches[1].base {

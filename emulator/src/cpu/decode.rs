@@ -1,7 +1,7 @@
-//! What an instruction costs, and the few that the run loop must know of.
+//! The cost of an instruction, and the few instructions that the run loop must recognise.
 //!
-//! Cycles are those of the Cortex-M4 technical reference manual (DDI 0439, tables 3-1 and 7-1), each at its upper value, for
-//! memory without wait states. A taken branch is charged [`REFILL`] on top, where it is taken.
+//! Cycles are those of the Cortex-M4 technical reference manual (DDI 0439, tables 3-1 and 7-1), each at its upper
+//! value, for memory without wait states. A taken branch costs [`REFILL`] more.
 
 /// Cycles to refill the pipeline after a taken branch: 1 to 3, depending on the goal's alignment.
 pub const REFILL: u64 = 3;
@@ -10,16 +10,16 @@ pub const EXCEPTION: u64 = 12;
 /// Cycles from one handler into the next without unstacking.
 pub const TAIL_CHAIN: u64 = 6;
 
-/// What the run loop must know of an instruction.
+/// Instructions that the run loop must recognise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// Nothing.
+    /// An instruction that needs no special treatment.
     Plain,
     /// Begins an IT block.
     IfThen {
-        /// Instructions in it.
+        /// Number of instructions in the block.
         count: u8,
-        /// Their bytes.
+        /// Length of the instruction, bytes.
         bytes: u8,
     },
     /// Changes what may interrupt: the next instruction boundary looks again.
@@ -41,14 +41,14 @@ pub enum Kind {
 pub struct Info {
     /// Cycles when nothing is refilled.
     pub cycles: u8,
-    /// What else.
+    /// How the run loop treats it.
     pub kind: Kind,
     /// Reads a constant that lies beside the code.
     pub reads_literal: bool,
 }
 
 impl Info {
-    /// One cycle, and nothing else.
+    /// An instruction of one cycle with no further effect.
     pub const SIMPLE: Self = info(1, Kind::Plain);
 }
 
@@ -80,7 +80,7 @@ pub const fn is_wide(first: u16) -> bool {
     first >> 11 >= 0b11101
 }
 
-/// The same instruction, with the length of its IT block by the half-words that follow it.
+/// The same instruction, with the length of its IT block computed from the half-words that follow it.
 #[must_use]
 pub fn with_block(info: Info, following: &[u16]) -> Info {
     let Kind::IfThen { count, .. } = info.kind else {

@@ -1,4 +1,4 @@
-//! The program: what is written to flash, and the names in it.
+//! The program: the bytes for the flash, and the symbols.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -18,7 +18,7 @@ impl Program {
     /// Reads an ELF file.
     ///
     /// # Errors
-    /// One line that says what is wrong with which file.
+    /// One line that names the file and its problem.
     pub fn read(path: &Path) -> Result<Self, String> {
         let said = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
         let bytes = std::fs::read(path).map_err(|error| said(&error))?;

@@ -1,4 +1,4 @@
-//! What handlers of exceptions run, and what they have cost.
+//! Exception handlers that run, and their costs.
 
 use super::core::Cost;
 use super::nvic::FIRST;
@@ -11,22 +11,22 @@ pub const CONTROL_TICK: usize = FIRST + 49;
 /// A running exception.
 #[derive(Debug, Clone, Copy)]
 pub struct Running {
-    /// Its number.
+    /// Number of the exception.
     pub exception: usize,
-    /// When it was entered.
+    /// Time at which it was entered.
     pub entered: u64,
     /// The counters of its level at its entry.
     pub begin: Cost,
 }
 
-/// What the handlers of an exception have cost, without those that interrupted them.
+/// Costs of an exception's handlers, without those of handlers that interrupted them.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Handler {
     /// How often it ran.
     pub runs: u64,
     /// Most of one run, entry and return not counted.
     pub worst: Cost,
-    /// When the worst run was entered.
+    /// Time at which the longest run was entered.
     pub worst_at: u64,
     /// Longest time from entry to return, with what interrupted it, cycles.
     pub longest: u64,

@@ -1,4 +1,4 @@
-//! What the processor has beside the instructions' meaning: counters and their costs, interrupts, the program that it runs.
+//! The processor apart from its instructions' meaning: counters and costs, interrupts, the program.
 
 pub mod core;
 pub mod decode;

@@ -21,7 +21,7 @@ pub struct Masks {
     pub faultmask: bool,
 }
 
-/// Lowest of all: what the thread runs at.
+/// The lowest priority, at which the thread runs.
 const THREAD: i16 = 256;
 
 /// The controller.
@@ -55,12 +55,12 @@ impl Nvic {
         self.lines = lines;
     }
 
-    /// Pends by software.
+    /// Makes an exception pending by software.
     pub fn pend(&mut self, exception: usize) {
         self.pending |= 1 << exception;
     }
 
-    /// Takes back.
+    /// Clears a pending exception.
     pub fn unpend(&mut self, exception: usize) {
         self.pending &= !(1 << exception);
     }
@@ -110,7 +110,7 @@ impl Nvic {
         (self.priority_of(best) < self.current(masks)).then_some(best)
     }
 
-    /// Begins to run.
+    /// Marks an exception as running.
     pub fn enter(&mut self, exception: usize) {
         self.pending &= !(1 << exception);
         self.active |= 1 << exception;
@@ -171,7 +171,7 @@ impl Nvic {
         self.priority[exception] = priority & 0xf0;
     }
 
-    /// The same, read.
+    /// Reads a system exception's priority.
     #[must_use]
     pub fn system_priority(&self, exception: usize) -> u8 {
         self.priority[exception]

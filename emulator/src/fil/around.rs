@@ -1,5 +1,5 @@
 //! More than one wall on the emulated device: detents, a wall on the other side and endstops under a hand, compared with the same environment
-//! on this machine to the bit; changed under the hand; kept in flash; and what is refused.
+//! on this machine bit for bit; changed under the hand; kept in flash; and what is refused.
 
 use touchstone_control::environment::{Counted, Environment};
 use touchstone_control::{CountScale, Fixed32, Force, Position, Si};
@@ -21,12 +21,12 @@ use crate::cpu::elf::Program;
 
 /// The most that a force changes in a tick for a change alone, N·m/s.
 const CHANGE: &str = "0.5";
-/// In so many ticks the environments before and after a change may show the same force.
+/// Number of ticks for which the environments before and after a change may show the same force.
 const SAME_FORCES: usize = 50;
 /// How far the hand would go to either side without a force, rad: beyond both ends.
 const REACH_RAD: f64 = 0.35;
 
-/// All of it on boards with room for it; on the others, that it is refused.
+/// Plays environments on boards with room for them; on the others, checks that they are refused.
 pub fn around(program: &Program, setup: &Setup, tally: &mut Tally) {
     if !setup.board.is_large() {
         return tally.check("more than one wall", refused(program, setup));
@@ -88,7 +88,7 @@ fn set(bench: &mut Bench, environment: &Surround) -> Result<CountsFrom, String> 
     }
 }
 
-/// A hand sweeps to and fro through all of it, and what there is to touch is changed while it does.
+/// A hand sweeps to and fro through the environment, which is changed meanwhile.
 fn played(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = configured(program, setup)?;
     bench.calibrate()?;
@@ -139,8 +139,9 @@ fn played(program: &Program, setup: &Setup) -> Result<String, String> {
     Ok(format!("{compared}; answered within {answered_after} ms"))
 }
 
-/// The environments on this machine, given the counts that the device was given. From which tick on a change counts is in no record but the first
-/// one's: it is found by the forces, which are those of the next environment from there on, all of them.
+/// Plays the environments on this machine, given the counts that the device got. No record but the first says from
+/// which tick on a change is active. That tick is found by the forces: from there on all of them are those of the next
+/// environment.
 fn compared(
     settings: &DeviceSettings,
     board: Board,
@@ -230,7 +231,7 @@ fn differs(record: &Telemetry, here: Force<Fixed32>) -> String {
     )
 }
 
-/// What is invalid is refused, and changes nothing; what is saved is there after a start.
+/// An invalid environment is refused and changes nothing; a saved one is there after a start.
 fn kept(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = configured(program, setup)?;
     // As many laws to compute as there can be, as the watchdog runs from the start on.
@@ -288,7 +289,7 @@ fn kept(program: &Program, setup: &Setup) -> Result<String, String> {
     Ok("saved, read and at work after a start; two wrong ones refused".into())
 }
 
-/// A board without room for it says that it does not know it, and goes on.
+/// A board without room for environments answers that it does not know the request, and goes on.
 fn refused(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;

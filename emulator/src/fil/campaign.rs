@@ -16,7 +16,7 @@ pub struct Outcome {
     pub off_us: Option<f64>,
     /// The latched code.
     pub code: Option<FaultCode>,
-    /// What is wrong, if anything.
+    /// The problem, if there is one.
     pub wrong: Option<String>,
 }
 
@@ -32,14 +32,14 @@ const WATCHED: u64 = 30 * MS;
 /// The fault's value where the shaft did not follow the field evenly (docs/faults/10-calibration-failed.md).
 const UNEVEN: i32 = 4;
 
-/// Within what a shaft that rests stays for a tenth of a second, rad: a thousandth of a turn.
+/// A shaft counts as resting if it stays within this angle for a tenth of a second, rad: a thousandth of a turn.
 const RESTS_RAD: f64 = 6e-3;
 
 impl Campaign {
-    /// Boots a device with an encoder, and tells it of the encoder and to calibrate fast.
+    /// Boots a device with an encoder, and sets the encoder and a fast calibration.
     ///
     /// # Errors
-    /// It does not come up.
+    /// The program does not start.
     pub fn new(program: &Program, setup: &Setup) -> Result<Self, String> {
         let mut bench = Bench::new(program, setup)?;
         bench.boot()?;
@@ -60,7 +60,7 @@ impl Campaign {
         &mut self.bench
     }
 
-    /// One injection.
+    /// Carries out one injection.
     pub fn inject(&mut self, injection: &Injection) -> Outcome {
         let mut outcome = Outcome {
             off_us: None,
@@ -231,7 +231,7 @@ impl Campaign {
         Ok(())
     }
 
-    /// When the outputs went off at last, in time: whatever they did before.
+    /// Checks that the outputs ended switched off in time, whatever they did before.
     fn is_off_at_last(
         &mut self,
         begin: u64,
@@ -315,7 +315,7 @@ impl Campaign {
         }
     }
 
-    /// Nothing happens but what must.
+    /// Checks that the device goes on undisturbed.
     fn goes_on(&mut self, injection: &Injection) -> Result<(), String> {
         let from = self.bench.link.telemetry.len();
         let before = self.bench.now();
@@ -348,8 +348,9 @@ impl Campaign {
     }
 }
 
-/// A person calibrates a knob that rests. A light rotor swings on for seconds after a reset in which it was let go, and the field may take such a one
-/// along to another pole, which the calibration refuses. Looked at all the way: one that swings ten times a second is where it was after each tenth.
+/// Waits until the knob rests, as a person does before a calibration. A light rotor that was let go at a reset swings
+/// on for seconds, and the field may draw it to another pole, which the calibration refuses. The angle is watched all
+/// the time: a knob that swings ten times a second is in the same place after each tenth.
 fn rest(bench: &mut Bench) -> Result<(), String> {
     for _ in 0..100 {
         let mut within_rad = [f64::INFINITY, f64::NEG_INFINITY];
@@ -365,8 +366,8 @@ fn rest(bench: &mut Bench) -> Result<(), String> {
     Err("the shaft does not come to rest in ten seconds".into())
 }
 
-/// A light rotor that happened to stand against the field, held by its friction, comes loose when most of the current is there, and swings so
-/// far that the calibration is refused as uneven. A person, who is told so, calibrates again.
+/// Calibrates, and once more if the calibration is refused as uneven, as a person would. A light rotor that stood
+/// against the field, held by friction, comes loose at nearly full current and swings too far.
 fn calibrate(bench: &mut Bench) -> Result<(), String> {
     let uneven = |bench: &mut Bench| {
         let fault = bench.status()?.fault;

@@ -1,4 +1,5 @@
-//! What is checked beside the injections: the thesis' press, settings in flash, noise on the line, and that two runs are the same.
+//! Checks beside the injections: the thesis' press, settings in flash, noise on the line, and that two runs give the
+//! same.
 
 use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Reply, Request};
 
@@ -12,10 +13,10 @@ use crate::bench::{Bench, MS, Setup};
 use crate::cpu::RAM;
 use crate::cpu::elf::Program;
 
-/// A check: its name, by which it can be asked for, and what it does.
+/// A check: its name, by which it can be selected, and its function.
 pub type Check = (&'static str, fn(&Program, &Setup, &mut Tally));
 
-/// On each board.
+/// The checks that run on each board.
 pub const CHECKS: &[Check] = &[
     ("boot and presses", presses),
     ("power cuts", supply::power_cuts),
@@ -41,7 +42,7 @@ pub const CHECKS: &[Check] = &[
     ),
 ];
 
-/// Once: it is about the emulator.
+/// The check that runs once, because it is about the emulator.
 pub const OF_THE_EMULATOR: Check = ("the same twice", the_same_twice);
 
 /// Frames of noise in the campaign; a million of them: `touchstone-emulator noise`.
@@ -96,12 +97,12 @@ fn random_frames(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.check("random frames", noise(program, setup, NOISE_FRAMES));
 }
 
-/// Random frames at the device's port, as fast as it takes them: nothing but counted errors, each of them, and not a byte back. A
-/// third are random bytes, most of which are no COBS; a third are COBS with random content; a third are requests that would switch
-/// on, reset or write flash, with one bit turned over.
+/// Sends random frames to the device's port, as fast as it takes them. They must cause counted errors, one each, and
+/// no reply. A third are random bytes, most of which are no COBS; a third are COBS with random content. A third are
+/// requests that would switch on, reset or write flash, with one bit flipped.
 ///
 /// # Errors
-/// What became of the device.
+/// What the device did instead.
 pub fn noise(program: &Program, setup: &Setup, frames: u64) -> Result<String, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;
@@ -181,7 +182,7 @@ fn bad_frame(bench: &mut Bench, random: &mut Random) -> Vec<u8> {
     frame
 }
 
-/// The same program and the same steps give the same to the bit.
+/// The same program and the same steps give identical results, bit for bit.
 fn the_same_twice(program: &Program, setup: &Setup, tally: &mut Tally) {
     let once = || -> Result<_, String> {
         let mut bench = Bench::new(program, setup)?;

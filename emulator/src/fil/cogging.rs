@@ -29,11 +29,11 @@ const SWEPT: u64 = 40_000 * MS;
 const SLOW: f64 = 2.0;
 /// Speeds of the turns with and without the map, rad/s.
 const SPEEDS: [f64; 4] = [SLOW, -SLOW, 5.0, 10.0];
-/// What the map may leave of the torque at each of them.
+/// Largest share of the torque at each harmonic that the map may leave.
 const LEFT_MOST: [f64; 4] = [0.3, 0.3, 0.4, 0.6];
-/// What is not played leaves all of it, within this.
+/// A harmonic that is not played must be left whole, within this share.
 const ALL: f64 = 0.01;
-/// What the sweep with the map may leave of the shaft's ripple: `touchstone device cogging` asks for 0.7.
+/// Largest share of the shaft's ripple that a sweep with the map may leave; `touchstone device cogging` demands 0.7.
 const RIPPLE_LEFT_MOST: f64 = 0.5;
 
 const fn part(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
@@ -44,8 +44,8 @@ const fn part(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
     }
 }
 
-/// Of a motor with 12 slots and 14 poles: their least common multiple and twice that, and what unequal slots and magnets add. 0.77 mN·m
-/// effective, of the 45 that the wall may push with.
+/// Cogging of a motor with 12 slots and 14 poles: their least common multiple and twice that, and what unequal slots
+/// and magnets add. 0.77 mN·m effective. The wall may push with 45.
 pub(super) const COGGING: [Harmonic; 4] = [
     part(1e-3, 84.0, 0.4),
     part(2e-4, 168.0, 2.0),
@@ -55,12 +55,12 @@ pub(super) const COGGING: [Harmonic; 4] = [
 
 /// How far a map may be off at an order of the cogging: in parts of the amplitude, and degrees.
 type Off = [(f64, f64); COGGING.len()];
-/// With the inertia that the settings have for the law's estimator, a third above the knob's: at 168 periods, 42 Hz in the sweep, it is nearly all of
-/// what is found.
+/// Largest errors of the found harmonics, with the inertia of the settings a third above the knob's. At 168 periods,
+/// 42 Hz in the sweep, nearly all of what is found is due to the inertia.
 const OFF_MOST: Off = [(0.15, 3.0), (0.4, 20.0), (0.05, 3.0), (0.05, 3.0)];
-/// With the knob's own inertia.
+/// Limits with the knob's own inertia.
 const OFF_MOST_KNOWN: Off = [(0.05, 3.0), (0.15, 20.0), (0.05, 3.0), (0.05, 3.0)];
-/// What a map may have at all orders at which there is no cogging, effective value, N·m.
+/// The most that a map may have at orders without cogging, effective value, N·m.
 const STRANGE_MOST_N_M: f64 = 1e-4;
 
 /// Measured, played, kept, refused, on the reference board.
@@ -78,7 +78,7 @@ pub fn cogging(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.ran(&bench);
 }
 
-/// What goes wrong on the way to a row ends all of them.
+/// Adds the rows; the first failure ends all of them.
 fn rows(bench: &mut Bench, setup: &Setup, tally: &mut Tally) -> Result<(), String> {
     let motor = setup.parts.motor;
     let bare = swept(bench, Sweep::Bare)?;
@@ -175,7 +175,7 @@ fn report(bench: &mut Bench) -> Result<CoggingReport, String> {
     }
 }
 
-/// What was told of a sweep, and what the desktop takes for known.
+/// Telemetry of a sweep, and the values that the desktop takes as known.
 struct Told {
     ticks: Vec<SweepTick>,
     known: KnownKnob,
@@ -194,7 +194,7 @@ impl Told {
     }
 }
 
-/// What `touchstone device cogging` asks for, from stopped to ready.
+/// Runs the requests of `touchstone device cogging`, from stopped to ready.
 fn swept(bench: &mut Bench, sweep: Sweep) -> Result<Told, String> {
     let from = bench.link.telemetry.len();
     bench.demand(Request::Sweep(sweep))?;
@@ -278,7 +278,7 @@ fn turns(bench: &mut Bench) -> Result<Vec<Felt>, String> {
     turns.collect()
 }
 
-/// Without a map all of the cogging is felt, with it little.
+/// Checks that all of the cogging is felt without a map, and little of it with one.
 fn felt(without: &[Felt], with: &[Felt]) -> Result<String, String> {
     let mut words = Vec::new();
     let mut is_right = true;
@@ -294,7 +294,7 @@ fn felt(without: &[Felt], with: &[Felt]) -> Result<String, String> {
     if is_right { Ok(words) } else { Err(words) }
 }
 
-/// With these settings the device says that the map is none of theirs, and all of the cogging is felt.
+/// With other settings the device reports that the map does not belong to them, and all of the cogging is felt.
 fn refused(
     bench: &mut Bench,
     because: Unkept,

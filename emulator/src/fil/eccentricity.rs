@@ -27,7 +27,7 @@ use crate::world::EncoderError;
 
 /// A calibration at four electrical turns a second, and its measurement.
 const MEASURED: u64 = 60_000 * MS;
-/// What is found may be off by a count and this part of the amplitude.
+/// The found value may be off by a count and this share of the amplitude.
 const OFF_MOST: f64 = 0.01;
 /// A knob whose weight is out of its axis: as much as its friction.
 const WEIGHT: Harmonic = Harmonic {
@@ -40,16 +40,16 @@ const WEIGHT: Harmonic = Harmonic {
 #[derive(Clone, Copy)]
 struct Magnet([f64; 2], [f64; 2]);
 
-/// Of the field alone: centred, as it may be, and far off.
+/// Magnets for the measurement by the field alone: centred, usual, and far off.
 const MAGNETS: [Magnet; 3] = [
     Magnet([0.0, 0.0], [0.0, 0.0]),
     Magnet([0.3, 0.3], [-2.5, 0.4]),
     Magnet([2.0, 1.0], [1.0, -1.7]),
 ];
-/// With the spins of a measurement, and the weight.
+/// A magnet with the spins of a measurement, and the weight.
 const SPUN: Magnet = Magnet([1.0, 0.3], [2.2, -0.6]);
 
-/// On the reference board.
+/// Runs on the reference board.
 pub fn eccentricity(program: &Program, setup: &Setup, tally: &mut Tally) {
     if setup.board.name != "nucleo-g474re-ihm16m1" {
         return;
@@ -92,10 +92,10 @@ fn prepared(program: &Program, setup: &Setup) -> Result<Bench, String> {
     Ok(bench)
 }
 
-/// What is found of a magnet, and the truth as the calibrated zero sees it.
+/// The eccentricity that was found, and the true one as seen from the calibrated zero.
 type Found = (Eccentricity, [Complex<f64>; 2]);
 
-/// What `touchstone device eccentricity` asks for, from stopped to ready and back.
+/// Runs the requests of `touchstone device eccentricity`, from stopped to ready and back.
 fn measured(bench: &mut Bench, magnet: Magnet, spins: bool) -> Result<Found, String> {
     let error = |index: usize| EncoderError {
         amplitude_rad: magnet.0[index].to_radians(),
@@ -140,7 +140,7 @@ fn measured(bench: &mut Bench, magnet: Magnet, spins: bool) -> Result<Found, Str
     Ok((found, truth))
 }
 
-/// Both orders beside the truth, and within twice what is said of them, or half a count.
+/// Compares both orders with the truth: they must be within twice the stated uncertainty, or half a count.
 fn judged((found, truth): Found) -> Result<String, String> {
     let mut words = Vec::new();
     let mut is_right = true;

@@ -1,4 +1,4 @@
-//! What can go wrong, and how it is made to.
+//! The faults that can be injected, and how each is caused.
 
 use touchstone_protocol::{DeviceCommand, Request};
 
@@ -7,7 +7,7 @@ use crate::board::Source;
 use crate::chip::{Chip, ResetCause};
 use crate::peripheral::spi::SlaveFault;
 
-/// Which code is made to hang.
+/// The code that is made to hang.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
     /// The thread.
@@ -28,14 +28,14 @@ pub const SERIAL_ESC1: Level = Level::Interrupt(38);
 /// The timer of the control tick, by its interrupt.
 pub const LPTIM1: u32 = 49;
 
-/// Something that goes wrong.
+/// A fault that is injected.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fault {
     /// A current sensor shows this many amperes.
     Sensor(usize, f64),
     /// The gate driver pulls the break input for this long, us; 0 for good.
     Break(u64),
-    /// The same for 1 us, so many us after a handler began.
+    /// A break for 1 us, this many us after a handler began.
     BreakWithin(Level, u64),
     /// A comparator, 1 to 4, sees too much current for this long, us; 0 for good.
     Comparator(u32, u64),
@@ -47,21 +47,21 @@ pub enum Fault {
     Thermistor(f64),
     /// The encoder on the bus.
     Encoder(SlaveFault),
-    /// The same as a control tick begins.
+    /// An encoder fault that begins with a control tick.
     EncoderAtTick(SlaveFault),
     /// The encoder's frames never end.
     BusHangs,
     /// The incremental encoder counts no more.
     TrackHeld,
-    /// The incremental encoder jumps by so many counts.
+    /// The incremental encoder jumps by this many counts.
     TrackJumps(i64),
-    /// Something turns the shaft, rad/s.
+    /// The shaft is turned from outside at this speed, rad/s.
     Turned(f64),
-    /// Somebody flicks the knob: so fast for this long, us, and lets it go at that speed.
+    /// A person flicks the knob: to this speed for this long, us, and lets it go.
     Flicked(f64, u64),
     /// Every instruction takes this many times as long.
     Slow(u64),
-    /// An interrupt is raised every so many cycles by nobody.
+    /// An interrupt without a cause is raised every given number of cycles.
     Storm(u32, u64),
     /// An interrupt comes no more, for this long, us; 0 for good: its bit in the interrupt controller has fallen.
     Lost(u32, u64),
@@ -79,7 +79,7 @@ pub enum Fault {
     Supply(f64),
     /// The chip is reset.
     Reset(ResetCause),
-    /// The desktop asks for a reset.
+    /// The desktop requests a reset.
     Reboot,
     /// The serial line carries noise: this many random bytes, with framing errors or without.
     Noise(usize, bool),
@@ -205,7 +205,7 @@ impl Fault {
         Ok(())
     }
 
-    /// Whether it happens a little later than it was asked for: code that is to be met has been met.
+    /// Whether the fault may happen a little later than its time, namely when the code that it is to hit runs.
     #[must_use]
     pub const fn waits(self) -> bool {
         matches!(
@@ -218,7 +218,7 @@ impl Fault {
         ) || matches!(self, Self::Lost(LPTIM1, us) if us > 0)
     }
 
-    /// For how long it lasts, cycles; `None` until it is removed.
+    /// Duration, cycles; `None` until it is removed.
     #[must_use]
     pub fn lasts(self) -> Option<u64> {
         match self {

@@ -1,4 +1,4 @@
-//! What there is to do, in pieces that do not depend on each other: each has devices of its own, so their order does not matter.
+//! The work in independent pieces: each has devices of its own, so their order does not matter.
 
 use super::campaign::Campaign;
 use super::checks::{CHECKS, Check, OF_THE_EMULATOR};
@@ -16,16 +16,17 @@ use crate::cpu::elf::Program;
 const SLOW_LSI: u64 = 29_500;
 const FAST_LSI: u64 = 34_000;
 
-/// Injections of a piece: so many that starting a device and telling it its settings does not count.
+/// Injections of a piece: enough that starting and configuring a device takes little of the time.
 const PIECE: usize = 12;
 
-/// A sample has one injection of so many.
+/// A sample has one injection of this many.
 const OF_ROWS: usize = 3;
 
 /// The board on which a sample has the checks; the others run the same code.
 const REFERENCE: &str = "nucleo-g474re-ihm16m1";
 
-/// The checks of a sample that other boards have as well: what a board's own pins and parts decide, and the one that runs once.
+/// The checks that a sample runs on all boards: those that depend on a board's pins and parts, and the one that runs
+/// once.
 const ON_ALL_BOARDS: [&str; 4] = [
     OF_THE_EMULATOR.0,
     "boot and presses",
@@ -53,24 +54,24 @@ pub const BOARDS: [&str; 5] = [
     "b-g431b-esc1",
 ];
 
-/// The boards' programs; what has none is left out.
+/// The boards' programs; a board without a program is left out.
 #[derive(Debug, Default)]
 pub struct Programs(Vec<(&'static str, Program)>);
 
 impl Programs {
-    /// Adds a board's.
+    /// Adds the program of a board.
     pub fn add(&mut self, board: &'static str, program: Program) {
         self.0.push((board, program));
     }
 
-    /// A board's.
+    /// Finds the program of a board.
     #[must_use]
     pub fn of(&self, board: &Board) -> Option<&Program> {
         let found = self.0.iter().find(|(name, _)| *name == board.name);
         found.map(|(_, program)| program)
     }
 
-    /// Of how many boards.
+    /// Number of boards.
     #[must_use]
     pub fn count(&self) -> usize {
         self.0.len()
@@ -93,16 +94,16 @@ pub struct Job<'a> {
     work: Work,
 }
 
-/// What is to be done of all that there is.
+/// Selection of the work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asked<'a> {
-    /// All of it.
+    /// All checks and injections.
     Everything,
     /// One injection of three on every board, the checks on the reference board, and a few of them on the others.
     Sample,
-    /// The same injections, and of the checks those that are done soon.
+    /// All injections and the quick checks.
     Brief,
-    /// What has one of these in its name.
+    /// Everything with one of these words in its name.
     Only(&'a [&'a str]),
 }
 
@@ -130,7 +131,7 @@ impl Asked<'_> {
     }
 }
 
-/// What is asked for.
+/// The selected work.
 #[must_use]
 pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
     let on = |board: Board, lsi_hz, lists: &[&[Injection]]| {
@@ -225,7 +226,7 @@ pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
 }
 
 impl Job<'_> {
-    /// Its name, for people.
+    /// The job's name, for people.
     #[must_use]
     pub fn name(&self) -> String {
         match &self.work {
@@ -234,7 +235,7 @@ impl Job<'_> {
         }
     }
 
-    /// Does it.
+    /// Runs the job.
     #[must_use]
     pub fn run(&self) -> Tally {
         let mut tally = Tally::on(&self.device);

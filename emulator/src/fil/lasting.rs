@@ -8,7 +8,8 @@ use super::tally::Tally;
 use crate::bench::{Bench, MS, Setup, US, number};
 use crate::cpu::elf::Program;
 
-/// How long the desktop may be silent here, s, and us with a control tick for the last word and one for the answer to it.
+/// How long the desktop may be silent here, s; and in us, the same with a control tick for the last message and one
+/// for its reply.
 const SILENCE_S: &str = "0.5";
 const SILENCE_US: u64 = 500_000 + 2 * 1_050;
 
@@ -79,7 +80,7 @@ fn pulled(program: &Program, setup: &Setup, state: Phase) -> Result<u64, String>
     }
 }
 
-/// The windings by themselves, from the world's currents, looked at every 100 us: the model with its one time constant.
+/// The windings by themselves, from the world's currents, examined every 100 us: the model with its one time constant.
 #[derive(Default)]
 struct Windings {
     mean: f64,

@@ -1,4 +1,4 @@
-//! Firmware in the loop: boot, calibration, arming, the thesis' press to the bit, every fault.
+//! Firmware in the loop: boot, calibration, arming, the thesis' press bit for bit, every fault.
 
 pub mod around;
 pub mod campaign;

@@ -11,10 +11,10 @@ pub const NOISE: Noise = Noise {
     encoder_rad: 5.2e-4,
     converter_codes: 1.15,
 };
-/// What the wall may be off: as on the scorecard, under a hand that rests.
+/// Largest error of the wall's stiffness: that of the scorecard, under a hand that rests.
 const STIFFNESS_OFF_MOST: f64 = 0.05;
 
-/// On the reference board.
+/// Runs on the reference board.
 pub fn noisy(program: &Program, setup: &Setup, tally: &mut Tally) {
     if setup.board.name != "nucleo-g474re-ihm16m1" {
         return;

@@ -1,6 +1,8 @@
-//! Over-current by the chip's comparators, where they are what protects the bridge: a motor's wire is shorted, and the current at which the
-//! break comes is looked at. Which current that is follows from what the program has written (a DAC's code, the comparators' inputs, their
-//! polarity) and from the shunts, [`crate::chip::comparators`]; what it should be is said here.
+//! Over-current by the chip's comparators, where they protect the bridge. A motor's wire is shorted, and the current
+//! at which the break comes is checked.
+//!
+//! That current follows from what the program has written (a DAC's code, the comparators' inputs, their polarity) and
+//! from the shunts, [`crate::chip::comparators`]; the wanted one is stated here.
 
 use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Request};
 
@@ -23,7 +25,7 @@ const LOOK_US: f64 = 12.0 / 170.0;
 const FILTER_US: f64 = 8.0 * 32.0 / 170.0;
 /// The current loop takes a PWM period to the next sample, and a part of one to act.
 const SOFTWARE: u64 = 100 * US;
-/// Nothing is switched on again.
+/// Time during which the outputs must stay off.
 const WATCHED: u64 = 30 * MS;
 
 /// What each phase's comparator is, counted from 0: COMP1, COMP2, COMP4.
@@ -88,7 +90,7 @@ fn no_break(bench: &mut Bench) -> Result<Phase, String> {
     }
 }
 
-/// What a short came to.
+/// Result of a short circuit.
 struct Found {
     /// The comparator that saw it, and the current in its shunt then, A.
     seen: Option<(usize, f64)>,
@@ -136,7 +138,8 @@ fn short(
     })
 }
 
-/// What comes out of the motor through a lower transistor trips its phase's comparator, at once and at the current that is promised.
+/// A current out of the motor through a lower transistor trips its phase's comparator, at once and at the promised
+/// current.
 fn to_supply(bench: &mut Bench, phase: usize) -> Result<String, String> {
     let found = short(bench, phase, Touched::Supply, WAY_OHM, LEADS_H)?;
     let bus_v = bench.machine.chip().board.supply_v;
@@ -165,7 +168,7 @@ fn to_supply(bench: &mut Bench, phase: usize) -> Result<String, String> {
     }
 }
 
-/// A current that ends below what they are set to is none of theirs; the current loop sees it.
+/// A current that ends just below the comparators' threshold does not trip them; the current loop acts on it.
 fn just_below(bench: &mut Bench) -> Result<String, String> {
     let bus_v = bench.machine.chip().board.supply_v;
     let amps = SWITCHES_OFF_A - STEP_A;

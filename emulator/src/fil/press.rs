@@ -8,14 +8,14 @@ use touchstone_world::plant::MEDIUM;
 
 use crate::bench::{Bench, MS};
 
-/// What a press came to.
+/// Result of a press.
 #[derive(Debug, Clone)]
 pub struct Press {
     /// Desired stiffness, N·m/rad.
     pub k_desired: Si,
     /// Control ticks compared.
     pub compared: usize,
-    /// Of them in contact: with a force.
+    /// How many of the ticks were in contact, that is with a force.
     pub in_contact: usize,
     /// Largest force, N·m.
     pub max_force: f64,
@@ -28,7 +28,7 @@ pub struct Press {
 /// Changes the wall, calibrates, arms, presses for two seconds, and compares.
 ///
 /// # Errors
-/// Whatever fails, or the first tick whose bits differ.
+/// The first step that fails, or the first tick whose bits differ.
 pub fn press(bench: &mut Bench, k_desired: Si) -> Result<Press, String> {
     bench.release();
     let phase = bench.status()?.phase;
@@ -89,7 +89,7 @@ pub fn board_named(name: &str) -> Result<Board, String> {
     board.ok_or_else(|| format!("no board is called {name}"))
 }
 
-/// The law on this machine, given the counts that the device was given: penetration, force and offset equal to the bit.
+/// The law on this machine, given the counts that the device was given: penetration, force and offset equal bit for bit.
 pub fn compare(
     settings: &DeviceSettings,
     board: Board,

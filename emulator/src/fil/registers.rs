@@ -1,9 +1,9 @@
 //! What the program leaves in the registers after its start, against what the manuals say should stand there.
 //!
 //! A second witness for the wiring: `registers.tsv` and `pins.tsv` say what each register should hold and why, from the reference
-//! manual (RM0440), the boards' schematics and what is connected; where a field is, and which number a pin's function has, comes from
+//! manual (RM0440), the boards' schematics and what is connected. Where a field is, and which number a pin's function has, comes from
 //! the vendor's own description (`vendor.tsv`, written by `vendor.py`). Nothing in them is read from the firmware. Every register that
-//! the program writes has to be in the tables, with every bit that it changes: a register that nobody looked at is an error.
+//! the program writes has to be in the tables, with every bit that it changes: a register that nobody examined is an error.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,7 +18,7 @@ const VENDOR: &str = include_str!("../../registers/vendor.tsv");
 
 const PORTS: std::ops::Range<u32> = 0x4800_0000..0x4800_1c00;
 
-/// The check.
+/// Checks the registers against the tables.
 pub fn registers(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.check("registers after the start", compared(program, setup));
 }
@@ -201,7 +201,7 @@ impl Vendor {
         self.get(register, "")
     }
 
-    /// Without a name, the whole register.
+    /// The mask of a field; without a field's name, of the whole register.
     fn mask(&self, register: &str, field: &str) -> Result<u32, String> {
         match field {
             "" => Ok(u32::MAX),

@@ -1,4 +1,4 @@
-//! All of it, on all processors, as a table.
+//! Runs the work on all processors, and prints a table.
 
 use std::collections::BTreeSet;
 use std::sync::Mutex;
@@ -13,13 +13,13 @@ use super::tally::Tally;
 use crate::bench::{Bench, Setup};
 use crate::cpu::elf::Program;
 
-/// How a run ended that was asked for something that there is not.
+/// Exit code for a selection that does not exist.
 const USAGE: u8 = 2;
 
 /// How many pieces of work are listed with their times.
 const SLOWEST: usize = 10;
 
-/// Runs what is asked for; the exit code. Progress goes to standard error, the table to standard output.
+/// Runs the selected work; returns the exit code. Progress goes to standard error, the table to standard output.
 #[must_use]
 pub fn run(programs: &Programs, asked: Asked<'_>) -> u8 {
     let started = Instant::now();
@@ -110,10 +110,10 @@ fn codes(latched: &BTreeSet<&FaultCode>) -> Vec<String> {
     wrong
 }
 
-/// Boots a board's program, calibrates, arms, presses; what the device said, line by line.
+/// Boots a board's program, calibrates, arms, presses; returns the device's messages, line by line.
 ///
 /// # Errors
-/// What fails.
+/// The step that fails.
 pub fn boot(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = Bench::new(program, setup)?;
     println!("{:?}", bench.boot()?);

@@ -1,5 +1,5 @@
-//! An even turn of the shaft by something stronger than the motor, and what it feels of motor and cogging: by the world's own numbers, none of
-//! which the device has told.
+//! An even turn of the shaft by something stronger than the motor, and the torque of motor and cogging that it feels.
+//! All values come from the simulated world, none from the device.
 
 use std::f64::consts::TAU;
 
@@ -7,22 +7,22 @@ use touchstone_protocol::{DeviceCommand, Phase, Request};
 
 use crate::bench::{Bench, MS, US};
 
-/// How finely the torque is looked at: 0.17 rad of 168 periods a turn at 10 rad/s.
+/// How finely the torque is examined: 0.17 rad of 168 periods a turn at 10 rad/s.
 const SLICE: u64 = 100 * US;
 /// The force has faded in after this, by `limits.fade_in_s` of 0.2 s, and the shaft is past what came before.
 const FADED_IN: u64 = 400 * MS;
 
-/// What is felt.
+/// The torque that is felt in such a turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Felt {
     /// Effective value of the torque of motor and cogging together without its mean, all of it, N·m.
     pub ripple_n_m: f64,
-    /// Of the cogging alone, in the same turn, N·m.
+    /// Largest torque of the cogging alone in the same turn, N·m.
     pub cogging_n_m: f64,
 }
 
 impl Felt {
-    /// In parts of the cogging.
+    /// The remaining torque as a share of the cogging.
     #[must_use]
     pub fn left(&self) -> f64 {
         self.ripple_n_m / self.cogging_n_m
@@ -32,7 +32,7 @@ impl Felt {
 /// Arms a calibrated device, whose wall must be far away, turns its shaft once at a speed, rad/s, and disarms it.
 ///
 /// # Errors
-/// It does not arm, or does not stay armed.
+/// The device does not arm, or does not stay armed.
 pub fn slow_turn(bench: &mut Bench, rad_per_s: f64) -> Result<Felt, String> {
     bench.demand(Request::Command(DeviceCommand::Arm))?;
     bench.wait_for(Phase::Armed, 100 * MS)?;

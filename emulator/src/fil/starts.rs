@@ -1,4 +1,4 @@
-//! The alignment that is kept for the next start, and the start by itself: used where all is as it should be, refused where it is not.
+//! The kept alignment and the unattended start: used where everything is in order, refused where something is not.
 
 use std::f64::consts::TAU;
 
@@ -19,16 +19,17 @@ use crate::board::Encoder;
 use crate::chip::ResetCause;
 use crate::cpu::elf::Program;
 
-/// A start by itself has switched on after this (a row says so): half a second and a quarter of rest, and what the program takes to start.
+/// By this time an unattended start has switched on (another row shows it): half a second and a quarter of rest, and
+/// the program's own start.
 const WOULD_BE_ON: u64 = 1_200 * MS;
-/// And has armed after this.
+/// Time by which an undisturbed start has armed.
 const WOULD_BE_ARMED: u64 = 4_500 * MS;
-/// A shaft that nobody turns is at rest after this.
+/// Time by which a shaft without a hand is at rest.
 const AT_REST: u64 = 6_000 * MS;
 /// How long the desktop may be silent, s, once it has spoken.
 const SILENCE_S: &str = "0.5";
 
-/// What is kept is checked at the next start.
+/// A kept alignment is checked at the next start.
 pub fn kept_alignment(program: &Program, setup: &Setup, tally: &mut Tally) {
     if !setup.board.is_large() || matches!(setup.board.encoder, Encoder::Incremental(_)) {
         return tally.check("kept alignment", is_not_kept(program, setup));
@@ -50,7 +51,7 @@ pub fn kept_alignment(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.ran(&bench);
 }
 
-/// A board that starts by itself, and everything that keeps it from that.
+/// A board that starts unattended, and everything that prevents it.
 pub fn start_by_itself(program: &Program, setup: &Setup, tally: &mut Tally) {
     // The larger motor and the reference board's small one; the Mini's program is the same.
     if !["nucleo-g474re", "nucleo-g474re-ihm16m1"].contains(&setup.board.name) {
@@ -79,7 +80,7 @@ pub fn start_by_itself(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.ran(&bench);
 }
 
-/// What keeps a board from starting by itself.
+/// A test of one reason that prevents an unattended start.
 type Case = fn(&mut Bench) -> Result<String, String>;
 
 const KEPT_FROM: [(&str, Case); 8] = [
@@ -278,7 +279,8 @@ fn judged(bench: &mut Bench, is_harmless: bool) -> Result<String, String> {
     Ok(format!("{why:?}, and no arming"))
 }
 
-/// What was measured with other pole pairs is not used: the whole search runs, and finds that the settings are wrong.
+/// An alignment that was measured with other pole pairs is not used: the whole search runs, and finds that the
+/// settings are wrong.
 fn other_pole_pairs(bench: &mut Bench) -> Result<String, String> {
     power_on(bench);
     bench.boot()?;
@@ -300,7 +302,7 @@ fn other_pole_pairs(bench: &mut Bench) -> Result<String, String> {
     }
 }
 
-/// What was told since a record, with nothing missing.
+/// The telemetry since a record, with nothing missing.
 fn told(bench: &Bench, from: usize) -> Result<Vec<&Telemetry>, String> {
     match bench.link.gaps(from) {
         0 => Ok(bench.link.telemetry[from..].iter().collect()),
@@ -390,7 +392,7 @@ fn stops(bench: &mut Bench) -> Result<String, String> {
     }
 }
 
-/// Nothing is switched on for so long.
+/// Checks that the outputs stay off for this time.
 fn is_off_for(bench: &mut Bench, time: u64) -> Result<(), String> {
     let begun = bench.now();
     bench.run(time)?;
@@ -401,7 +403,7 @@ fn is_off_for(bench: &mut Bench, time: u64) -> Result<(), String> {
     }
 }
 
-/// Nothing is switched on, and it says why.
+/// Checks that the outputs stay off and that the device gives this reason.
 fn stays_off(bench: &mut Bench, time: u64, because: SelfStart) -> Result<String, String> {
     is_off_for(bench, time)?;
     match report(bench)?.self_start {

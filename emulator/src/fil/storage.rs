@@ -22,7 +22,7 @@ fn place(program: &Program) -> Result<(u32, usize), String> {
 /// Something to tell apart from the defaults, and from one another.
 ///
 /// # Errors
-/// It is refused.
+/// The change is refused.
 pub fn changed(bench: &mut Bench, k: Si) -> Result<(), String> {
     bench.configure(|settings| settings.wall.k_desired_n_m_per_rad = k)
 }
@@ -37,11 +37,12 @@ pub fn restart(bench: &mut Bench) -> Result<(), String> {
     bench.boot().map(|_| ())
 }
 
-/// Damages the settings in flash in `ways` ways, one after the other: bits turned over in what was written. After each the
-/// device has the saved settings (another copy holds), or says `SettingsInvalid` and does not arm.
+/// Damages the settings in flash in `ways` ways, one after the other, by flipping written bits. After each, the device
+/// either has the saved settings (another copy holds), or reports `SettingsInvalid` and does not arm. Returns how many
+/// damages were noticed.
 ///
 /// # Errors
-/// What is wrong after which damage. Else how many of them were noticed.
+/// The damage after which something else happened.
 pub fn damage(program: &Program, setup: &Setup, ways: usize) -> Result<usize, String> {
     let (start, bytes) = place(program)?;
     let mut bench = Bench::new(program, setup)?;

@@ -13,14 +13,14 @@ use crate::bench::{Bench, MS, Setup, US};
 use crate::cpu::elf::Program;
 use crate::machine::Halt;
 
-/// More changes of the flash than a save makes.
+/// A number larger than the changes of the flash in one save.
 const MOST_CHANGES: u64 = 400;
-/// Of the other boards' changes and moments, one in so many.
+/// Of the other boards' changes and moments, one in this many is tried.
 const SAMPLED_CHANGES: u64 = 5;
 const SAMPLED_MOMENTS: usize = 3;
-/// For how long the supply is away: a motor's current has gone, and a knob has come to rest or not.
+/// Durations of the supply's absence: the current has gone, and the knob has come to rest or not.
 const AWAY: u64 = 200 * MS;
-/// What was saved last, and what is meanwhile.
+/// The value that was saved last, and the one in use.
 const SAVED: Si = Si::lit("1.25");
 const UNSAVED: Si = Si::lit("0.75");
 
@@ -50,7 +50,7 @@ pub fn power_cuts(program: &Program, setup: &Setup, tally: &mut Tally) {
     );
 }
 
-/// The field turns when it is asked for, and ends when it is not.
+/// The motor's field turns on command, and ends on command.
 fn starts(bench: &mut Bench) -> Result<(), String> {
     bench.demand(Request::Command(DeviceCommand::Calibrate))?;
     let on = bench.run_until("the outputs on", 200 * MS, |bench| bench.is_on());
@@ -100,7 +100,7 @@ fn saves_until(bench: &mut Bench, cut: u64) -> Result<bool, String> {
     }
 }
 
-/// A board with other settings than its defaults and than those of every save before, saved; what they are.
+/// A board with settings that differ from its defaults and from all earlier saves, saved; returns them.
 fn saved(bench: &mut Bench, turn: usize) -> Result<DeviceSettings, String> {
     changed(bench, SAVED + Si::lit("0.01") * turn as i64)?;
     bench.demand(Request::Save)?;
@@ -155,18 +155,18 @@ fn cut_twice(program: &Program, setup: &Setup) -> Result<usize, String> {
     Ok(pairs)
 }
 
-/// When the supply goes.
+/// The moment at which the supply is cut.
 #[derive(Debug, Clone, Copy)]
 enum Moment {
-    /// Nothing was asked for since the start.
+    /// No request since the start.
     Booted,
-    /// So long after a calibration was asked for, ms.
+    /// This long after the command to calibrate, ms.
     Calibrating(u64),
     /// Calibrated.
     Ready,
-    /// Armed, and nobody holds the knob.
+    /// Armed, with no hand at the knob.
     Free,
-    /// A hand presses into the wall, and so many us after a control tick.
+    /// A hand presses into the wall; this many us after a control tick.
     Pressed(u64),
     /// Switched off by command.
     Stopped,
@@ -174,7 +174,8 @@ enum Moment {
     Fault,
 }
 
-/// All of them: in a calibration while the sensors' offsets are measured, while the field is switched on, and while it turns.
+/// All moments; in a calibration while the sensors' offsets are measured, while the field is switched on, and while it
+/// turns.
 const MOMENTS: [Moment; 12] = [
     Moment::Booted,
     Moment::Calibrating(5),

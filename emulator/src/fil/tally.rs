@@ -1,4 +1,4 @@
-//! What was found, as lines of a table.
+//! Results as lines of a table.
 
 use std::collections::BTreeSet;
 
@@ -8,14 +8,14 @@ use super::campaign::Outcome;
 use super::list::{Expect, Injection};
 use crate::bench::{Bench, MS, Setup};
 
-/// What was found.
+/// The results.
 #[derive(Debug, Default)]
 pub struct Tally {
-    /// Board and encoder, for what is wrong.
+    /// Board and encoder, to name a problem by.
     pub device: String,
     /// Lines of the table.
     pub lines: Vec<String>,
-    /// What is wrong.
+    /// The problems.
     pub wrong: Vec<String>,
     /// Injections.
     pub rows: usize,
@@ -26,7 +26,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// With nothing found yet.
+    /// A tally without any findings yet.
     #[must_use]
     pub fn on(device: &str) -> Self {
         Self {
@@ -35,7 +35,7 @@ impl Tally {
         }
     }
 
-    /// A check and what came of it.
+    /// Adds a check with its result.
     pub fn check(&mut self, what: &str, result: Result<String, String>) {
         let line = match result {
             Ok(text) => format!("{what}: {text}"),
@@ -66,7 +66,7 @@ impl Tally {
         ));
     }
 
-    /// An injection and what came of it.
+    /// Adds an injection with its result.
     pub fn row(&mut self, injection: &Injection, outcome: &Outcome) {
         self.rows += 1;
         let off = match (injection.expect, outcome.off_us) {

@@ -6,7 +6,7 @@ use super::state::{Halt, Machine};
 use crate::cpu::decode::{EXCEPTION, TAIL_CHAIN};
 use crate::cpu::nvic::{HARD_FAULT, Masks};
 
-/// What the frame holds, from its lower end.
+/// Registers of the exception frame, from its lower end.
 const FRAME: [RegisterARM; 8] = [
     RegisterARM::R0,
     RegisterARM::R1,
@@ -22,7 +22,7 @@ const FRAME: [RegisterARM; 8] = [
 const FLOATS: i32 = 16;
 const FRAME_BYTES: u32 = 0x20;
 const EXTENDED_BYTES: u32 = 0x68;
-/// In the stacked xPSR: the stack was moved by four to be aligned to eight.
+/// Bit of the stacked xPSR: the stack was moved by four to be aligned to eight.
 const ALIGNED: u32 = 1 << 9;
 
 impl Machine {

@@ -1,4 +1,4 @@
-//! The run loop: a slice of instructions, what came meanwhile, the next slice.
+//! The run loop: a slice of instructions, the events since, the next slice.
 
 use unicorn_engine::RegisterARM;
 
@@ -11,7 +11,7 @@ impl Machine {
     /// Runs until a time.
     ///
     /// # Errors
-    /// Why it ended before.
+    /// The reason why the run ended early.
     pub fn run_until(&mut self, until: u64) -> Result<(), Halt> {
         while self.chip().core.now < until {
             self.slice(until)?;
@@ -82,7 +82,7 @@ impl Machine {
         }
     }
 
-    /// What was programmed and erased, done to the memory.
+    /// Applies programmed and erased flash to the memory.
     fn apply_flash_changes(&mut self) -> Result<(), Halt> {
         for (address, before) in std::mem::take(&mut self.chip_mut().flash.stores) {
             self.set_memory(address, &before.to_le_bytes());

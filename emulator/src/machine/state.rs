@@ -30,7 +30,7 @@ const GENERAL: [RegisterARM; 13] = [
 /// What Unicorn protects at a time, bytes.
 const BLOCK: u64 = 4_096;
 
-/// What RAM holds before anything was written to it: for the stack's watermark.
+/// Value of RAM that was never written, to find the stack's deepest use.
 const UNTOUCHED: u8 = 0xa5;
 
 /// Why a run ended before its time.
@@ -38,9 +38,9 @@ const UNTOUCHED: u8 = 0xa5;
 pub enum Halt {
     /// A return from an exception that does not run: a mistake of the emulator, or a program that has lost its stack.
     BadReturn(String),
-    /// The power was cut at a write to flash, as asked for.
+    /// The power was cut at a write to flash, as a test wanted.
     PowerCut,
-    /// Something that is not modelled.
+    /// The program used something that is not modelled.
     Unsupported(String),
 }
 
@@ -65,7 +65,7 @@ impl Machine {
     /// A chip with a program in its flash, before power is on.
     ///
     /// # Errors
-    /// What Unicorn refuses, or a segment outside of flash.
+    /// Unicorn refuses the memory map, or a segment lies outside of flash.
     pub fn new(chip: Chip, program: &Program) -> Result<Self, String> {
         let flash_bytes = chip.board.flash_bytes;
         let memories = [(RAM, chip.board.ram_bytes), (CCM, chip.board.ccm_bytes)];
@@ -176,7 +176,7 @@ impl Machine {
         let _ = self.unicorn.reg_write(register, u64::from(value));
     }
 
-    /// A word of memory; 0 where there is none.
+    /// A word of memory; 0 where no memory is.
     #[must_use]
     pub fn word(&self, address: u32) -> u32 {
         let mut bytes = [0; 4];
@@ -197,8 +197,8 @@ impl Machine {
         let _ = self.unicorn.mem_write(u64::from(address), bytes);
     }
 
-    /// Makes what is around each torn word of flash unreadable, so that the first read there is noticed. Not by a hook on every read:
-    /// Unicorn then gives wrong values to some of them.
+    /// Makes the surroundings of each torn word of flash unreadable, so that the first read is noticed. A hook on
+    /// every read will not do: with one, Unicorn returns wrong values for some reads.
     pub(super) fn guard_torn(&mut self) {
         for place in self.chip().flash.torn.clone() {
             let block = u64::from(place) & !(BLOCK - 1);
@@ -215,7 +215,7 @@ impl Machine {
         self.reset(cause);
     }
 
-    /// Takes the supply away: nothing runs, no pin drives anything, and the encoder forgets what it was asked for. The flash stays.
+    /// Cuts the supply: nothing runs, no pin is driven, and the encoder forgets its last request. The flash stays.
     pub fn power_off(&mut self) {
         let chip = self.chip_mut();
         chip.reset(ResetCause::PowerOn);
@@ -224,7 +224,7 @@ impl Machine {
         self.locked = true;
     }
 
-    /// Resets; flash, RAM and the world around stay as they are.
+    /// Resets; flash, RAM and the simulated world stay as they are.
     pub fn reset(&mut self, cause: ResetCause) {
         self.resets.push((self.chip().core.now, cause));
         self.chip_mut().reset(cause);
@@ -249,7 +249,7 @@ impl Machine {
         self.set_register(RegisterARM::PC, start | 1);
     }
 
-    /// Where the flash holds no program any more: room for what nobody has written.
+    /// First address behind the program in flash, which nothing has written.
     #[must_use]
     pub fn behind_program(&self) -> u32 {
         self.behind_program
@@ -263,7 +263,8 @@ impl Machine {
         top - RAM - untouched as u32
     }
 
-    /// Stops the processor for good, and tells what the chip has for that: the break of TIM1, where the program asked for it.
+    /// Stops the processor for good, and raises what the chip has for that: the break of TIM1, where the program
+    /// enabled it.
     pub(super) fn lock_up(&mut self, what: String) {
         self.locked = true;
         let chip = self.chip_mut();

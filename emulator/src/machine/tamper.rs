@@ -1,4 +1,4 @@
-//! What goes wrong inside of the processor: a stack that ends, a program that is somewhere else, a mask that stays.
+//! Faults inside the processor: an exhausted stack, a program counter that jumps, a stuck interrupt mask.
 
 use unicorn_engine::RegisterARM;
 
@@ -6,8 +6,8 @@ use super::state::Machine;
 use crate::cpu::RAM;
 
 impl Machine {
-    /// Puts the thread's stack at its end: what comes next overflows it. While the thread runs or sleeps: a handler whose stack is
-    /// moved would return to wherever the words there lead, which no overflow does.
+    /// Moves the thread's stack pointer to its end, so that the next use overflows it. Only while the thread runs or
+    /// sleeps: a handler with a moved stack would return to a random address, which no overflow does.
     ///
     /// # Errors
     /// The thread does not run within 50 ms.
@@ -20,7 +20,7 @@ impl Machine {
     /// Runs until the handler of an exception runs (the thread for `None`), and lets it go on at another address.
     ///
     /// # Errors
-    /// It does not run within 50 ms.
+    /// The program does not run within 50 ms.
     pub fn divert(&mut self, exception: Option<usize>, address: u32) -> Result<(), String> {
         self.run_to(exception)?;
         self.asleep = None;
@@ -38,7 +38,7 @@ impl Machine {
         Ok(())
     }
 
-    /// Ends that.
+    /// Ends the masking of interrupts.
     pub fn unmask(&mut self) {
         self.set_register(RegisterARM::BASEPRI, 0);
     }
@@ -46,7 +46,7 @@ impl Machine {
     /// Runs until the handler of an exception runs, or the thread.
     ///
     /// # Errors
-    /// It does not run within 50 ms.
+    /// The program does not run within 50 ms.
     pub fn run_to(&mut self, exception: Option<usize>) -> Result<(), String> {
         let end = self.chip().core.now + 50_000 * 170;
         while self.chip().core.now < end {

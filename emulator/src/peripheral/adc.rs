@@ -1,6 +1,6 @@
 //! A converter: power-up, calibration, injected sequences by trigger, single regular conversions by software.
 //!
-//! What a channel sees is asked of the board at the end of its sampling time, so a conversion is as late as on the chip.
+//! The board gives a channel's voltage at the end of its sampling time, so a conversion is as late as on the chip.
 
 use super::plain::Plain;
 use super::{CYCLES_PER_US, NEVER, Peripheral};
@@ -32,7 +32,7 @@ const ADCAL: u32 = 1 << 31;
 const SAMPLING: [u64; 8] = [5, 13, 25, 49, 95, 185, 495, 1281];
 /// Successive approximation of 12 bits, in half cycles.
 const APPROXIMATION: u64 = 25;
-/// From the trigger to the start of sampling, in half cycles.
+/// Time from the trigger to the start of sampling, in half cycles.
 const LATENCY: u64 = 6;
 /// TIM1_TRGO2 as the injected trigger.
 const TRGO2: u32 = 8;
@@ -42,10 +42,10 @@ const TRGO2: u32 = 8;
 struct Sequence {
     injected: bool,
     rank: u32,
-    /// When the rank's sampling ends, and its conversion.
+    /// Time at which the rank's sampling ends.
     sampled: u64,
     done: u64,
-    /// Once sampled.
+    /// The code, once the rank was sampled.
     code: Option<u16>,
 }
 
@@ -62,14 +62,14 @@ pub struct Adc {
     running: Option<Sequence>,
     injected: [u16; 4],
     regular: u16,
-    /// Both converters raise one interrupt.
+    /// The interrupt that both converters raise.
     interrupt: u32,
     /// Triggers that came while a sequence ran.
     pub missed: u64,
 }
 
 impl Adc {
-    /// With its interrupt.
+    /// A unit that raises this interrupt.
     #[must_use]
     pub fn new(interrupt: u32) -> Self {
         Self {
@@ -160,7 +160,7 @@ impl Adc {
         ))
     }
 
-    /// The code of the channel that was asked for.
+    /// Stores the code of the sampled channel.
     pub fn sample(&mut self, code: u16) {
         if let Some(sequence) = &mut self.running {
             sequence.code = Some(code);

@@ -5,7 +5,7 @@ use super::spi::{Slave, SlaveFault};
 /// Counts of a turn of both.
 const COUNTS: f64 = 16_384.0;
 
-/// The angle as both report it, with what is wrong with it.
+/// The angle that both kinds of encoder report, and its faults.
 #[derive(Debug, Clone, Copy, Default)]
 struct Angle {
     turns: f64,
@@ -28,7 +28,7 @@ impl Angle {
         }
     }
 
-    /// What the line makes of a frame.
+    /// The frame after the line's faults.
     fn disturb(&mut self, frame: u32, bits: u32) -> u32 {
         self.frames = self.frames.wrapping_add(1);
         match self.fault {
@@ -46,7 +46,7 @@ impl Angle {
 pub struct As5047p {
     angle: Angle,
     command: u16,
-    /// `ERRFL`.
+    /// Errors: `ERRFL`.
     errors: u16,
 }
 

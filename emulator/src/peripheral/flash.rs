@@ -20,7 +20,7 @@ const EOP: u32 = 1;
 const PROGERR: u32 = 1 << 3;
 const PGSERR: u32 = 1 << 7;
 const BSY: u32 = 1 << 16;
-/// In ECCR: two wrong bits in a double word, and what a one clears (with ECCC).
+/// Bit of ECCR: two wrong bits in a double word; writing a one clears it (with ECCC).
 const ECCD: u32 = 1 << 31;
 const ECC_FLAGS: u32 = 3 << 30;
 
@@ -32,7 +32,7 @@ pub const PAGE: u32 = 2048;
 const PROGRAM_US: u64 = 82;
 const ERASE_US: u64 = 22_000;
 
-/// What is to be done to the memory.
+/// A change to be made to the memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Change {
     /// Eight bytes become these.
@@ -51,14 +51,14 @@ pub struct Flash {
     /// The first word of a double word.
     half: Option<(u32, u32)>,
     busy_until: u64,
-    /// What the processor's side has still to do to the memory.
+    /// Changes that the processor's side has yet to make to the memory.
     pub changes: Vec<Change>,
-    /// Words that were stored, with what was there before: that must be there again unless it is programmed.
+    /// Words that were stored, with their former value, which has to be restored unless they are programmed.
     pub stores: Vec<(u32, u32)>,
     /// Double words whose check bits are wrong, by their addresses: their writing was cut.
     pub torn: BTreeSet<u32>,
     error: u32,
-    /// Changes so far, this run.
+    /// Number of changes in this run.
     pub count: u64,
     /// Cut the power at the change with this number, counted from 0.
     pub cut_at: Option<u64>,
@@ -84,7 +84,7 @@ impl Flash {
         }
     }
 
-    /// As after a reset: what is about the memory stays.
+    /// Resets the registers; the memory's content stays.
     pub fn reset(&mut self, option_bytes: u32) {
         let torn = std::mem::take(&mut self.torn);
         let (count, cut_at) = (self.count, self.cut_at);
@@ -92,7 +92,7 @@ impl Flash {
         (self.torn, self.count, self.cut_at) = (torn, count, cut_at);
     }
 
-    /// Until when the processor stands still.
+    /// Time until which the processor stands still.
     #[must_use]
     pub fn busy_until(&self) -> u64 {
         self.busy_until
@@ -139,7 +139,7 @@ impl Flash {
         mixed ^ mixed >> 29
     }
 
-    /// What was to be programmed was not blank.
+    /// The word to be programmed was not blank.
     pub fn refuse(&mut self) {
         self.status |= PROGERR;
     }

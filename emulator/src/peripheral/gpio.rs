@@ -21,7 +21,7 @@ pub struct Port {
 }
 
 impl Port {
-    /// After a reset; port A and B keep the debugger's pins (RM0440, 9.4.1, 9.4.3, 9.4.4).
+    /// The state after a reset; ports A and B keep the debugger's pins (RM0440, 9.4.1, 9.4.3, 9.4.4).
     #[must_use]
     pub fn new(index: usize) -> Self {
         let (modes, speeds, pulls) = match index {
@@ -44,7 +44,8 @@ impl Port {
         self.driven[pin] = level;
     }
 
-    /// Level of the port at the pin: what the program puts out where it does, else the board's, else the pull.
+    /// Level at the pin: the program's output if it drives the pin, otherwise the board's, otherwise the pull
+    /// resistor's.
     #[must_use]
     pub fn level(&self, pin: usize) -> bool {
         let field = |register| self.registers.get(register) >> (2 * pin) & 3;

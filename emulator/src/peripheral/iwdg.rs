@@ -9,11 +9,11 @@ pub struct Iwdg {
     prescaler: u32,
     reload: u32,
     unlocked: bool,
-    /// When it bites, if started.
+    /// Time of the reset that it will cause, if started.
     bites: u64,
-    /// Until when a write to a register is still on its way to the other clock.
+    /// Time until which a write to a register is still on its way to the other clock.
     busy: u64,
-    /// Longest time between two feedings so far, cycles.
+    /// Longest time between two feeds so far, cycles.
     pub longest: u64,
     fed: u64,
 }

@@ -1,7 +1,7 @@
 //! The chip around the processor, as far as the firmware uses it.
 //!
-//! Times are in cycles of the processor's clock. Nothing completes at once: a model whose flags are there before one looks
-//! hides the races of whoever waits for them.
+//! Times are in cycles of the processor's clock. Nothing completes at once: a model that sets its flags immediately
+//! would hide the races of code that waits for them.
 
 pub mod adc;
 pub mod encoder;
@@ -19,12 +19,12 @@ pub mod wwdg;
 /// No event ahead.
 pub const NEVER: u64 = u64::MAX;
 
-/// Processor, buses and timers, Hz: what the firmware sets up. Times of the world follow from it; before the PLL runs, the
-/// chip is slower than modelled.
+/// Clock of processor, buses and timers, Hz, as the firmware sets it up. Times of the world follow from it; before the
+/// PLL runs, the chip is slower than modelled.
 pub const CORE_HZ: u64 = 170_000_000;
 
-/// Cycles of the processor's clock in a microsecond, of the clock that the firmware sets up; what the models use for times
-/// that are not derived from a clock in their registers.
+/// Cycles of the processor's clock in a microsecond, at the clock that the firmware sets up. For times that are not
+/// derived from a clock in the models' registers.
 pub const CYCLES_PER_US: u64 = 170;
 
 /// A block of registers.
@@ -33,13 +33,13 @@ pub trait Peripheral {
     fn read(&mut self, offset: u32, now: u64) -> u32;
     /// Writes the register at `offset`.
     fn write(&mut self, offset: u32, value: u32, now: u64);
-    /// When it next does something by itself.
+    /// Time of the block's next event.
     fn next_event(&self) -> u64 {
         NEVER
     }
-    /// Does what is due.
+    /// Carries out what is due.
     fn advance(&mut self, _now: u64) {}
-    /// Which of its interrupt lines are up, as bits by interrupt number.
+    /// The interrupt lines that are active, as bits by interrupt number.
     fn lines(&self) -> u128 {
         0
     }

@@ -11,7 +11,7 @@ const WORDS: usize = 256;
 #[derive(Debug, Clone)]
 pub struct Plain {
     words: Box<[u32; WORDS]>,
-    /// Those of the processor's own, and of what is not modelled, lie further apart.
+    /// Registers of the processor and of blocks that are not modelled, whose addresses lie further apart.
     others: BTreeMap<u32, u32>,
 }
 
@@ -25,7 +25,7 @@ impl Default for Plain {
 }
 
 impl Plain {
-    /// What a register holds.
+    /// The value of a register.
     #[must_use]
     #[inline]
     pub fn get(&self, offset: u32) -> u32 {
@@ -35,7 +35,7 @@ impl Plain {
         }
     }
 
-    /// Sets one.
+    /// Sets a register.
     pub fn set(&mut self, offset: u32, value: u32) {
         match self.words.get_mut(offset as usize / 4) {
             Some(word) => *word = value,

@@ -59,7 +59,7 @@ pub enum ResetCause {
 }
 
 impl ResetCause {
-    /// Its flags in RCC_CSR: every reset pulls the pin as well.
+    /// The cause's flags in RCC_CSR: every reset pulls the pin as well.
     fn flags(self) -> u32 {
         const PIN: u32 = 1 << 26;
         PIN | match self {
@@ -76,13 +76,13 @@ impl ResetCause {
 #[derive(Debug, Clone)]
 pub struct Rcc {
     registers: BTreeMap<u32, u32>,
-    /// When a bit comes up: (time, register, bit).
+    /// The bits that will rise: (time, register, bit).
     coming: Vec<(u64, u32, u32)>,
     flags: u32,
 }
 
 impl Rcc {
-    /// After a reset; flags of earlier ones stay until the program clears them.
+    /// The state after a reset; flags of earlier resets stay until the program clears them.
     #[must_use]
     pub fn new(cause: ResetCause, before: Option<&Self>) -> Self {
         let kept = match (cause, before) {
@@ -230,7 +230,7 @@ impl Pwr {
     /// Levels of the detector, V, falling (DS12288).
     const LEVELS: [f64; 7] = [2.0, 2.2, 2.36, 2.47, 2.6, 2.73, 2.86];
 
-    /// With a supply.
+    /// A unit at this supply voltage.
     #[must_use]
     pub fn new(supply_v: f64) -> Self {
         Self {

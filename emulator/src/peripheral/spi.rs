@@ -11,7 +11,7 @@ const SR: u32 = 0x08;
 const DR: u32 = 0x0c;
 const SPE: u32 = 1 << 6;
 
-/// What is connected.
+/// A device on the bus.
 pub trait Slave: std::fmt::Debug {
     /// How long the chip select line must be low before a frame, and high before it falls again, ns.
     fn rests_ns(&self) -> u64 {
@@ -19,33 +19,34 @@ pub trait Slave: std::fmt::Debug {
     }
     /// The chip select line falls: a transfer begins.
     fn select(&mut self);
-    /// A frame of so many bits comes in, another goes out.
+    /// Takes a frame of this many bits, and returns one.
     fn exchange(&mut self, sent: u16, bits: u32) -> u16;
     /// The shaft is at this angle, in turns.
     fn set_angle(&mut self, turns: f64);
-    /// What is wrong with it from now on.
+    /// Sets a fault that lasts from now on.
     fn set_fault(&mut self, fault: SlaveFault);
 }
 
-/// What can be wrong with an encoder on a bus.
+/// The faults of an encoder on a bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SlaveFault {
-    /// Nothing.
+    /// No fault.
     #[default]
     None,
     /// The line stays low: no power, or a broken wire with a pull-down.
     Low,
-    /// The same from the next answer on that has the angle: it falls between two frames of a reading. Of the AS5047P.
+    /// The data line stays low from the next answer that holds an angle, that is between two frames of a reading. For
+    /// the AS5047P.
     LowFromAngle,
     /// The line stays high.
     High,
-    /// One bit of each frame is turned over.
+    /// This bit of each frame is flipped.
     FlipBit(u8),
-    /// One bit of every seventh frame is turned over.
+    /// One bit of every seventh frame is flipped.
     FlipSeventh,
-    /// The same angle for ever, in good frames.
+    /// The angle never changes, in good frames.
     Stuck,
-    /// The magnet is gone: good frames with the angle it was at, and the encoder says how weak its field is where it is asked.
+    /// The magnet is gone: good frames with the last angle, and a weak field when its register is read.
     NoMagnet,
     /// The magnet touches the chip.
     MagnetTooNear,
@@ -53,7 +54,7 @@ pub enum SlaveFault {
     Jump(u16),
     /// The chip says that it has an error.
     SaysError,
-    /// The next command comes with a bit turned over: the chip keeps saying that it had an error until it is asked for it.
+    /// A bit of the next command is flipped: the chip reports an error until its flag is read.
     CommandDamaged,
 }
 
@@ -65,10 +66,10 @@ pub struct Spi {
     transmit: VecDeque<u16>,
     receive: VecDeque<u16>,
     shifting: Option<(u64, u16)>,
-    /// At the other end.
+    /// The encoder at the other end of the bus.
     pub slave: Option<Box<dyn Slave>>,
     selected: bool,
-    /// When the chip select line last changed.
+    /// Time of the last change of the chip select line.
     since: u64,
     /// The frame began too early, or the line rose too short a time before: no chip answers for what it hears then.
     rushed: bool,
@@ -76,7 +77,7 @@ pub struct Spi {
 }
 
 impl Spi {
-    /// With its interrupt.
+    /// A unit that raises this interrupt.
     #[must_use]
     pub fn new(interrupt: u32) -> Self {
         Self {
@@ -132,7 +133,7 @@ impl Spi {
         u64::from(self.bits()) * (2 << (self.registers.get(CR1) >> 3 & 7))
     }
 
-    /// When a frame that begins now ends.
+    /// Time at which a frame that begins now ends.
     fn end_of_frame(&self, now: u64) -> u64 {
         match self.hangs {
             true => NEVER,

@@ -35,18 +35,18 @@ pub struct Uart {
     sending: Option<(u64, u8)>,
     send: VecDeque<u8>,
     receive: VecDeque<u8>,
-    /// What the other side sends next, and when its next byte is complete.
+    /// Bytes that the other side sends next, and when the next one is complete.
     line: VecDeque<(u8, bool)>,
     arrives: u64,
     idle_at: u64,
-    /// What the program has sent, in order, with the time at which each byte was complete.
+    /// Bytes that the program has sent, in order, each with the time at which it was complete.
     pub sent: Vec<u8>,
-    /// Bytes that were lost because nobody fetched them in time.
+    /// Bytes that were lost because the program did not fetch them in time.
     pub overruns: u64,
 }
 
 impl Uart {
-    /// With its interrupt; LPUART's baud register is a 256th of a cycle.
+    /// A port with this interrupt; LPUART's baud register counts in 256ths of a cycle.
     #[must_use]
     pub fn new(interrupt: u32, low_power: bool) -> Self {
         Self {
@@ -95,7 +95,7 @@ impl Uart {
         self.put_with_errors(bytes, false, now);
     }
 
-    /// The same, each byte with a framing error: the other side's baud is wrong, or the line is disturbed.
+    /// As `put`, each byte with a framing error: the other side's baud rate is wrong, or the line is disturbed.
     pub fn put_with_errors(&mut self, bytes: &[u8], framing_error: bool, now: u64) {
         self.line
             .extend(bytes.iter().map(|byte| (*byte, framing_error)));

@@ -13,7 +13,7 @@ const T6: u32 = 0x40;
 /// The watchdog.
 #[derive(Debug, Clone)]
 pub struct Wwdg {
-    /// Clock of its bus, Hz; 0 while that is not switched to it.
+    /// Clock of the watchdog's bus, Hz; 0 while the bus clock is off.
     clock_hz: u64,
     configuration: u32,
     active: bool,
@@ -67,7 +67,7 @@ impl Wwdg {
         }
     }
 
-    /// When the counter falls below 0x40.
+    /// Time at which the counter falls below 0x40.
     fn falls(&self) -> u64 {
         let counts = u64::from(self.counter.saturating_sub(T6 - 1));
         (self.at + counts).saturating_mul(self.count_cycles())
@@ -125,7 +125,7 @@ impl Peripheral for Wwdg {
 mod tests {
     use super::*;
 
-    /// With 10 counts, at the processor's clock.
+    /// A watchdog started with 10 counts, at the processor's clock.
     fn started(share: u32, now: u64) -> Wwdg {
         let mut dog = Wwdg::default();
         dog.set_clock(CORE_HZ, 0);

@@ -1,7 +1,7 @@
-//! What is outside of the board: motor, knob, hand, supply.
+//! The simulated world around the board: motor, knob, hand, supply.
 //!
-//! The knob and the hand move in steps of half a PWM period, by the exact plants of `host-sim/world`; the currents follow every
-//! change of the bridge and every sample of a converter.
+//! The knob and the hand move in steps of half a PWM period, by the exact plants of `host-sim/world`. The currents
+//! follow every change of the bridge and every sample of a converter.
 
 mod sensors;
 mod short;
@@ -56,7 +56,7 @@ const KIT_MOTOR: MotorParameters = MotorParameters {
     reversed: false,
 };
 
-/// Its rotor with a light knob: the scene `gimbal-knob`.
+/// The kit motor's rotor with a light knob: the scene `gimbal-knob`.
 const KIT_KNOB: Device = Device {
     inertia: 3e-5,
     damping: 9e-6,
@@ -66,7 +66,7 @@ const KIT_KNOB: Device = Device {
     }),
 };
 
-/// What is on the shaft.
+/// The parts on the shaft.
 #[derive(Debug, Clone, Copy)]
 pub struct Parts {
     /// The motor.
@@ -94,7 +94,7 @@ impl Parts {
         }
     }
 
-    /// The same motor without shunts, on the DRV8313: 0.24 ohm of a transistor in each phase.
+    /// The same motor without shunts, on the DRV8313, whose transistors add 0.24 ohm to each phase.
     #[must_use]
     pub fn gimbal_on_mini() -> Self {
         let mut parts = Self::gimbal_kit();
@@ -147,14 +147,14 @@ enum Grip {
         since: u64,
         rest: RestPoint,
     },
-    /// Something turns the shaft, whatever the motor does: angle and speed.
+    /// The shaft is turned from outside, whatever the motor does: angle and speed.
     Forced {
         angle_rad: f64,
         rad_per_s: f64,
     },
 }
 
-/// The shaft at the end of a mechanical step, and what went through it since the world began to keep books.
+/// The shaft at the end of a mechanical step, and what went through it since recording began.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ShaftBooks {
     /// Angle, rad.
@@ -173,7 +173,7 @@ pub struct ShaftBooks {
 pub struct World {
     knob: Device,
     now: u64,
-    /// When the knob moves next.
+    /// Time of the knob's next step.
     step_at: u64,
     motor: MotorParameters,
     windings: Windings,
@@ -184,7 +184,7 @@ pub struct World {
     /// Torque times time since the knob moved last, N·m·s, and the mean torque before that, N·m.
     impulse: f64,
     torque_n_m: f64,
-    /// Kept where somebody asked for them.
+    /// The energy account, kept if a test wants it.
     books: Option<ShaftBooks>,
     /// Temperature of driver and motor, degrees C.
     pub temperature_c: f64,
@@ -194,7 +194,7 @@ pub struct World {
     pub cogging: Vec<Harmonic>,
     /// A motor's wire touches something.
     pub short: Option<Short>,
-    /// What is wrong with the sensors.
+    /// Faults of the sensors.
     pub sensors: Sensors,
 }
 
@@ -213,10 +213,10 @@ impl Default for World {
 }
 
 impl World {
-    /// Nobody holds the knob, which rests at an angle.
+    /// A world without a hand, with a knob that rests at an angle.
     ///
     /// # Panics
-    /// If the knob is out of range.
+    /// The knob is out of range.
     #[must_use]
     pub fn new(parts: &Parts, angle_rad: f64) -> Self {
         let plant = BareCoulomb::new(&parts.knob, seconds(STEP)).expect("the knob is in range");
@@ -271,7 +271,7 @@ impl World {
         };
     }
 
-    /// The hand that holds goes on to another rest point, rad, by the time since now, s. Without a hand nothing changes.
+    /// Moves the hand's rest point, rad, as a function of the time from now, s. Without a hand nothing changes.
     pub fn lead(&mut self, to: impl Fn(f64) -> f64 + 'static) {
         if let Grip::Held { since, rest, .. } = &mut self.grip {
             *since = self.now;
@@ -288,12 +288,12 @@ impl World {
         }
     }
 
-    /// Begins to keep books of the shaft.
+    /// Begins to record the energies of the shaft.
     pub fn keep_books(&mut self) {
         self.books = Some(ShaftBooks::default());
     }
 
-    /// The shaft at the last mechanical step; all 0 where nobody asked for books.
+    /// The shaft's energy account at the last mechanical step; all 0 if it is not kept.
     #[must_use]
     pub fn books(&self) -> ShaftBooks {
         self.books.unwrap_or_default()
@@ -317,13 +317,13 @@ impl World {
         });
     }
 
-    /// Another motor drives the shaft, while no current flows.
+    /// Mounts another motor; allowed while no current flows.
     pub fn mount(&mut self, motor: MotorParameters) {
         self.motor = motor;
         self.windings = Windings::new(motor, seconds(STEP));
     }
 
-    /// Something stronger than the motor turns the shaft at a speed; 0 holds it.
+    /// Turns the shaft from outside at a speed, whatever the motor does; 0 holds it.
     pub fn force(&mut self, rad_per_s: f64) {
         let (angle_rad, _) = self.angle_and_speed();
         self.grip = Grip::Forced {
@@ -343,7 +343,7 @@ impl World {
         };
     }
 
-    /// Moves on.
+    /// Moves the simulation on to a time.
     pub fn advance(&mut self, until: u64) {
         while self.now < until {
             let next = self.step_at.min(until);
@@ -439,7 +439,7 @@ impl World {
         self.current_a(phase) + short.map_or(0.0, |short| short.current_a)
     }
 
-    /// A short's current goes on until now with the transistors as they are.
+    /// Advances a short circuit's current until now with the transistors as they are.
     pub fn advance_short(&mut self, now: u64, legs: [Leg; 3]) {
         let (bus_v, diode_v) = (self.bridge.bus_v, self.bridge.diode_v);
         if let Some(short) = &mut self.short {

@@ -1,14 +1,14 @@
-//! What is wrong with the sensors: an encoder's magnet out of the axis, noise of the encoder and of the converters. Nothing, where nobody says so.
+//! Faults of the sensors: an off-centre encoder magnet, noise of the encoder and of the converters. None by default.
 
 use std::f64::consts::TAU;
 
-/// What a magnet out of the axis makes of the encoder's angle: `A sin(n θ + φ)`. A shaft off the axis gives one period a turn, a sensor off it two
-/// (TI's TIDUF97, table of the patterns of error; both together and a tilt: both).
+/// Error of the encoder's angle due to an off-centre magnet: `A sin(n θ + φ)`. A shaft off the axis gives one period a
+/// turn, a sensor off it two (TI's TIDUF97, table of the patterns of error; both together and a tilt: both).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EncoderError {
     /// `A`, rad.
     pub amplitude_rad: f64,
-    /// `n`.
+    /// Periods in a turn: `n`.
     pub per_rev: f64,
     /// `φ`, rad.
     pub phase_rad: f64,
@@ -17,22 +17,22 @@ pub struct EncoderError {
 /// White noise, nearly normal, effective values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
-    /// Of the encoder's angle, rad.
+    /// Noise of the encoder's angle, rad.
     pub encoder_rad: f64,
-    /// Of each conversion, codes of 12 bits.
+    /// Noise of each conversion, codes of 12 bits.
     pub converter_codes: f64,
 }
 
 /// The sensors.
 #[derive(Debug, Clone)]
 pub struct Sensors {
-    /// Of the encoder, by order.
+    /// Errors of the encoder, by order.
     pub encoder_error: Vec<EncoderError>,
     /// Their noise.
     pub noise: Option<Noise>,
     /// xorshift64's state: the same numbers in each run.
     state: u64,
-    /// Of the angle that the encoder shows now, rad.
+    /// Present noise of the encoder's angle, rad.
     drawn_rad: f64,
 }
 
@@ -48,7 +48,7 @@ impl Default for Sensors {
 }
 
 impl Sensors {
-    /// What the encoder's error makes of an angle, rad.
+    /// An angle with the encoder's error, rad.
     #[must_use]
     pub fn with_error(&self, angle_rad: f64) -> f64 {
         self.encoder_error.iter().fold(angle_rad, |read, it| {
@@ -62,13 +62,13 @@ impl Sensors {
         self.drawn_rad = noise.map_or(0.0, |rms| rms * self.normal());
     }
 
-    /// What the encoder shows for an angle, turns.
+    /// The angle that the encoder shows, turns.
     #[must_use]
     pub fn shown_turns(&self, angle_rad: f64) -> f64 {
         (self.with_error(angle_rad) + self.drawn_rad) / TAU
     }
 
-    /// What is added to a conversion, codes.
+    /// Noise of a conversion, codes.
     pub fn converter_codes(&mut self) -> f64 {
         let noise = self.noise.map(|it| it.converter_codes);
         noise.map_or(0.0, |rms| rms * self.normal())

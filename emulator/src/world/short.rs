@@ -3,7 +3,7 @@
 use super::seconds;
 use crate::peripheral::timer::gates::Leg;
 
-/// What the wire touches.
+/// The wire's other end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Touched {
     /// The supply's positive end.
@@ -17,7 +17,7 @@ pub enum Touched {
 pub struct Short {
     /// The phase whose wire it is.
     pub phase: usize,
-    /// What it touches.
+    /// The conductor that the phase touches.
     pub touched: Touched,
     /// Resistance on the way, with supply and transistor, Ω.
     pub ohm: f64,
@@ -25,12 +25,12 @@ pub struct Short {
     pub henry: f64,
     /// Current from the transistors into it, A.
     pub current_a: f64,
-    /// Until when it has gone on.
+    /// Time up to which the short was simulated.
     pub now: u64,
 }
 
 impl Short {
-    /// Without current yet.
+    /// A short through which no current flows yet.
     #[must_use]
     pub fn new(phase: usize, touched: Touched, ohm: f64, henry: f64, now: u64) -> Self {
         Self {
@@ -43,7 +43,8 @@ impl Short {
         }
     }
 
-    /// Exactly, for transistors that stay as they are. Where both are off, a current goes on through a diode until it has ended.
+    /// Advances the current exactly, for transistors that do not change. With both off, the current flows on through a
+    /// diode until it is zero.
     pub(super) fn advance(&mut self, now: u64, leg: Leg, bus_v: f64, diode_v: f64) {
         let interval = seconds(now.saturating_sub(self.now));
         self.now = now;

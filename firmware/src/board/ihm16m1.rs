@@ -151,7 +151,7 @@ pub fn is_stop_pressed() -> bool {
     GPIOC.idr().read().idr(STOP_BUTTON) == Idr::HIGH
 }
 
-/// The line was low when it was looked at.
+/// The line was low when it was examined.
 static COMPLAINED: AtomicBool = AtomicBool::new(false);
 
 /// Whether the driver has pulled its line since it was last forgotten. At PB12 no pulse is missed: the break keeps it. PA11 is looked
@@ -166,7 +166,7 @@ pub fn driver_complains() -> bool {
     COMPLAINED.load(Relaxed)
 }
 
-/// As if it had not complained; a line that is still low does so again.
+/// Forgets the driver's complaint; a line that is still low raises it again.
 #[inline(always)]
 pub fn forget_driver() {
     COMPLAINED.store(false, Relaxed);

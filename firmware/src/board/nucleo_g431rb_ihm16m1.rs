@@ -19,7 +19,7 @@ use crate::storage::Storage;
 mod ihm16m1;
 pub use ihm16m1::*;
 
-/// As the desktop knows it.
+/// The board's name for the desktop.
 pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::NucleoG431rbIhm16m1;
 
 /// Sets up every pin and peripheral of the board; outputs stay off. The link to the desktop, and where settings are kept.

@@ -21,7 +21,7 @@ use crate::sense::Readings;
 use crate::storage::Storage;
 use crate::{analogue, encoder, magnetic, pwm, sense, serial};
 
-/// As the desktop knows it.
+/// The board's name for the desktop.
 pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::NucleoG474re;
 
 /// The power stage.
@@ -147,6 +147,6 @@ pub fn driver_complains() -> bool {
     false
 }
 
-/// Nothing to forget.
+/// This board has no driver state to forget.
 #[inline(always)]
 pub fn forget_driver() {}

@@ -29,7 +29,7 @@ use crate::sense::Readings;
 use crate::storage::Storage;
 use crate::{encoder, magnetic, pwm, sense, serial};
 
-/// As the desktop knows it.
+/// The board's name for the desktop.
 pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::NucleoG474reSimplefocMini;
 
 /// The power stage.
@@ -138,7 +138,7 @@ pub fn is_stop_pressed() -> bool {
     GPIOC.idr().read().idr(STOP_BUTTON) == Idr::HIGH
 }
 
-/// The line was low when it was looked at.
+/// The line was low when it was examined.
 static COMPLAINED: AtomicBool = AtomicBool::new(false);
 
 /// Whether the driver has pulled its line since it was last forgotten: by a current, a temperature or a supply of which nothing else here
@@ -151,7 +151,7 @@ pub fn driver_complains() -> bool {
     COMPLAINED.load(Relaxed)
 }
 
-/// As if it had not complained; a line that is still low does so again.
+/// Forgets the driver's complaint; a line that is still low raises it again.
 #[inline(always)]
 pub fn forget_driver() {
     COMPLAINED.store(false, Relaxed);

@@ -23,7 +23,7 @@ pub struct Options {
     force: bool,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     let command = command_line();
     if let Some(folder) = &options.out {

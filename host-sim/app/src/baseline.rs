@@ -6,17 +6,17 @@ use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run::record::Summary;
 
-/// Which way a measure is worse.
+/// The direction in which a measure is worse.
 #[derive(Clone, Copy)]
 enum Worse {
     Less,
     More,
 }
 
-/// Fields of a run's results that are compared; with what counts as nothing, where the value of before is next to none.
+/// Fields of a run's results that are compared, each with a slack for values that are next to nothing.
 ///
-/// Angles: a hundredth of a count of the finest shipped encoder. Energies: a thousandth of what a press of 0.1 N·m stores at
-/// 5 N·m/rad. Torques: a tenth of a thousandth of that press. Times: one tick of 1 kHz.
+/// Angles: a hundredth of a count of the finest shipped encoder. Energies: a thousandth of what a press of 0.1 N·m
+/// stores at 5 N·m/rad. Torques: a tenth of a thousandth of that press. Times: one tick of 1 kHz.
 const MEASURES: [(&str, Worse, f64); 10] = [
     ("k_displayed", Worse::Less, 0.0),
     ("peak_penetration_ratio", Worse::More, 0.0),
@@ -29,9 +29,12 @@ const MEASURES: [(&str, Worse, f64); 10] = [
     ("energy_out", Worse::More, 1e-6),
     ("energy_out_worst_window_j", Worse::More, 1e-6),
 ];
+/// Results that were written before runs had names have none.
+const NAME: &str = "name";
 /// What makes two runs the same run.
-const SAME: [&str; 6] = [
+const SAME: [&str; 7] = [
     "scene",
+    NAME,
     "law",
     "k_desired",
     "grip",
@@ -57,9 +60,10 @@ pub fn read(file: &Path) -> Result<Vec<Value>> {
     }
 }
 
-/// Holds a run against that of before; a run that was not there before is refused.
+/// Compares a run with the earlier one; a run that did not exist then is refused.
 pub fn on(run: &Summary, before: &[Value], margin: f64) -> Vec<Check> {
-    let now = serde_json::to_value(run).unwrap_or_default();
+    let mut now = serde_json::to_value(run).unwrap_or_default();
+    now[NAME] = run.word().into();
     let check = |what: &str, wanted: String, came: String, met: bool| Check {
         run: name(run),
         option: "--baseline",
@@ -67,10 +71,11 @@ pub fn on(run: &Summary, before: &[Value], margin: f64) -> Vec<Check> {
         came,
         met,
     };
-    let Some(before) = before
-        .iter()
-        .find(|before| SAME.iter().all(|field| before[field] == now[field]))
-    else {
+    let Some(before) = before.iter().find(|before| {
+        let same = |field: &str| before[field] == now[field];
+        let unnamed = |field: &str| field == NAME && before[field].is_null();
+        SAME.iter().all(|field| same(field) || unnamed(field))
+    }) else {
         let came = "none of this scene, law, stiffness, grip, encoder and rate".to_owned();
         return vec![check("a run to compare with,", String::new(), came, false)];
     };

@@ -51,7 +51,7 @@ pub struct Options {
     force: bool,
 }
 
-/// What the cells replace.
+/// Fields that the cells replace.
 const REPLACED: [(&str, &str); 6] = [
     ("law.kind", "laws"),
     ("operator.grip", "grips"),
@@ -61,10 +61,10 @@ const REPLACED: [(&str, &str); 6] = [
     ("wall.k_desired_n_m_per_rad", "stiffnesses"),
 ];
 
-/// Where the cells are kept as they are done.
+/// File in which finished cells are kept.
 const CELLS: &str = "cells.csv";
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     refuse_replaced("a boundary", &options.sets, &REPLACED)?;
     let scene = Scene::load(&options.scene)?.with_overrides(&options.sets)?;

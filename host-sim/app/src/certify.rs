@@ -27,7 +27,7 @@ pub struct Options {
     current_loop_hz: Option<f64>,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     if let Some(bandwidth) = options
         .current_loop_hz
@@ -61,7 +61,7 @@ pub fn main(options: &Options) -> Result<()> {
     print(&certificate, &feel)
 }
 
-/// What is said first: of whom, whether the wall rests, and how it feels.
+/// The lines that come first: whether the wall rests with each grip, and how it feels.
 fn verdicts(certificate: &Certificate, feel: &Outcome) -> Vec<String> {
     let worst = &certificate.hands[certificate.worst];
     let mut said = vec![

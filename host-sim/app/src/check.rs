@@ -1,24 +1,23 @@
-//! One demand on one run, and what came of it.
+//! One demand on one run, and its result.
 
-use touchstone_control::Choice as _;
 use touchstone_sim::run::record::Summary;
 
 /// One demand on one run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Check {
-    /// The run, as [`name`] tells it.
+    /// The run's [`name`].
     pub run: String,
-    /// Option that asked.
+    /// The option that made the demand.
     pub option: &'static str,
-    /// What it asked for.
+    /// The demanded value.
     pub wanted: String,
-    /// What the run gave.
+    /// The measured value.
     pub came: String,
-    /// Whether that is as asked.
+    /// Whether the demand is met.
     pub met: bool,
 }
 
-/// What tells a run from others of the same command.
+/// A name that distinguishes a run from others of the same command.
 pub fn name(run: &Summary) -> String {
     let counts = run.encoder_counts_per_rev.map_or_else(
         || "exact position".to_owned(),
@@ -27,7 +26,7 @@ pub fn name(run: &Summary) -> String {
     format!(
         "{}: {}, {} N·m/rad, grip {}, {counts}",
         run.scene,
-        run.law.word(),
+        run.word(),
         run.k_desired,
         run.grip
     )

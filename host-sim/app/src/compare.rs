@@ -14,11 +14,11 @@ use touchstone_lab::report::{Section, pages};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::Scene;
 
-/// Exit code where the two are further apart than was asked for.
+/// Exit code where the two are further apart than the tolerance.
 const APART: u8 = 3;
-/// A factor less far from 1 says nothing: an encoder's step, and what a fit makes of it.
+/// A factor nearer to 1 than this is no finding: an encoder's step and a fit's scatter cause as much.
 const SAME: f64 = 0.1;
-/// So much of the difference must go away with a value's factor before it is named as the reason.
+/// A value's factor must remove this share of the difference before it is named as the reason.
 const EXPLAINS: f64 = 0.5;
 
 /// Options of `compare`.
@@ -30,8 +30,9 @@ pub struct Options {
     scene: String,
     #[command(flatten)]
     changes: SceneOptions,
-    /// What the hand did: it held the knob all the time (the scene's grip, its motion found from the recording), or it flicked it towards
-    /// the wall and had let go 20 ms before it was there.
+    /// What the hand did. held: it held the knob all the time, with the scene's grip; its motion is found from the
+    /// recording. released: it flicked the knob towards the wall and had let go 20 ms before the contact. programme:
+    /// it did the scorecard's programme.
     #[arg(long, value_enum, default_value_t = Hand::Held)]
     hand: Hand,
     /// With --hand programme: a recording of the same with the surface elsewhere within a count (`touchstone scorecard --programme FILE --place SHARE`),
@@ -41,11 +42,12 @@ pub struct Options {
     /// Begins at this time of the recording, s.
     #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number::not_negative("in s"))]
     from: f64,
-    /// Ends at this time of the recording, s; without it, with the recording.
+    /// Ends at this time of the recording, s; without this option, at its end.
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
     to: Option<f64>,
-    /// Ends with 3 where the rms difference of position or force is a larger share of what was recorded, from its lowest to its highest value;
-    /// with --hand programme, where a figure is further apart than this share of the scene's, and is none that the scene's own scatters to.
+    /// Ends with 3 where the rms difference of position or force exceeds this share of the recorded range. With --hand
+    /// programme: where a figure differs from the scene's by more than this share, and by more than the scene's own
+    /// scatter.
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = number::not_negative("a share"))]
     tolerance: Option<f64>,
     /// Folder of the page, its numbers, and the hand's motion.
@@ -56,24 +58,24 @@ pub struct Options {
     force: bool,
 }
 
-/// What the hand did.
+/// The motion of the hand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Hand {
-    /// It held the knob.
+    /// The hand held the knob.
     Held,
-    /// It let go before the wall.
+    /// The hand let go before the wall.
     Released,
-    /// It did the scorecard's programme.
+    /// The hand followed the scorecard's programme.
     Programme,
 }
 
-/// What of the scene the recording replaces.
+/// Fields of the scene that the recording replaces.
 const REPLACED: [(&str, &str); 2] = [
     ("operator.motion", "the recorded motion"),
     ("wall.surface_rad", "the device's surface"),
 ];
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<ExitCode> {
     options.changes.refuse_replaced("compare", &REPLACED)?;
     report::check_folder(&options.out, &crate::command_line(), options.force)?;
@@ -123,7 +125,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
 }
 
 impl Options {
-    /// The page of what was found; where it is.
+    /// Writes the page of the findings; returns its path.
     fn written(
         &self,
         scene: &Scene,

@@ -1,9 +1,9 @@
-//! What is said of a mistake: one line with place, problem and remedy, never longer than a person reads.
+//! Errors for people: one line with place, problem and remedy, no longer than a person reads.
 
 use clap::error::{ContextKind, ContextValue, Error as UsageError, ErrorKind};
 use std::error::Error as _;
 
-/// Longest word that is printed as it is: a path may be long, a value that was pasted by mistake is longer.
+/// Longest word that is printed whole: a path may be long; a value that was pasted by mistake is longer.
 const WORD_MAX: usize = 200;
 /// Longest message.
 const LINE_MAX: usize = 1500;
@@ -72,7 +72,10 @@ pub fn usage(error: &UsageError, commands: &[&str]) -> Option<String> {
         ErrorKind::InvalidValue => {
             let words = many(ContextKind::ValidValue);
             let words: Vec<&str> = words.split(", ").filter(|word| !word.is_empty()).collect();
-            let fix = match touchstone_sim::scene::nearest(&value, &words) {
+            // One number is as near as the next.
+            let is_number = value.parse::<f64>().is_ok();
+            let near = touchstone_sim::scene::nearest(&value, &words).filter(|_| !is_number);
+            let fix = match near {
                 Some(near) => format!("did you mean {near}?"),
                 None if words.is_empty() => help(),
                 None => format!("give {}", touchstone_sim::scene::list(&words)),

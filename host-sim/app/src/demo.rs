@@ -31,7 +31,7 @@ pub struct Options {
     no_open: bool,
 }
 
-/// Below the options.
+/// Text below the options in the help.
 const HAPPENS: &str = "\
 A simulated hand presses the knob for as long as it is armed.
 Lines of standard input are what happens to the board:
@@ -85,7 +85,7 @@ pub fn main(options: &Options) -> Result<()> {
     })
 }
 
-/// What is written to standard input, line by line.
+/// The lines of standard input.
 fn lines() -> Receiver<String> {
     let (sender, happens) = channel();
     std::thread::spawn(move || {

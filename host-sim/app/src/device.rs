@@ -23,7 +23,7 @@ use touchstone_protocol::{
 };
 use touchstone_sim::error::{Error, Result};
 
-/// What a calibration takes beside the turns of the field: offsets, alignment, pauses; with a reserve.
+/// Time that a calibration takes in addition to the turns of the field (offsets, alignment, pauses), with a reserve.
 const CALIBRATION_REST: Duration = Duration::from_secs(15);
 
 /// Options of `device`.
@@ -49,18 +49,18 @@ enum Action {
 
 #[derive(Debug, Clone, Subcommand)]
 enum BoardAction {
-    /// Who the board is, where it stands, and what it counted.
+    /// Show the board's identity, state and counters.
     Status,
     /// Finds direction, pole pairs and electrical offset: THE SHAFT MOVES. Waits for the end.
     Calibrate {
-        /// Returns at once.
+        /// Return at once, without waiting.
         #[arg(long)]
         no_wait: bool,
         /// Looks for the alignment although one is kept.
         #[arg(long)]
         anew: bool,
     },
-    /// Switches the outputs on: the wall is there from now on.
+    /// Switches the outputs on: from now on the wall acts.
     Arm,
     /// Switches the outputs off, keeps the calibration.
     Disarm,
@@ -78,12 +78,13 @@ enum BoardAction {
         #[command(subcommand)]
         action: Option<cogging::CoggingAction>,
     },
-    /// Measures what the encoder's magnet out of the axis makes of the angle.
+    /// Measures the error of the encoder's angle that an off-centre magnet causes.
     Eccentricity {
         #[command(subcommand)]
         action: eccentricity::EccentricityAction,
     },
-    /// Shows whether the board starts by itself when power comes on, with no desktop; switches that on or off, and saves it.
+    /// Shows whether the board starts unattended when power comes on, without a desktop; switches that on or off, and
+    /// saves it.
     Autostart {
         #[arg(value_enum)]
         switch: Option<start::Switch>,
@@ -102,7 +103,7 @@ enum BoardAction {
     },
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<ExitCode> {
     match &options.action {
         Action::Haptic(action) => {
@@ -182,7 +183,7 @@ fn state(name: &str) -> Result<()> {
     )
 }
 
-/// One electrical turn and as many as the motor has pole pairs, forward and back, at the speed that is set.
+/// Time for one electrical turn and as many as the motor has pole pairs, forward and back, at the set speed.
 pub fn calibration_limit(settings: &DeviceSettings) -> Duration {
     let turns = 2.0 * (f64::from(settings.motor.pole_pairs) + 1.0);
     let turns_per_s: f64 = settings.calibration.electrical_turns_per_s.to_num();
@@ -244,7 +245,7 @@ fn is_of_kept(fault: &Fault) -> bool {
         )
 }
 
-/// Where the device stands.
+/// State of the device.
 pub fn status_of(client: &mut Client) -> Result<Status> {
     match client.ask(&Request::Status)? {
         Reply::Status(status) => Ok(status),

@@ -1,4 +1,4 @@
-//! What can be asked of a run, so that a script can go by it: verdict, depth, stiffness, energy; as exit code, lines and JUnit.
+//! Demands on a run for scripts: verdict, depth, stiffness, energy; results as exit code, lines and JUnit.
 
 use super::check::{Check, name};
 use super::out::{json, shown};
@@ -13,10 +13,10 @@ use touchstone_sim::run::record::Summary;
 use touchstone_sim::run::verdict::{NO_CONTACT, WORDS};
 use touchstone_sim::scene::list;
 
-/// Exit code of a run that was made and of which something asked does not hold.
+/// Exit code of a run that was made but does not meet a demand.
 pub const NOT_MET: u8 = 3;
 
-/// What is asked.
+/// The demands.
 #[derive(Debug, Clone, Default, clap::Args)]
 #[command(next_help_heading = "What is asked of the run (exit code 3 where it does not hold)")]
 pub struct Expectations {
@@ -35,16 +35,16 @@ pub struct Expectations {
     /// No worse than the same runs in this results file: the same verdict, and no measure worse by more than the margin.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
-    /// By how much of its value a measure may be worse than in the baseline.
+    /// Share of its value by which a measure may be worse than in the baseline.
     #[arg(long, value_name = "SHARE", default_value_t = 0.01, requires = "baseline", allow_negative_numbers = true, value_parser = number::not_negative("a share, 0.01 for 1 %"))]
     margin: f64,
-    /// Writes what was asked and what came as JUnit, a test for each demand; replaces its own file of before, and no other.
+    /// Writes demands and results as JUnit, one test for each demand; replaces an earlier file of its own, and no other.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
 }
 
 impl Expectations {
-    /// Whether anything is asked.
+    /// Whether there is any demand.
     pub fn any(&self) -> bool {
         !self.expect.is_empty()
             || self.max_penetration.is_some()
@@ -60,7 +60,7 @@ fn verdicts() -> PossibleValuesParser {
     PossibleValuesParser::new(WORDS.map(|(name, meaning)| PossibleValue::new(name).help(meaning)))
 }
 
-/// All demands on all runs.
+/// The results of all demands on all runs.
 #[derive(Debug, Clone, Default)]
 pub struct Checked {
     checks: Vec<Check>,
@@ -89,7 +89,7 @@ impl Expectations {
         }
     }
 
-    /// Holds runs against what is asked. `strict`: a user's port that gave energy is refused too.
+    /// Checks runs against the demands. `strict`: also refuses a run whose user's port gave energy.
     pub fn check<'a>(&self, strict: bool, runs: impl Iterator<Item = &'a Summary>) -> Checked {
         Checked {
             checks: runs.flat_map(|run| self.on(run, strict)).collect(),
@@ -97,7 +97,7 @@ impl Expectations {
         }
     }
 
-    /// Holds runs against those of the baseline, if one is given.
+    /// Compares runs with those of the baseline, if one is given.
     ///
     /// # Errors
     /// A baseline that cannot be read.
@@ -188,7 +188,7 @@ impl Expectations {
 }
 
 impl Checked {
-    /// For `--json`, beside the runs; nothing where nothing was asked.
+    /// The results for `--json`, beside the runs; `None` without demands.
     pub fn to_json(&self) -> Option<serde_json::Value> {
         let entry = |check: &Check| {
             serde_json::json!({
@@ -269,7 +269,7 @@ fn suite_of(checks: &[Check], run: &str) -> TestSuite {
     suite
 }
 
-/// The results of runs with what was asked of them, as one JSON value.
+/// The results of runs and of the demands on them, as one JSON value.
 pub fn results(text: &str, checked: &Checked) -> serde_json::Value {
     debug_assert!(json());
     let mut value: serde_json::Value = serde_json::from_str(text).unwrap_or_default();

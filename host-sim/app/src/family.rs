@@ -19,7 +19,7 @@ pub struct Options {
     /// tick. Exit code 3 where more are lost than --most-lost.
     #[arg(long, conflicts_with_all = ["tuned", "out", "programme"])]
     family: bool,
-    /// Also so many members between the corners, in hands between and a little beyond the grips, which --seed draws.
+    /// Also this many members between the corners, in hands between and a little beyond the grips, drawn by --seed.
     #[arg(long, value_name = "N", requires = "family", default_value_t = 0)]
     members: usize,
     /// Stiffnesses, N·m/rad; default: the scene's.
@@ -34,7 +34,7 @@ pub struct Options {
     /// Members of each wall that may be lost, without those that are beyond what any tuned law holds.
     #[arg(long, value_name = "N", requires = "family", default_value_t = 0)]
     most_lost: usize,
-    /// What the deepest press and touch may be, over F/k_de.
+    /// Largest allowed depth of press and touch, over F/k_de.
     #[arg(long, value_name = "RATIO", requires = "family", value_parser = number::up_to(5.0, "times F/k_de"))]
     deepest: Option<f64>,
 }
@@ -78,7 +78,7 @@ impl Options {
         Ok(self.conclude(&families))
     }
 
-    /// Names every wall that is not as it was asked for.
+    /// Names every wall that does not meet the demands.
     fn conclude(&self, families: &[Family]) -> ExitCode {
         let mut code = ExitCode::SUCCESS;
         for family in families {

@@ -29,10 +29,10 @@ pub struct Options {
     /// The probe if there are several: VID:PID or VID:PID:SERIAL, as `touchstone doctor` shows it.
     #[arg(long, value_name = "PROBE")]
     probe: Option<String>,
-    /// Shows what the program tells from its start on, as `touchstone log` does, until Ctrl-C.
+    /// Shows the program's log from its start on, as `touchstone log` does, until Ctrl-C.
     #[arg(long)]
     log: bool,
-    /// Looks at the program and says what would be done with it, without a probe and without a board.
+    /// Checks the program and says what would be done with it, without a probe and without a board.
     #[arg(long, conflicts_with = "log")]
     dry_run: bool,
     /// Writes a program that says another board's name, or none.
@@ -52,7 +52,7 @@ pub struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    /// With the file that is named, or what there is for the board; its first look at it.
+    /// A job for the named file, or the board's own program, which is checked first.
     pub fn new(board: BoardName, elf: Option<PathBuf>, probe: Option<&'a str>) -> Result<Self> {
         let elf = elf.unwrap_or_else(|| board.program());
         let job = Self { board, elf, probe };
@@ -65,7 +65,7 @@ impl<'a> Job<'a> {
         self.board.board().chip()
     }
 
-    /// Something is wrong with the file.
+    /// An error about this file.
     pub fn wrong(&self, problem: impl Into<String>) -> Error {
         Error::Io {
             path: self.elf.clone(),
@@ -106,7 +106,7 @@ impl<'a> Job<'a> {
     fn check(&self) -> Result<()> {
         /// Magic, 32 bits, little-endian.
         const START: &[u8] = b"\x7fELF\x01\x01";
-        /// Machine: Arm.
+        /// Machine number of Arm in an ELF file.
         const ARM: &[u8] = &[40, 0];
         let file = self.read()?;
         if file.starts_with(START) && file.get(18..20) == Some(ARM) {
@@ -138,7 +138,7 @@ pub enum BoardName {
 }
 
 impl BoardName {
-    /// As the device calls itself.
+    /// The board's name on the wire.
     pub const fn board(self) -> Board {
         match self {
             Self::NucleoG474re => Board::NucleoG474re,
@@ -149,12 +149,12 @@ impl BoardName {
         }
     }
 
-    /// Its name.
+    /// The board's name on the command line.
     pub const fn name(self) -> &'static str {
         self.board().name()
     }
 
-    /// Its program: the one that came with this one, else where `cargo xtask firmware` puts it.
+    /// The board's program: the one that came with this program, else where `cargo xtask firmware` puts it.
     pub fn program(self) -> PathBuf {
         self.shipped().unwrap_or_else(|| {
             let folder = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
@@ -162,7 +162,7 @@ impl BoardName {
         })
     }
 
-    /// Its program as an archive of `cargo xtask dist` has it, beside this one: they are of one version.
+    /// The board's program in an archive of `cargo xtask dist`, beside this program: both are of one version.
     pub fn shipped(self) -> Option<PathBuf> {
         let beside = std::env::current_exe().ok()?.canonicalize().ok()?;
         let program = self.below(beside.parent()?);
@@ -175,7 +175,7 @@ impl BoardName {
     }
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     let job = Job::new(options.board, options.elf.clone(), options.probe.as_deref())?;
     if !options.force {
@@ -212,7 +212,7 @@ fn into(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
     means::write(job, log)
 }
 
-/// What is said when the program is in.
+/// Prints that the program is written.
 fn written() -> Result<()> {
     tell!("flashed, verified and started");
     Ok(())

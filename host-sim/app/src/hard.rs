@@ -14,10 +14,10 @@ const FAILED: u8 = 3;
 /// Options of `hard`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// Only the cases of this name; may be given several times.
+    /// Run only the cases of this name; may be given several times.
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
-    /// Names the cases, with what is hard and what knows the answer, and runs none.
+    /// Lists the cases, each with its difficulty and the source of the right answer, and runs none.
     #[arg(long)]
     list: bool,
     /// 10^9 ticks where the sample does 10^7: minutes instead of seconds.
@@ -25,7 +25,7 @@ pub struct Options {
     long: bool,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<ExitCode> {
     let all = cases();
     let names: Vec<&str> = all.iter().map(|case| case.name).collect();

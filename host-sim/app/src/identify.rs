@@ -1,4 +1,4 @@
-//! `touchstone identify`: what a device has, from swings, and Algorithm 2.1.
+//! `touchstone identify`: a device's properties from swings, and Algorithm 2.1.
 
 use super::SceneOptions;
 use super::number::{self, measured};
@@ -30,14 +30,14 @@ pub struct Options {
     push: f64,
 }
 
-/// What of the scene is replaced by the search.
+/// Fields of the scene that the search replaces.
 const REPLACED: [(&str, &str); 3] = [
     ("law.kind", "a law"),
     ("law.device_damping_n_m_s_per_rad", "a damping"),
     ("wall.k_desired_n_m_per_rad", "a stiffness"),
 ];
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     if options.high <= options.low {
         return Err(Error::Option {

@@ -1,4 +1,4 @@
-//! Ctrl-C, and being told to end: nothing half-made stays, and the exit code says so.
+//! Ctrl-C and SIGTERM: nothing half-made stays, and the exit code says so.
 
 use std::io::IsTerminal;
 use std::sync::Arc;
@@ -9,12 +9,12 @@ use touchstone_sim::error::{Error, Result};
 /// Exit code after an interrupt: 128 and the number of SIGINT, as shells have it.
 pub const INTERRUPTED: i32 = 130;
 
-/// From here on an interrupt takes away what is being prepared, and ends the program.
+/// Makes an interrupt remove the files being prepared and end the program.
 pub fn clean_up() -> Result<()> {
     clean_up_keeping("interrupted: nothing half-written is left")
 }
 
-/// The same for a command that keeps what it has done, and says so where nothing had to be taken away.
+/// Same as [`clean_up`], for a command that keeps what it has done; says so where nothing had to be removed.
 pub fn clean_up_keeping(words: &'static str) -> Result<()> {
     handle(move || {
         staging::abandon(|removed| {
@@ -35,7 +35,7 @@ pub fn clean_up_keeping(words: &'static str) -> Result<()> {
     })
 }
 
-/// From here on an interrupt is only noted, for a loop that ends by itself and leaves its device as it should be.
+/// From here on an interrupt is only noted, for a loop that ends itself and leaves its device in order.
 pub fn noted() -> Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     let asked = Arc::clone(&stop);

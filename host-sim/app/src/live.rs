@@ -47,9 +47,9 @@ pub struct Options {
     /// kin).
     #[arg(long, conflicts_with_all = ["scene", "port", "SceneOptions"])]
     serial: bool,
-    /// A wall of three axes instead, on a simulated omega.3: give 3. The object is then `plane`, `inclined` or `sphere`.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(3..=3), conflicts_with_all = ["port", "serial", "SceneOptions"])]
-    dof: Option<u8>,
+    /// Degrees of freedom. 3: a wall of three axes on a simulated omega.3; the object is then `plane`, `inclined` or `sphere`.
+    #[arg(long, value_name = "N", value_parser = ["1", "3"], conflicts_with_all = ["port", "serial", "SceneOptions"])]
+    dof: Option<String>,
 }
 
 /// Writes the page, and opens it.
@@ -57,7 +57,7 @@ pub fn main(options: &Options) -> Result<()> {
     if let Some(address) = &options.port {
         return board_page::main(address, !options.no_open);
     }
-    if options.dof.is_some() {
+    if options.dof.as_deref() == Some("3") {
         return finish(options, &space(&options.scene)?);
     }
     if options.serial {
@@ -129,7 +129,7 @@ fn finish(options: &Options, page: &str) -> Result<()> {
     Ok(())
 }
 
-/// The page for whoever puts a scene of their own into it.
+/// The page without a scene, for a caller that puts its own into it.
 pub fn page_without_scene() -> String {
     page::render(&Content {
         scene: "",
@@ -158,7 +158,7 @@ fn source(scene: &str, command: &str) -> String {
     kept.join(" ")
 }
 
-/// A page cannot read a recording: whoever holds the mouse moves the hand.
+/// A scene without its recording, which a page cannot read: the mouse moves the hand instead.
 fn without_files(scene: Scene) -> Result<Scene> {
     if !matches!(scene.operator.motion, MotionSpec::Recorded(_)) {
         return Ok(scene);

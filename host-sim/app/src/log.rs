@@ -1,4 +1,4 @@
-//! `touchstone log`: what the program on a board tells, through its probe.
+//! `touchstone log`: the log of the program on a board, through its probe.
 
 use super::flash::{self, BoardName, Job};
 use super::{interrupt, number, out};
@@ -22,7 +22,7 @@ pub struct Options {
     /// Says of each message where in the sources it stands (the program probe-rs always does).
     #[arg(long)]
     locations: bool,
-    /// Ends after so many seconds; without it, with Ctrl-C.
+    /// Ends after this many seconds; without this option, at Ctrl-C.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
     seconds: Option<f64>,
 }
@@ -32,7 +32,7 @@ pub struct Options {
 pub struct Log {
     /// Set by Ctrl-C.
     pub stop: Arc<AtomicBool>,
-    /// When it began.
+    /// Time at which the log was opened.
     pub begun: Instant,
     /// Whether messages come with their places in the sources.
     #[cfg_attr(
@@ -44,7 +44,7 @@ pub struct Log {
 }
 
 impl Log {
-    /// One that ends when this is set.
+    /// A log that ends when this flag is set.
     pub fn until(stop: Arc<AtomicBool>) -> Self {
         Self {
             stop,
@@ -54,7 +54,7 @@ impl Log {
         }
     }
 
-    /// Whether it is still to be shown, and somebody reads it.
+    /// Whether to go on: the log is still wanted, and standard output is still read.
     pub fn goes_on(&self) -> bool {
         let elapsed_s = self.begun.elapsed().as_secs_f64();
         !self.stop.load(Ordering::Relaxed)
@@ -63,7 +63,7 @@ impl Log {
     }
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     let job = Job::new(options.board, options.elf.clone(), options.probe.as_deref())?;
     let log = Log {

@@ -52,7 +52,7 @@ use std::process::ExitCode;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{self, Scene};
 
-/// For the help of the program and of every command that can end with 3.
+/// Text on exit codes in the help of the program and of every command that can end with 3.
 const EXIT_CODES: &str = "\
 Exit codes:
   0    done
@@ -70,7 +70,7 @@ struct Cli {
     /// Prints the result as JSON, for programs.
     #[arg(long, global = true)]
     json: bool,
-    /// Prints no progress, notes, warnings and summaries: only errors, and what was asked for by name.
+    /// Prints no progress, notes, warnings and summaries: only errors, and explicitly wanted output.
     #[arg(long, short, global = true)]
     quiet: bool,
     #[command(subcommand)]
@@ -81,7 +81,7 @@ struct Cli {
 enum Command {
     /// The thesis' comparison of five laws at four stiffnesses, with an HTML report (the default).
     Thesis(thesis::Options),
-    /// One run of a scene.
+    /// Runs one scene.
     Run(run::Options),
     /// A scene under the mouse: writes one page for any browser, and opens it; with --port, a board in the browser.
     Live(live::Options),
@@ -91,17 +91,18 @@ enum Command {
     Identify(identify::Options),
     /// Says whether a wall is stable, for which hands, and by which margins, without a run.
     Certify(certify::Options),
-    /// Says what a scene's run is made of: states, eigenvalues, substeps, what each effect costs, and which omitted one would matter.
+    /// Shows how a scene's run is built: states, eigenvalues, substeps, what each effect costs, and which omitted one
+    /// would matter.
     Plan(plan::Options),
     /// Shows what accuracy costs in time: integrators, number formats, control rates and encoders, each against a reference.
     Accuracy(accuracy::Options),
-    /// Runs the hard cases, each against what must come out, and tells the worst margin.
+    /// Runs the hard cases, each against a known answer, and shows the smallest margin.
     Hard(hard::Options),
     /// Any two settings of a scene against any measure of its run: a map with the lines of theory, in parts and with pauses if need be.
     Sweep(sweep::Options),
     /// Draws where a tuned wall ends, over damping and delay, from runs and from certificates: is the limit inertia or damping?
     Boundary(boundary::Options),
-    /// Compares laws by what a hand feels of a wall: one row a law, on the device as it is and as it may also be.
+    /// Compares laws by what a hand feels of a wall: one row a law, on the nominal device and on varied ones.
     Scorecard(scorecard::Options),
     /// Finds settings of a law for a device: the best worst figure of its scorecard.
     Tune(tune::Options),
@@ -113,19 +114,21 @@ enum Command {
     },
     /// From a connected board to a tuned wall: measures motor and knob, tunes, keeps; goes on where it was interrupted. THE SHAFT SPINS.
     Setup(setup::Options),
-    /// Puts a recording of a device beside its simulation: where they part, and what of the knob would explain it.
+    /// Compares a recording of a device with its simulation: where they differ, and which property of the knob would
+    /// explain it.
     Compare(compare::Options),
     /// Writes the firmware into a board, through its probe.
     Flash(flash::Options),
-    /// Shows what the program on a board tells, through its probe, while it runs.
+    /// Shows the log of the program on a board, through its probe, while it runs.
     Log(log::Options),
     /// Shows what a device measures and does, live; keeps every control tick as CSV.
     Monitor(monitor::Options),
     /// Reads, changes and keeps a device's settings.
     Config(config::Options),
-    /// Commands a board, and reads its state, its fault and the second before it; plays a wall on a haptic device without a law of its own.
+    /// Commands a board, and reads its state, its fault and the second before it; plays a wall on a haptic device
+    /// without a law of its own.
     Device(device::Options),
-    /// Looks for everything that a board needs, and says what is missing and how to get it.
+    /// Looks for everything that a board needs, and shows what is missing and how to get it.
     Doctor(doctor::Options),
     /// Prints completions for a shell.
     Completions(shell::Completions),

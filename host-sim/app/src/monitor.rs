@@ -22,7 +22,7 @@ use touchstone_sim::output;
 /// A line of a terminal is overwritten this often; without a terminal there is a line a second.
 const LIVE: Duration = Duration::from_millis(100);
 const LOGGED: Duration = Duration::from_secs(1);
-/// A device that was told to send and is silent for so long is gone.
+/// A device that should send and is silent for this long is taken to be gone.
 pub const SILENCE_LIMIT: Duration = Duration::from_secs(2);
 
 /// The device hears of the desktop at least this often: its shortest watchdog on it that makes sense is twice as long.
@@ -38,15 +38,15 @@ pub struct Options {
     csv: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
-    /// Ends after so many seconds; without it, with Ctrl-C.
+    /// Ends after this many seconds; without this option, at Ctrl-C.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
     seconds: Option<f64>,
-    /// One record every so many control ticks.
+    /// One record every given number of control ticks.
     #[arg(long, value_name = "TICKS", default_value_t = 1, allow_negative_numbers = true, value_parser = number::within(1_u16, 1000, "of ticks"))]
     decimation: u16,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     // Ends the loop, so that the file is whole and the device goes back to what it sent before.
     let stop = super::interrupt::noted()?;
@@ -210,7 +210,7 @@ fn limits(bits: u8) -> String {
     names.join("+")
 }
 
-/// Columns of the CSV. What a run's trace has too bears the trace's name.
+/// Columns of the CSV. One that a run's trace also has bears the trace's name.
 const COLUMNS: [&str; 13] = [
     "tick",
     "time_s",

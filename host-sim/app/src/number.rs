@@ -3,10 +3,10 @@
 use std::fmt::Display;
 use std::str::FromStr;
 
-/// Below this a measured quantity in its SI unit is what rounding left.
+/// A measured quantity below this value in its SI unit is only rounding error.
 const ROUNDING: f64 = 1e-15;
 
-/// A measured quantity for people, with so many digits after the first; what rounding left is 0.
+/// A measured quantity for people, with this many digits after the first; a rest of rounding is shown as 0.
 pub fn measured(value: f64, digits: usize) -> String {
     if value.abs() < ROUNDING {
         return "0".into();

@@ -1,4 +1,4 @@
-//! What the program prints, and what it keeps to itself.
+//! The program's output by kind; `--quiet` and `--json` suppress some kinds.
 
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write};
@@ -28,7 +28,7 @@ pub fn quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// Whether somebody still reads standard output; prints nothing.
+/// Whether standard output is still read; prints nothing.
 pub fn is_read() -> bool {
     !CLOSED.load(Ordering::Relaxed)
 }
@@ -72,11 +72,11 @@ pub fn shown(text: &str) -> String {
     text.chars().map(harmless).collect()
 }
 
-/// `println!` without the panic: what was asked for.
+/// `println!` without its panic, for a command's wanted output.
 macro_rules! say {
     ($($text:tt)*) => { $crate::out::print(format_args!("{}\n", $crate::out::shown(&format!($($text)*))))? };
 }
-/// The same for progress and summaries, which neither programs nor quiet people want.
+/// Same as [`say`], for progress and summaries, which `--json` and `--quiet` suppress.
 macro_rules! tell {
     ($($text:tt)*) => { if !$crate::out::json() && !$crate::out::quiet() { $crate::out::say!($($text)*) } };
 }

@@ -1,4 +1,4 @@
-//! `touchstone plan`: what a scene's run is made of, what it costs, and what it leaves out.
+//! `touchstone plan`: how a scene's run is built, what it costs, and what it leaves out.
 
 use super::SceneOptions;
 use super::out::{json, say};
@@ -13,18 +13,18 @@ pub struct Options {
     scene: String,
     #[command(flatten)]
     changes: SceneOptions,
-    /// Share by which an effect may move an output before it is told.
+    /// Share by which an omitted effect may move an output before it is listed.
     #[arg(long, value_name = "SHARE", default_value_t = Asked::default().tolerance)]
     tolerance: f64,
-    /// Times nothing: what is printed is then the same on every machine.
+    /// Measures no times, so that the output is the same on every machine.
     #[arg(long)]
     no_times: bool,
-    /// Leaves out what the scene leaves out.
+    /// Does not list the effects that the scene leaves out.
     #[arg(long)]
     no_omitted: bool,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     let tolerance = options.tolerance;
     if !(tolerance >= 0.0 && tolerance.is_finite()) {

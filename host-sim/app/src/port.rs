@@ -24,12 +24,12 @@ impl PortOption {
         }
     }
 
-    /// Connects.
+    /// Connects to the device.
     pub fn connect(&self) -> Result<Client> {
         Client::connect(&self.address()?)
     }
 
-    /// What was given, or found.
+    /// The address that was given, or found.
     pub fn address(&self) -> Result<Address> {
         Address::given_or_found(self.port.as_ref())
     }

@@ -1,9 +1,9 @@
-//! A bar on standard error, where somebody looks at it.
+//! A progress bar on standard error, where that is a terminal.
 
 use super::out::quiet;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A bar over so many steps; hidden where nobody wants it.
+/// A bar of this many steps; hidden with `--quiet` and `--json`.
 pub fn bar(steps: u64, message: &'static str) -> ProgressBar {
     let bar = ProgressBar::new(steps).with_style(style());
     if quiet() {

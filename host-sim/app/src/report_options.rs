@@ -3,7 +3,7 @@
 use super::number;
 use touchstone_lab::report::{FileOptions, PARQUET, ProgramVersion};
 
-/// What a report's folder gets.
+/// Options on the files of a report's folder.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub struct ReportOptions {
     /// Writes traces as Parquet alone, a tenth of the size; needs a program with that feature.
@@ -18,7 +18,7 @@ pub struct ReportOptions {
 }
 
 impl ReportOptions {
-    /// For the report.
+    /// Files for the report.
     pub fn files(&self) -> FileOptions {
         FileOptions {
             no_csv: self.no_csv,

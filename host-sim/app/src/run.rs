@@ -33,7 +33,7 @@ pub struct Options {
     expectations: Expectations,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<ExitCode> {
     let strict = options.changes.strict_passive();
     if let Some(scene) = space_scene::read(&options.scene)? {

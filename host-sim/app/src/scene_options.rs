@@ -8,7 +8,7 @@ use touchstone_sim::run::work::Work;
 use touchstone_sim::run::{self as runner, passivity};
 use touchstone_sim::scene::{Preset, Scene, choices, path_of};
 
-/// Words of a field for help and completions; what is none of them is refused by the scene, as it is in a file.
+/// The words of a field, for help and completions; the scene itself refuses any other word, as it does in a file.
 #[derive(Debug, Clone, Copy)]
 struct Words(&'static str);
 
@@ -88,7 +88,7 @@ impl SceneOptions {
         first.map(|(option, _)| option)
     }
 
-    /// Refuses a change of what the command itself replaces, see [`refuse_replaced`].
+    /// Refuses a change of a field that the command itself replaces, see [`refuse_replaced`].
     pub fn refuse_replaced(&self, command: &str, replaced: &[(&str, &str)]) -> Result<()> {
         refuse_replaced(command, &self.sets, replaced)?;
         let options = [
@@ -133,8 +133,8 @@ fn preset() -> impl TypedValueParser<Value = Preset> {
     PossibleValuesParser::new(Preset::WORDS).map(|word| Preset::of_word(&word).unwrap_or_default())
 }
 
-/// Refuses a `--set` of what a command itself replaces, by paths of fields or tables and by what it puts there: it would be lost
-/// without a word.
+/// Refuses a `--set` of a field or table that a command itself replaces, since it would be lost silently. The error
+/// says what the command puts there.
 pub fn refuse_replaced(command: &str, sets: &[String], replaced: &[(&str, &str)]) -> Result<()> {
     for set in sets {
         let key = set.split('=').next().unwrap_or_default().trim();
@@ -179,7 +179,7 @@ pub fn check(scene: &Scene, strict: bool) -> Result<Vec<String>> {
     Ok(said)
 }
 
-/// The warning as a refusal: says which option asked for it.
+/// The warning as a refusal, which names the option that made it one.
 fn strictly(mut message: Error) -> Error {
     let (Error::File { fix, .. }
     | Error::Option { fix, .. }

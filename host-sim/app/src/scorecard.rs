@@ -39,10 +39,10 @@ pub struct Options {
     /// Tunes every law for this device first, as `touchstone tune` does.
     #[arg(long)]
     tuned: bool,
-    /// With --tuned: looks for seconds instead of minutes.
+    /// With --tuned: search for seconds instead of minutes.
     #[arg(long, requires = "tuned")]
     quick: bool,
-    /// With --tuned: seed of the search; with --family: of what is drawn.
+    /// Seed of the search (--tuned) or of the drawn members (--family).
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Writes a page, results.json and, with --tuned, the settings of every law to this folder.
@@ -51,22 +51,22 @@ pub struct Options {
     /// Replaces what another command left in the folder, and a programme that is there already.
     #[arg(long)]
     force: bool,
-    /// Writes what the hand does, tick by tick and for every grip, to this file, and nothing else: for a hand on a test stand or in the
-    /// emulator, whose recording `touchstone compare --hand programme` puts beside the scorecard.
+    /// Only writes the hand's motion, tick by tick for every grip, to this file: for a hand on a test stand or in the
+    /// emulator. `touchstone compare --hand programme` compares its recording with the scorecard.
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["laws", "tuned", "out"])]
     programme: Option<PathBuf>,
-    /// With --programme: the surface is further by this share of a count of the encoder.
+    /// With --programme: shift the surface by this share of a count of the encoder.
     #[arg(long, value_name = "SHARE", requires = "programme", allow_negative_numbers = true, value_parser = number::within(0.0, 1.0, "of a count"))]
     place: Option<f64>,
-    /// With --programme: this grip alone.
+    /// With --programme: play only this grip.
     #[arg(long, value_name = "GRIP", requires = "programme", value_parser = clap::builder::PossibleValuesParser::new(GRIPS.map(Grip::name)))]
     grip: Option<String>,
-    /// With --programme: these deeds alone.
+    /// With --programme: only these deeds of the hand, such as press; may be given several times.
     #[arg(long = "deed", value_name = "DEED", requires = "programme", num_args = 1.., value_parser = deed)]
     deeds: Vec<String>,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<ExitCode> {
     let scene = options.wall.load(&options.scene)?;
     if let Some(file) = &options.programme {
@@ -130,7 +130,7 @@ fn laws(scene: &Scene, options: &Options) -> Result<Vec<(String, Scene)>> {
     options.laws.iter().map(of).collect()
 }
 
-/// A deed's word.
+/// An action's word.
 fn deed(word: &str) -> std::result::Result<String, String> {
     let words = deed_words();
     match words.iter().any(|it| it == word) {

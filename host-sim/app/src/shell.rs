@@ -1,5 +1,5 @@
-//! `touchstone completions` and `touchstone man`: what a shell and a reader of manuals want, made from the command line's own
-//! definition.
+//! `touchstone completions` and `touchstone man`: completions for shells and manual pages, made from the command
+//! line's definition.
 
 use super::Cli;
 use super::out::{print, tell};
@@ -9,7 +9,7 @@ use clap_complete::Shell;
 use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
 
-/// The command line as it was given, as a line that a shell takes for the same; a letter that is none in UTF-8 is shown as such.
+/// The command line as a line that a shell reads back as the same; bytes that are no UTF-8 are shown as such.
 pub fn command_line() -> String {
     let given = std::env::args_os().skip(1);
     let words = given.map(|given| word(&given.to_string_lossy()));
@@ -59,7 +59,7 @@ pub fn completions(options: &Completions) -> Result<()> {
     print(format_args!("{}", String::from_utf8_lossy(&text)))
 }
 
-/// Prints the manual's page, or writes all of them.
+/// Prints the manual page, or writes all of them.
 pub fn man(options: &Man) -> Result<()> {
     match &options.folder {
         Some(folder) => {
@@ -131,7 +131,7 @@ mod tests {
         }
     }
 
-    /// What a shell makes of it, asked of one.
+    /// A real shell reads the line back as the same words.
     #[cfg(unix)]
     #[test]
     fn a_shell_takes_it_for_the_same() {

@@ -50,7 +50,7 @@ pub fn read(file: &str) -> Result<Option<SpaceScene>> {
     })
 }
 
-/// What `run` was asked for beside the scene.
+/// Options of `run` beside the scene.
 pub struct RunOfSpace<'a> {
     pub print: bool,
     pub out: Option<&'a Path>,
@@ -60,7 +60,7 @@ pub struct RunOfSpace<'a> {
     pub expectations: &'a Expectations,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
     let expect = asked.expectations.any().then_some("--expect");
     if let Some(option) = asked.lost.or(expect) {

@@ -11,7 +11,7 @@ use touchstone_lab::sweep::store::{Cells, Shard, Store};
 use touchstone_lab::sweep::{Filled, Sweep, gathered};
 use touchstone_sim::error::{Error, Result};
 
-/// What is said on an interrupt: the cells that are done stay.
+/// Message on an interrupt: finished cells stay.
 const KEPT: &str = "interrupted: what is done is kept; the same command goes on";
 
 /// Options of `sweep`.
@@ -50,7 +50,7 @@ struct DrawingOptions {
     /// Draws these places over the maps: a CSV file of two columns, x and y, under a header.
     #[arg(long, value_name = "FILE.csv")]
     overlay: Option<PathBuf>,
-    /// Leaves out the boundary of `certify`, which takes some seconds.
+    /// Leaves out the boundary of `certify`, which may take minutes.
     #[arg(long)]
     no_certificate: bool,
 }
@@ -87,7 +87,7 @@ fn parsed_shard(text: &str) -> std::result::Result<Shard, String> {
     text.parse()
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     match &options.merge {
         Some(Merge::Merge {
@@ -138,7 +138,7 @@ fn compute(options: &Options) -> Result<()> {
     let filled = filled?;
     let cells = own_cells(&store.cells, options.shard);
     speak(&filled, begun);
-    let (results, _) = output::write(&sweep, options.shard, &cells, &drawing, folder, *force)?;
+    let results = draw(&sweep, options.shard, &cells, drawing, folder, *force)?;
     store.close();
     print(&results, folder)
 }
@@ -152,23 +152,41 @@ fn merge(folders: &[PathBuf], drawing: &DrawingOptions, place: &Place) -> Result
     interrupt::sweep(&place.out);
     // The whole's folder is one that can be gone on with, too.
     let store = Store::open(&place.out, &sweep, place.force)?;
-    let (results, _) = output::write(
-        &sweep,
-        Shard::WHOLE,
-        &cells,
-        &drawing,
-        &place.out,
-        place.force,
-    )?;
+    let (shard, force) = (Shard::WHOLE, place.force);
+    let results = draw(&sweep, shard, &cells, drawing, &place.out, force)?;
     store.close();
     print(&results, &place.out)
 }
 
+/// Writes cells and maps, with a bar while the certificates of the boundary are computed, which takes longest.
+fn draw(
+    sweep: &Sweep,
+    shard: Shard,
+    cells: &Cells,
+    drawing: Drawing,
+    folder: &Path,
+    force: bool,
+) -> Result<Value> {
+    let bar = progress::bar(0, "certificates");
+    let show = |done: u64, total: u64| {
+        bar.set_length(total);
+        bar.set_position(done);
+    };
+    let drawing = Drawing {
+        progress: Some(&show),
+        ..drawing
+    };
+    let written = output::write(sweep, shard, cells, &drawing, folder, force);
+    bar.finish_and_clear();
+    written.map(|(results, _)| results)
+}
+
 impl DrawingOptions {
-    fn read(&self) -> Result<Drawing> {
+    fn read(&self) -> Result<Drawing<'static>> {
         Ok(Drawing {
             points: self.overlay.as_deref().map(output::overlay).transpose()?,
             no_certificate: self.no_certificate,
+            progress: None,
         })
     }
 }

@@ -12,7 +12,7 @@ use touchstone_lab::thesis::space::tuned_wall::TunedWall;
 use touchstone_lab::thesis::space::{self, Mechanism};
 use touchstone_sim::error::{Error, Result};
 
-/// What of it is chosen.
+/// Options of the comparison in three axes.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct SpaceOptions {
     /// With --dof 3: cartesian, an omega.3 as three equal axes (default), or delta, a mechanism of a Falcon's lengths.
@@ -74,6 +74,7 @@ pub fn main(
     claims.extend(held_out.as_ref().map(HeldOut::claim));
     bar.inc(1);
     bar.finish_and_clear();
+    tell!("{}", page::runs_text(&runs));
     tell!(
         "What the thesis claims in three degrees of freedom ({} claims), on {}:",
         claims.len(),

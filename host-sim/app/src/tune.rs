@@ -36,8 +36,8 @@ pub struct Options {
     /// Looks for seconds instead of minutes: at fewer devices and fewer settings.
     #[arg(long)]
     quick: bool,
-    /// What ripple may be on the nominal device, N·m; default: 0.6 of that of a difference spring-damper which holds the same
-    /// delays, 1.1 of it where that is a whole tick.
+    /// Largest allowed ripple on the nominal device, N·m. Default: 0.6 of that of a spring-damper on differences which
+    /// holds the same delays; 1.1 of it where the delay is a whole tick.
     #[arg(long, value_name = "N_M", value_parser = number::up_to(100.0, "N·m"))]
     ripple: Option<f64>,
     /// Writes the settings to this file where they hold (exit code 3 where they do not), for `touchstone config import` and for `--settings`.
@@ -52,7 +52,7 @@ pub struct Options {
     force: bool,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<ExitCode> {
     let scene = options.wall.load(&options.device)?;
     refuse_late(&scene)?;
@@ -122,7 +122,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     Ok(ExitCode::from(NOT_MET))
 }
 
-/// One line: where, what fails, why, what to do.
+/// Prints one line: place, what fails, why, remedy.
 fn complain(scene: &Scene, options: &Options, fails: &[String], cause: FailureCause) {
     let worst = fails.first().map_or("no run was possible", String::as_str);
     let unwritten = options.out.is_some() || options.report.is_some();

@@ -19,7 +19,7 @@ pub struct WallOptions {
     sets: Vec<String>,
 }
 
-/// What the devices and hands of a scorecard replace.
+/// Fields that the devices and hands of a scorecard replace.
 const REPLACED: [(&str, &str); 3] = [
     ("law.kind", "laws"),
     ("operator.grip", "grips"),

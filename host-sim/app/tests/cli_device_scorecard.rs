@@ -66,7 +66,7 @@ fn beyond(card: &serde_json::Value) -> usize {
         .count()
 }
 
-/// What the simulator says of the same wall, hand and deeds, with true depths.
+/// What the simulator says of the same wall, hand and actions, with true depths.
 fn simulated(normal: [f64; 3]) -> DirectionFigures {
     let wall = PressedWall {
         surface: PressedSurface::Plane([0.0; 3], normal),
@@ -85,7 +85,7 @@ fn simulated(normal: [f64; 3]) -> DirectionFigures {
 }
 
 /// Within what half a count of each axis is along the normal, over the depth of 8 N in 5 N/mm. The wall is one that gives energy, which is the harder comparison; without a guard, whose
-/// account one run has for all deeds and the simulator anew for each: there it never acts.
+/// account one run has for all actions and the simulator anew for each: there it never acts.
 #[test]
 fn a_simulated_device_has_the_simulators_figures() {
     let folder = common::folder("device-scorecard-equal");
@@ -129,7 +129,7 @@ fn a_simulated_device_has_the_simulators_figures() {
     }
 }
 
-/// The wall that is played where nothing is said of one is within all six limits, at every rate that has one of its own; the thesis' settings are not, and say so beforehand.
+/// The wall that is played where nothing is said of one is within all six limits, at every rate that has one of its own. The thesis' settings are not, and say so beforehand.
 #[test]
 fn the_default_wall_of_an_omega3_is_within_the_limits() {
     let folder = common::folder("device-scorecard-default");

@@ -34,7 +34,19 @@ fn the_comparison_reproduces_what_the_thesis_claims() {
         assert_eq!(claim["outcome"], "reproduced", "{claim}");
     }
     let runs = results["runs"].as_array().expect("runs");
-    assert_eq!(runs.len(), 30);
+    assert_eq!(runs.len(), 33);
+    // What ships is beside the thesis' approaches, and displays what was asked for.
+    let ships: Vec<_> = runs
+        .iter()
+        .filter(|run| run["approach"] == "shipped")
+        .collect();
+    assert_eq!(ships.len(), 3);
+    for run in ships {
+        let shown = run["displayed_at_rest_n_per_mm"]
+            .as_f64()
+            .expect("a number");
+        assert!((shown / 25.0 - 1.0).abs() < 0.05, "{run}");
+    }
     for run in runs {
         for (name, value) in run.as_object().expect("a run") {
             assert!(
@@ -46,7 +58,9 @@ fn the_comparison_reproduces_what_the_thesis_claims() {
         }
     }
     let page = std::fs::read_to_string(folder.join("touchstone-report/index.html")).expect("page");
-    assert_eq!(page.matches("<figure class=\"plot\">").count(), 4 * 30);
+    assert_eq!(page.matches("<figure class=\"plot\">").count(), 4 * 33);
+    let picture = page.find("class=\"picture\"").expect("a picture");
+    assert!(picture < page.find("<table").expect("a table"));
     assert!(!page.contains("NaN") && !page.contains("http"));
     // The same command again replaces it; another one does not.
     let again = run_in(&folder, ["thesis", "--dof", "3", "--json"]);

@@ -47,11 +47,11 @@ impl FromStr for Address {
 /// A serial port that the system knows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Port {
-    /// Its name.
+    /// The name by which the system opens the port.
     pub name: String,
     /// Whether it is the virtual port of an ST-LINK.
     pub st_link: bool,
-    /// What it is, for people.
+    /// A description for people.
     pub about: String,
 }
 
@@ -103,7 +103,7 @@ impl Address {
     /// What was given, or the one ST-LINK port that there is.
     ///
     /// # Errors
-    /// None is given, and there is none or more than one.
+    /// No address is given, and there is no such port or more than one.
     pub fn given_or_found(given: Option<&Address>) -> Result<Address> {
         match given {
             Some(address) => Ok(address.clone()),

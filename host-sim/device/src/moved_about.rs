@@ -1,27 +1,27 @@
 //! Small motions of a device that nobody holds, an axis after the other: what its mechanics are found from.
 //!
-//! A soft spring and a little damping hold it where it was when it was switched on; along one axis at a time three sines push it about by
+//! A soft spring and a little damping hold it where it was when it was switched on. Along one axis at a time three sines push it about by
 //! some millimetres. What acted and where it was is kept.
 
 use crate::haptic::{HapticFault, length};
 use crate::servo::ForceLaw;
 
-/// What is done.
+/// The motions that are made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmallMotions {
     /// Control rate, Hz.
     pub rate_hz: u32,
     /// How long each axis is pushed, s.
     pub axis_s: f64,
-    /// Longest push, N; the spring is beside it.
+    /// Largest push, N; the spring's force is added to it.
     pub push_n: f64,
-    /// So far from where it was, something is wrong, m.
+    /// Distance from the start at which the motion is aborted, m.
     pub furthest_m: f64,
 }
 
-/// For the force to fade in before anything is kept, s.
+/// Time for the force to fade in before records begin, s.
 const QUIET_S: f64 = 1.2;
-/// Of what holds it, N/m and N·s/m.
+/// Stiffness and damping that hold the device, N/m and N·s/m.
 const SPRING_N_PER_M: f64 = 120.0;
 const DAMPING_N_S_PER_M: f64 = 1.0;
 /// The sines, Hz, and their shares of the push; they never peak together for long.
@@ -46,12 +46,12 @@ pub struct MovedAbout {
     past: [[f64; 3]; WINDOW],
     tick: u64,
     at: [f64; 3],
-    /// What was kept of each axis.
+    /// The record of each axis.
     pub axes: [AxisRecord; 3],
 }
 
 impl MovedAbout {
-    /// Nothing moved yet.
+    /// Prepares the motions; the device has not moved yet.
     #[must_use]
     pub fn new(motions: SmallMotions) -> Self {
         Self {
@@ -72,7 +72,7 @@ impl MovedAbout {
         (self.motions.axis_s * f64::from(self.motions.rate_hz)).ceil() as u64
     }
 
-    /// How many ticks all of it takes.
+    /// Number of ticks of all motions.
     #[must_use]
     pub fn ticks(&self) -> u64 {
         self.quiet_ticks() + 3 * self.axis_ticks()

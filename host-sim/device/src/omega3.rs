@@ -20,11 +20,11 @@ pub struct Omega3 {
     sheet: DataSheet,
 }
 
-/// From a read over the USB to the force of a write: chosen, a microframe of the USB for either; nobody measured it here.
+/// Time from a read over USB to the force of a write; assumed as one USB microframe each, not measured.
 const DELAY_S: f64 = 250e-6;
 /// How often each part of a release is tried. More would take longer than two ticks of the device.
 const RELEASE_TRIES: usize = 2;
-/// How often it is asked whether its motors are on, and how long it has in between.
+/// Number of checks whether the motors are on, and the time between them.
 const ENGAGE_ASKS: usize = 50;
 const ENGAGE_PAUSE: Duration = Duration::from_millis(2);
 
@@ -45,7 +45,7 @@ impl Omega3 {
     /// Takes the first one that no other program holds. Its motors stay off.
     ///
     /// # Errors
-    /// There is none, it is held, of another kind, without supply or not calibrated.
+    /// No device is found, or it is in use, of another kind, without supply or not calibrated.
     pub fn open(library: Arc<Dhd>) -> Result<Self, HapticFault> {
         match library.count()? {
             (0, _) => {
@@ -108,7 +108,7 @@ impl Omega3 {
         }
     }
 
-    /// Its number, while it is held.
+    /// The library's number of the device while it is open.
     fn id(&self) -> Result<i8, HapticFault> {
         self.id
             .ok_or_else(|| unusable("it was released", "open it again"))
@@ -117,7 +117,7 @@ impl Omega3 {
     /// The library and its number, for what a wall does not need.
     ///
     /// # Errors
-    /// It was released.
+    /// The device was released.
     pub fn library(&self) -> Result<(&Dhd, i8), HapticFault> {
         Ok((&self.library, self.id()?))
     }

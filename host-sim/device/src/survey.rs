@@ -1,4 +1,4 @@
-//! What a device says of its own mechanics, with its motors off: a file that makes the device of a user a plant.
+//! A device's mechanics as reported with its motors off, in a file from which the device can be simulated.
 
 use crate::Omega3;
 use crate::haptic::{DeviceTwin, HapticDevice, HapticFault};
@@ -7,7 +7,7 @@ use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 use touchstone_world::plant::{Device, OMEGA3_AXIS};
 
-/// A device as it was surveyed. All of it is what its library said, but for the damping.
+/// A surveyed device. All values except the damping were reported by its library.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Survey {
@@ -32,7 +32,7 @@ pub struct Survey {
     pub joint_angle_min_rad: Vec<f64>,
     /// Upper ends of the joints.
     pub joint_angle_max_rad: Vec<f64>,
-    /// Places, and what was said there.
+    /// The positions and the values reported there.
     #[serde(default)]
     pub pose: Vec<Pose>,
 }
@@ -41,7 +41,7 @@ pub struct Survey {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pose {
-    /// Where it is.
+    /// Position, m.
     pub position_m: [f64; 3],
     /// Angles of the three joints of the delta.
     pub joint_angles_rad: [f64; 3],
@@ -60,7 +60,7 @@ impl Pose {
     /// Where a device is now. Its motors stay as they are.
     ///
     /// # Errors
-    /// Its library cannot say, or said numbers that are none.
+    /// The device's library does not know the values, or returned numbers that are not finite.
     pub fn now(omega: &mut Omega3) -> std::result::Result<Self, HapticFault> {
         let position_m = omega.sense()?.position_m;
         let (library, id) = omega.library()?;
@@ -92,7 +92,7 @@ impl Survey {
     /// Of poses, at least one.
     ///
     /// # Errors
-    /// There is none, or the library cannot say its ranges.
+    /// There is no pose, or the library does not know the ranges.
     pub fn of(omega: &mut Omega3, poses: Vec<Pose>) -> std::result::Result<Self, HapticFault> {
         let device = omega.sheet().name.clone();
         let (library, id) = omega.library()?;
@@ -127,7 +127,7 @@ impl Survey {
         })
     }
 
-    /// Of what was measured of each axis: mass, damping, friction; and where it was moved to.
+    /// Makes a survey from measured mass, damping and friction of each axis, and the range of motion.
     #[must_use]
     pub fn measured(
         device: &str,
@@ -161,7 +161,7 @@ impl Survey {
     /// Of a file.
     ///
     /// # Errors
-    /// It cannot be read, or is no survey.
+    /// The file cannot be read, or is no survey.
     pub fn read(path: &Path) -> Result<Self> {
         let text = touchstone_sim::input::text(path, touchstone_sim::input::MOST_OF_SETTINGS)
             .map_err(|error| Error::Io {

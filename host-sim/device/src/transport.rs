@@ -13,10 +13,10 @@ const PATIENCE: Duration = Duration::from_millis(20);
 /// A connection or a write that takes longer has failed.
 const LIMIT: Duration = Duration::from_secs(2);
 
-/// What a read gave.
+/// The outcome of a read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Received {
-    /// So many bytes.
+    /// This many bytes were read.
     Bytes(usize),
     /// Nothing for some 20 ms.
     Quiet,
@@ -40,7 +40,7 @@ pub trait Transport {
 /// Opens the connection to a device.
 ///
 /// # Errors
-/// There is none, or it may not be used.
+/// There is no such device, or it may not be used.
 pub fn open(address: &Address) -> Result<Box<dyn Transport>> {
     match address {
         Address::Serial(name) => serial(name),

@@ -14,29 +14,29 @@ use touchstone_mesh::{Mesh, MeshSurface};
 
 type N = Fixed32;
 const UNIT: LengthUnit = LengthUnit::Centimetre;
-/// Of the law's unit in a metre.
+/// Number of the law's units in a metre.
 const PER_METRE: f64 = 100.0;
 
 fn place(position_m: [f64; 3]) -> Vector<Position<N>> {
     Vector(position_m.map(|x| Position::<N>::from_f64(x * PER_METRE)))
 }
 
-/// What a wall on a device is made of.
+/// The settings of a wall on a device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WallSettings {
     /// The law, SI; its rate is the loop's.
     pub law: Settings,
-    /// One law an axis instead of one along the normal.
+    /// Uses one law per axis instead of one along the normal.
     pub per_axis: bool,
     /// The guard, SI, where there is one.
     pub guard: Option<GuardSettings>,
-    /// What the estimator of each axis is told of the device, SI, where the law is to have estimated states.
+    /// Settings of each axis's estimator in SI units, where the law uses estimated states.
     pub estimator: Option<[EstimatorSettings; 3]>,
     /// Step of a measured position, m.
     pub count_m: f64,
 }
 
-/// What stands in the device's workspace.
+/// The object in the device's workspace.
 #[derive(Debug, Clone)]
 pub enum Obstacle<'m> {
     /// One of the control crate's objects, in centimetres.
@@ -46,7 +46,7 @@ pub enum Obstacle<'m> {
 }
 
 impl<'m> Obstacle<'m> {
-    /// Of triangles, on which no hand was seen yet.
+    /// An obstacle of triangles that was not touched yet.
     #[must_use]
     pub fn of(mesh: &'m Mesh) -> Self {
         Self::Mesh(MeshSurface::new(mesh, UNIT))
@@ -135,7 +135,7 @@ impl<'m> DeviceWall<'m> {
         })
     }
 
-    /// What the guard's account held at least, J; `None` without a guard, or before the first tick.
+    /// Lowest value of the guard's account, J; `None` without a guard, or before the first tick.
     #[must_use]
     pub fn least_account_j(&self) -> Option<f64> {
         self.least_account

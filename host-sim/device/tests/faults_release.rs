@@ -12,7 +12,7 @@ use touchstone_device::servo::{
 
 const RATE_HZ: u32 = 4000;
 
-/// A device that remembers what was done to it.
+/// A device that records the calls made to it.
 struct Witness<D> {
     inner: D,
     force_n: [f64; 3],
@@ -60,7 +60,7 @@ impl<D: HapticDevice> HapticDevice for Witness<D> {
     }
 }
 
-/// A spring that pushes up from the floor on; from some tick on what a test wants of it.
+/// A spring that pushes up from the floor; from a given tick on it behaves as a test demands.
 struct Floor {
     tick: u64,
     trick: fn(u64) -> Option<[f64; 3]>,

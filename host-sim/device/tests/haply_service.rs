@@ -93,7 +93,7 @@ fn whatever_goes_wrong_ends_with_no_force() {
     }
 }
 
-/// What comes without a state in it does not put off the end.
+/// Checks that messages without a state do not delay the end.
 #[test]
 fn a_service_that_talks_without_a_state_is_left_as_a_silent_one() {
     for wrong in [Wrong::Pings, Wrong::Drip, Wrong::Binary] {

@@ -118,7 +118,7 @@ fn played(door: &Door) -> Result<ServoReport, HapticFault> {
     ))
 }
 
-/// No force and closed, within two ticks after what was wrong, and no force after that.
+/// Checks that the force is 0 and the device closed within two ticks after the fault, and afterwards.
 #[track_caller]
 fn released(door: &Door, what: &str) -> f64 {
     let [wrong, zero, closed] = ["wrong", "zero", "released"].map(|time| door.ask(time));

@@ -1,11 +1,11 @@
-//! What the library's numbers mean (`dhdc.h`).
+//! Meanings of the library's numbers (`dhdc.h`).
 
 use std::fmt;
 
 /// The numbers of an omega.3: its own, and that under which CHAI3D knows a newer one.
 pub const OMEGA3_TYPES: [i32; 2] = [33, 110];
 
-/// How many status words are handed over. Libraries write 12 to 17, by their age, and are not told how many there is room for.
+/// Room for status words. Libraries write 12 to 17 of them, by their age, and do not know how much room there is.
 pub const STATUS_INTS: usize = 64;
 
 /// A device's kind and name.
@@ -13,9 +13,9 @@ pub const STATUS_INTS: usize = 64;
 pub struct DhdModel {
     /// The library's number of its kind.
     pub number: i32,
-    /// Its name, where the library has one.
+    /// The device's name, where the library has one.
     pub name: Option<String>,
-    /// Its serial number, where the library has one.
+    /// The device's serial number, where the library has one.
     pub serial: Option<u16>,
 }
 
@@ -35,7 +35,7 @@ impl fmt::Display for DhdModel {
 /// A call that failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DhdError {
-    /// Its name.
+    /// Name of the call.
     pub call: &'static str,
     /// The library's number, or [`DhdError::NOT_IN_LIBRARY`].
     pub number: i32,
@@ -74,10 +74,10 @@ impl DhdError {
     pub const COM: i32 = 2;
     /// No device.
     pub const NO_DEVICE: i32 = 5;
-    /// Another program has it.
+    /// The device is in use by another program.
     pub const IN_USE: i32 = 20;
 
-    /// Its number in words.
+    /// The error's number in words.
     #[must_use]
     pub fn words(&self) -> &'static str {
         match usize::try_from(self.number) {
@@ -109,27 +109,27 @@ impl DhdStatus {
         self.word(index).map(|word| word != 0)
     }
 
-    /// Its supply.
+    /// Whether the device has its supply.
     #[must_use]
     pub fn power(&self) -> Option<bool> {
         self.yes(0)
     }
-    /// Its connection.
+    /// Whether the device is connected.
     #[must_use]
     pub fn connected(&self) -> Option<bool> {
         self.yes(1)
     }
-    /// It was reset and does not know where it is.
+    /// Whether the device was reset and has no position.
     #[must_use]
     pub fn reset(&self) -> Option<bool> {
         self.yes(3)
     }
-    /// Its motors act.
+    /// Whether the motors are on.
     #[must_use]
     pub fn force(&self) -> Option<bool> {
         self.yes(5)
     }
-    /// Its motors brake.
+    /// Whether the motors brake.
     #[must_use]
     pub fn brake(&self) -> Option<bool> {
         self.yes(6)

@@ -30,7 +30,7 @@ pub enum DhdOutcome {
 type Three = [f64; 3];
 
 impl Dhd {
-    /// What a call's number means; the error's number is asked for at once, as any later call may replace it.
+    /// The meaning of a call's return value. The error's number is fetched at once, as any later call may replace it.
     fn checked(&self, call: &'static str, number: i32) -> Result<DhdOutcome, DhdError> {
         match number {
             0 => Ok(DhdOutcome::Done),
@@ -56,7 +56,7 @@ impl Dhd {
         }
     }
 
-    /// Its version, as `3.17.6`; `None` where it does not say.
+    /// Version of the library, as `3.17.6`; `None` where it has none.
     #[must_use]
     pub fn version(&self) -> Option<String> {
         let ask = self.calls().get_sdk_version?;
@@ -67,10 +67,10 @@ impl Dhd {
         Some(format!("{major}.{minor}.{release}"))
     }
 
-    /// How many devices there are, and how many of them no other program holds.
+    /// Number of devices, and how many of them no other program holds.
     ///
     /// # Errors
-    /// The library says so.
+    /// The library's error.
     pub fn count(&self) -> Result<(u32, u32), DhdError> {
         let calls = self.calls();
         let whole = |call, number: i32| u32::try_from(number).map_err(|_| self.last_error(call));
@@ -126,10 +126,10 @@ impl Dhd {
         })
     }
 
-    /// What it is doing.
+    /// State of a device.
     ///
     /// # Errors
-    /// The library says so.
+    /// The library's error.
     pub fn status(&self, id: i8) -> Result<DhdStatus, DhdError> {
         // Filled with what no status is, so that what an older library does not write is seen.
         let mut raw = [DhdStatus::NOT_WRITTEN; STATUS_INTS];
@@ -138,10 +138,10 @@ impl Dhd {
         Ok(DhdStatus(raw))
     }
 
-    /// Its position, m.
+    /// Position of a device, m.
     ///
     /// # Errors
-    /// The library says so.
+    /// The library's error.
     pub fn position(&self, id: i8) -> Result<(Three, DhdOutcome), DhdError> {
         let mut at = [f64::NAN; 3];
         let [x, y, z] = &mut at;

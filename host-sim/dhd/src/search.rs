@@ -1,4 +1,4 @@
-//! Where the library is looked for, and what is said when it is not there.
+//! Places where the library is searched, and the message when it is not found.
 
 use crate::Dhd;
 use std::env;
@@ -16,7 +16,7 @@ const NAMES: [&str; 2] = ["libdrd.dylib", "libdhd.dylib"];
 #[cfg(not(any(target_os = "windows", target_os = "macos")))]
 const NAMES: [&str; 4] = ["libdrd.so.3", "libdrd.so", "libdhd.so.3", "libdhd.so"];
 
-/// What a file's name begins with and has in it, where a version follows.
+/// Beginning and middle of a file name before its version.
 #[cfg(target_os = "windows")]
 const VERSIONED: [(&str, &str); 0] = [];
 #[cfg(target_os = "macos")]
@@ -24,21 +24,21 @@ const VERSIONED: [(&str, &str); 2] = [("libdrd", ".dylib"), ("libdhd", ".dylib")
 #[cfg(not(any(target_os = "windows", target_os = "macos")))]
 const VERSIONED: [(&str, &str); 2] = [("libdrd.so", ""), ("libdhd.so", "")];
 
-/// Where to look.
+/// The places to look for the library.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct LibrarySearch {
     /// The file itself; nothing else is tried then.
     pub file: Option<PathBuf>,
     /// Folders, first to last.
     pub folders: Vec<PathBuf>,
-    /// Whether the system's loader is asked in the end.
+    /// Whether the system's loader is tried last.
     pub system: bool,
 }
 
-/// No library.
+/// The library was not loaded; holds the reasons.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NotLoaded {
-    /// Places, and what was wrong with each.
+    /// Places that were tried, each with its problem.
     pub tried: Vec<(PathBuf, String)>,
     /// Whether a file was named.
     pub named: bool,
@@ -71,7 +71,7 @@ impl NotLoaded {
 }
 
 impl LibrarySearch {
-    /// A file that the user named, by option; otherwise by `TOUCHSTONE_DHD`; otherwise where the SDK is or is installed to.
+    /// The search. An option's path comes first, then `TOUCHSTONE_DHD`, then the folders of the SDK.
     #[must_use]
     pub fn new(named: Option<&Path>) -> Self {
         let set = |name| env::var_os(name).filter(|text| !text.is_empty());
@@ -117,7 +117,7 @@ impl LibrarySearch {
     /// The first library that loads.
     ///
     /// # Errors
-    /// None does: all places, and why.
+    /// No library loads; holds all places and reasons.
     pub fn load(&self) -> Result<Dhd, NotLoaded> {
         let mut tried = Vec::new();
         if let Some(file) = &self.file {
@@ -158,7 +158,7 @@ impl LibrarySearch {
     }
 }
 
-/// As in the names of the SDK's folders.
+/// The platform's name in the SDK's folders.
 fn platform() -> String {
     let system = if cfg!(target_os = "macos") {
         "mac"

@@ -31,7 +31,7 @@ macro_rules! functions {
         }
 
         impl Calls {
-            /// Those of a library, or which one it lacks.
+            /// The functions of a library, or the first that it lacks.
             fn of(library: &Library) -> Result<Self, &'static str> {
                 Ok(Self {
                     $($needed: {
@@ -85,7 +85,7 @@ functions! {
 pub struct Dhd {
     calls: Calls,
     path: PathBuf,
-    /// After the functions, which are dropped first.
+    /// The library is declared after the functions, so that they are dropped first.
     _library: Library,
 }
 
@@ -99,7 +99,7 @@ impl Dhd {
     /// Loads a file, or a name that the system's loader knows.
     ///
     /// # Errors
-    /// Why not.
+    /// The reason for the refusal.
     pub(crate) fn load(path: &Path) -> Result<Self, String> {
         // SAFETY: loading runs the library's initialisers, which nothing can check. The file is the one that the user named, or the vendor's name in a
         // place that only its owner or an administrator can write, as with every program that is linked with it.

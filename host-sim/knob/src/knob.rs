@@ -22,15 +22,15 @@ pub const PERIOD_S: f64 = 1.0 / 20_000.0;
 /// Room temperature's code.
 pub const WARM: u16 = 1_300;
 
-/// What stands between the world and the drive, for tests that falsify it.
+/// Falsifies what passes between the world and the drive, for tests.
 pub trait Tamper {
-    /// What the current loop samples.
+    /// Changes the current loop's samples.
     fn sample(&mut self, _tick: u32, _sample: &mut CurrentSample) {}
-    /// What the control tick reads; whether the tick runs at all.
+    /// Changes the control tick's readings; returns whether the tick runs at all.
     fn input(&mut self, _tick: u32, _input: &mut ControlInput) -> bool {
         true
     }
-    /// What the encoder says when the force changes; `None` where nobody asked it.
+    /// Changes the encoder's reading at the change of force; `None` for no reading.
     fn change(&mut self, _tick: u32, reading: EncoderReading) -> Option<EncoderReading> {
         Some(reading)
     }
@@ -40,17 +40,17 @@ pub trait Tamper {
     }
 }
 
-/// Nothing is falsified.
+/// A knob whose readings are not falsified.
 #[derive(Debug, Default)]
 pub struct Honest;
 impl Tamper for Honest {}
 
-/// An order of what a magnet out of the axis makes of the angle: `A sin(n θ + φ)`.
+/// One order of the error of an off-centre magnet: `A sin(n θ + φ)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EncoderError {
     /// `A`, rad.
     pub amplitude_rad: f64,
-    /// `n`.
+    /// Periods in a turn: `n`.
     pub per_rev: f64,
     /// `φ`, rad.
     pub phase_rad: f64,
@@ -60,19 +60,19 @@ pub struct EncoderError {
 pub struct Knob<T: Tamper, S: Stepper = HeldLinear> {
     /// The control tick.
     pub device: Device,
-    /// What there is to touch beside the wall.
+    /// Things to touch in addition to the wall.
     pub around: Around,
     /// The current loop.
     pub current: CurrentLoop,
     /// Motor, knob and hand.
     pub rig: Rig<S>,
-    /// What is falsified.
+    /// The falsification.
     pub tamper: T,
-    /// What is wrong with the encoder's angle.
+    /// Errors of the encoder's angle.
     pub encoder_error: Vec<EncoderError>,
     /// Where the hand means to be, rad.
     pub rest_rad: f64,
-    /// What the bridge does in this period.
+    /// State of the bridge in this period.
     pub acting: Drive,
     /// The last control tick's record.
     pub record: Record,
@@ -82,7 +82,7 @@ pub struct Knob<T: Tamper, S: Stepper = HeldLinear> {
     hardware: &'static Hardware,
     shunts: [Shunt; 2],
     mailbox: CurrentCommand,
-    /// What the current loop told the next control tick.
+    /// The current loop's report for the next control tick.
     pub report: CurrentReport,
     preloaded: Drive,
     command: Option<Command>,
@@ -106,7 +106,7 @@ impl<T: Tamper> Knob<T> {
     /// At rest at an angle, just switched on.
     ///
     /// # Panics
-    /// For settings that are refused.
+    /// Settings that are refused.
     #[must_use]
     pub fn new(
         settings: &DeviceSettings,
@@ -120,10 +120,10 @@ impl<T: Tamper> Knob<T> {
 }
 
 impl<T: Tamper, S: Stepper> Knob<T, S> {
-    /// The same with another plant, of steps of half a PWM period.
+    /// Same as [`Knob::new`], with another plant, of steps of half a PWM period.
     ///
     /// # Panics
-    /// For settings that are refused.
+    /// Settings that are refused.
     #[must_use]
     pub fn with_plant(
         settings: &DeviceSettings,
@@ -135,10 +135,10 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         Self::on(&IHM08M1, settings, motor, plant, angle_rad, tamper)
     }
 
-    /// The same on another board.
+    /// Same as [`Knob::new`], on another board.
     ///
     /// # Panics
-    /// For settings that are refused.
+    /// Settings that are refused.
     #[must_use]
     pub fn on(
         hardware: &'static Hardware,
@@ -179,7 +179,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         }
     }
 
-    /// Asks for something with the next control tick.
+    /// Gives a command to the next control tick.
     pub fn ask(&mut self, command: Command) {
         self.command = Some(command);
     }
@@ -201,7 +201,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         }
     }
 
-    /// One PWM period; whether a control tick was due in it.
+    /// Runs one PWM period; returns whether a control tick was due in it.
     pub fn period(&mut self) -> bool {
         let next = self.record.tick.wrapping_add(1);
         self.rig.bridge.bus_v = self.tamper.bus_v(next);
@@ -309,7 +309,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         self
     }
 
-    /// What the last tick tells the desktop.
+    /// Telemetry of the last tick.
     #[must_use]
     pub fn telemetry(&self) -> Telemetry {
         let part = self.device.measuring();

@@ -1,6 +1,7 @@
-//! A whole knob behind a socket, in real time: the drive around the simulated motor, spoken to as a board is spoken to.
+//! A whole knob behind a socket, in real time: the drive around the simulated motor, with a board's protocol.
 //!
-//! Programs of the desktop reach it as they reach a board. [`ServedKnob::suffer`] does to it what may happen to a board or its cable.
+//! Programs of the desktop reach it as they reach a board. [`ServedKnob::suffer`] causes mishaps of a board or its
+//! cable.
 
 use crate::knob::{Knob, Tamper};
 use std::io::{ErrorKind, Read, Write};
@@ -22,13 +23,13 @@ use touchstone_protocol::{
 use touchstone_world::motor::GIMBAL;
 
 const BOARD: Board = Board::NucleoG474re;
-/// A hand that presses into the wall and comes out takes so long, s.
+/// Period of the hand that presses into the wall and comes out, s.
 const PRESS_S: f64 = 3.0;
-/// Its rest point goes from so far before the surface so far beyond it, rad.
+/// The hand's rest point goes from this far before the surface to this far beyond it, rad.
 const NEAR_RAD: f64 = 0.1;
 const DEEP_RAD: f64 = 2.5;
 
-/// A supply that may rise, and a desktop that may fall silent.
+/// The simulated surroundings of a served knob: a supply that may rise, and a desktop that may fall silent.
 #[derive(Debug, Clone, Copy)]
 pub struct Outside {
     supply_v: f64,
@@ -49,7 +50,7 @@ impl Tamper for Outside {
     }
 }
 
-/// The knob with what stands around it.
+/// The knob with its connection and its hand.
 pub struct ServedKnob {
     knob: Knob<Outside>,
     settings: DeviceSettings,
@@ -69,7 +70,7 @@ pub struct ServedKnob {
 }
 
 impl ServedKnob {
-    /// With the board's defaults.
+    /// A knob with the board's default settings.
     #[must_use]
     pub fn new() -> Self {
         let settings = DeviceSettings::defaults(BOARD);
@@ -92,8 +93,8 @@ impl ServedKnob {
         }
     }
 
-    /// What happens to it: `gap N` drops N records, `noise N` sends N bytes that mean nothing, `volts V` changes its supply, `pull` and
-    /// `plug` are the cable's.
+    /// Causes a mishap: `gap N` drops N records, `noise N` sends N bytes of nonsense, `volts V` changes the supply,
+    /// `pull` and `plug` are the cable's.
     pub fn suffer(&mut self, what: &str) {
         let (word, number) = what.trim().split_once(' ').unwrap_or((what.trim(), "0"));
         let number: f64 = number.parse().unwrap_or(0.0);
@@ -114,7 +115,8 @@ impl ServedKnob {
         self
     }
 
-    /// One control tick, with the hand that presses while the device is armed; the telemetry record that is due waits to be sent.
+    /// Runs one control tick, with the hand that presses while the device is armed; a telemetry record that is due is
+    /// queued.
     fn advance(&mut self) {
         let rate_hz = f64::from(self.settings.timing.rate_hz);
         if self.knob.device.state() == State::Armed {
@@ -142,7 +144,7 @@ impl ServedKnob {
         self.records.push(self.knob.telemetry());
     }
 
-    /// Asks the device with its next tick; whether that had an effect.
+    /// Gives the device a command with its next tick; returns whether it had an effect.
     fn give(&mut self, command: Command) -> bool {
         self.knob.ask(command);
         self.advance();

@@ -1,7 +1,8 @@
-//! Certificates against runs: `cargo run --release -p touchstone-lab --example certify_campaign -- FILE.csv [RUNS] [SEED] [STATES]`.
+//! Certificates compared with runs: `cargo run --release -p touchstone-lab --example certify_campaign -- FILE.csv
+//! [RUNS] [SEED] [STATES]`.
 //!
-//! Rows are appended to the file; a campaign that was stopped goes on where it stopped, with the same seed. At the end it prints
-//! what was said beside what happened, and why some were not decided.
+//! Rows are appended to the file; an interrupted campaign goes on with the same seed. At the end it prints how often
+//! each verdict met each outcome, and why some were undecided.
 
 use rayon::prelude::*;
 use std::error::Error;

@@ -1,5 +1,5 @@
-//! Draws what is expected at a first power-up: `first_power FOLDER OUT`, of the tables that `touchstone-emulator trace` wrote into FOLDER.
-//! `cargo xtask traces` calls both.
+//! Draws the signals to expect at a first power-up: `first_power FOLDER OUT`, from the tables that
+//! `touchstone-emulator trace` wrote into FOLDER. `cargo xtask traces` calls both.
 
 use std::error::Error;
 use std::path::Path;

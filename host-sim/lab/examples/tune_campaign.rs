@@ -1,9 +1,9 @@
-//! Random devices, each with its laws tuned for it: `cargo run --release -p touchstone-lab --example tune_campaign -- FILE.csv [DEVICES a
-//! stiffness] [SEED] [LAWS] [TICKS] [SECOND TICKS]`.
+//! Tunes laws for random devices: `cargo run --release -p touchstone-lab --example tune_campaign -- FILE.csv [DEVICES
+//! a stiffness] [SEED] [LAWS] [TICKS] [SECOND TICKS]`.
 //!
-//! LAWS are names of a scorecard with commas between. Rows are appended to the file, a device under a law a row; a campaign that was
-//! stopped goes on where it stopped, with the same words. At the end it prints how many hold, under each law and under the better
-//! one of each device, and why the others do not.
+//! LAWS are names of a scorecard with commas between. Rows are appended to the file, one for each device and law; an
+//! interrupted campaign goes on with the same arguments. At the end it prints how many walls hold, under each law and
+//! under the better one of each device, and why the others do not.
 
 use std::error::Error;
 use std::path::Path;

@@ -1,7 +1,7 @@
-//! Rows of a long work, appended to a file as they are done: a work that was ended goes on where it was.
+//! Rows of a long job, appended to a file as they are done, so that an interrupted job goes on.
 //!
-//! A file of comma-separated values that begins with a header, or is empty. Rows are written in one piece, so that whatever ends the
-//! program leaves at most the last line torn; the next one to open the file takes that line away, and its row is made once more.
+//! The file has comma-separated values below a header, or is empty. Rows are written in one piece, so an interruption
+//! tears at most the last line; the next program to open the file removes that line and computes its row again.
 
 use csv::{ReaderBuilder, WriterBuilder};
 use serde::Serialize;
@@ -91,7 +91,7 @@ impl Journal {
     }
 }
 
-/// The rows below the header of a file that nobody writes; none where there is no file.
+/// The rows below the header of a file that no program writes now; empty where the file does not exist.
 ///
 /// # Errors
 /// A file that cannot be read or holds other rows.

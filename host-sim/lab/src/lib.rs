@@ -1,4 +1,5 @@
-//! Experiments over runs, and what a person reads of them: the thesis' comparison, Algorithm 2.1 as an instrument, reports.
+//! Experiments over runs, and their results for people: the thesis' comparison, Algorithm 2.1 as an instrument,
+//! reports.
 
 pub mod accuracy;
 pub mod beside;

@@ -13,7 +13,7 @@ pub const FINGERTIP: f64 = 1e-4;
 pub struct Random(u64);
 
 impl Random {
-    /// A stream of its own for every seed.
+    /// The generator of a seed; each seed has its own stream.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         let mut random = Self(seed);
@@ -41,7 +41,7 @@ impl Random {
 pub struct RandomDevice {
     /// kg·m².
     pub inertia: f64,
-    /// N·m·s/rad.
+    /// Damping, N·m·s/rad.
     pub damping: f64,
     /// Kinetic dry friction, N·m; two thirds have some.
     pub friction: Option<f64>,

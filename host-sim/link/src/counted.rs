@@ -1,6 +1,6 @@
 //! Records that came, and those that are missing between them.
 
-/// What came and what did not.
+/// Counts of received and missing records.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counted {
     /// Records that came.
@@ -11,7 +11,7 @@ pub struct Counted {
 }
 
 impl Counted {
-    /// Takes a record; what is missing before it counts as lost, and is given back.
+    /// Takes a record; returns how many before it are missing, which count as lost.
     pub fn take(&mut self, tick: u32, decimation: u16) -> u32 {
         let steps = self.last.map_or(0, |last| {
             let steps = tick.wrapping_sub(last) / u32::from(decimation);

@@ -1,4 +1,4 @@
-//! What the documentation says of a fault, for whoever stands before it.
+//! The documentation's words on a fault, for a person at the device.
 
 /// The pages of `docs/faults`: number and text.
 const PAGES: &[(u8, &str)] = include!(concat!(env!("OUT_DIR"), "/faults.rs"));

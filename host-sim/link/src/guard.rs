@@ -1,4 +1,5 @@
-//! What a board's energy guard may be told so that its bound holds on this board: no file of settings takes any of it away unnoticed.
+//! Limits on a board's energy guard within which its bound holds on this board: no file of settings may weaken it
+//! unnoticed.
 
 use crate::value;
 use touchstone_control::{ChangeOfForce, Fixed32, Guard, Si};
@@ -13,12 +14,12 @@ use touchstone_protocol::{Board, DeviceSettings};
 pub struct Weaker {
     /// The setting.
     pub path: &'static str,
-    /// What is wrong with its new value.
+    /// The problem of the new value.
     pub problem: String,
 }
 
-/// What new settings take away from the guard's bound. A board's own loop is measured against, damping against the old settings,
-/// capacity and refill against what the board ships with. What was so before is not said again.
+/// How new settings weaken the guard's bound. The delay is compared with the board's own loop, damping with the old
+/// settings, capacity and refill with the shipped ones. A weakness that existed before is not listed again.
 #[must_use]
 pub fn weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) -> Vec<Weaker> {
     const ON: &str = "law.guard.on";
@@ -96,16 +97,16 @@ fn trusted(guard: &GuardSettings) -> Si {
         .saturating_mul(guard.damping_n_m_s_per_rad)
 }
 
-/// What a board's guard promises as it is set.
+/// The bound of a board's guard with its present settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound {
     /// Energy that a hand gets out at once, beyond what it put in, J: the account, and half a count under the largest force that it allows.
     pub at_once_j: f64,
-    /// And again and again, W.
+    /// Further power, W.
     pub refill_w: f64,
 }
 
-/// Of the guard that a board makes of its settings; `None` where it has none.
+/// The bound of the guard with a board's settings; `None` without a guard.
 #[must_use]
 pub fn bound(settings: &DeviceSettings, board: Board) -> Option<Bound> {
     let (law, _) = law_settings(settings, hardware(board)).ok()?;
@@ -123,7 +124,7 @@ pub fn bound(settings: &DeviceSettings, board: Board) -> Option<Bound> {
     })
 }
 
-/// That in words, with what it rests on.
+/// The bound in words, with its conditions.
 #[must_use]
 pub fn promise(settings: &DeviceSettings, board: Board) -> String {
     let Some(bound) = bound(settings, board) else {
@@ -145,8 +146,8 @@ pub fn promise(settings: &DeviceSettings, board: Board) -> String {
     )
 }
 
-/// Holds the guard of new settings to what is sure of this board, whatever a file says: on, with the position measured when the force
-/// changes, no more damping than `sure_damping`, no more capacity and refill than the board ships with.
+/// Limits the guard's settings to what is certain on this board, whatever a file says: on, with the position measured
+/// when the force changes, no more damping than `sure_damping`, no more capacity and refill than shipped.
 pub fn hold(all: &mut DeviceSettings, board: Board, sure_damping: Si) {
     let shipped = DeviceSettings::defaults(board).law.guard;
     let guard = &mut all.law.guard;

@@ -4,7 +4,8 @@ use crate::counted::Counted;
 use touchstone_drive::twin::Twin;
 use touchstone_protocol::{DeviceSettings, Telemetry};
 
-/// Numbers of a record, in their order. What the simulated page has too bears its name, so that the same code draws it.
+/// Numbers of a record, in their order. Those that the simulated page also has bear its names, so that the same code
+/// draws them.
 pub const COLUMNS: [&str; 16] = [
     "clock",
     "tick",
@@ -27,10 +28,10 @@ pub const COLUMNS: [&str; 16] = [
     "phase",
 ];
 
-/// More than this are kept for nobody: who does not fetch them for so long is gone.
+/// Most rows that are kept: a page that fetches none for so long is gone.
 const KEPT: usize = 20_000;
 
-/// Up to such a distance from the wall's surface a record has the position.
+/// A record has the position up to this distance from the wall's surface.
 const REACH_RAD: f64 = 127.0;
 
 /// Bytes of a busy record with its frame, and of the serial line in a second (921,600 baud, ten bits a byte), of which answers need
@@ -60,7 +61,7 @@ pub struct RecordRows {
 }
 
 impl RecordRows {
-    /// From here on with another model, which follows where every tick is told.
+    /// Starts with another model, which follows the device if every tick is sent.
     pub fn begin(&mut self, twin: Option<Twin>, decimation: u16, settings: &DeviceSettings) {
         self.twin = twin.filter(|_| decimation == 1);
         self.counted = Counted::default();
@@ -110,12 +111,12 @@ impl RecordRows {
         ]);
     }
 
-    /// The rows so far, which are gone then.
+    /// The rows so far, which are then removed.
     pub fn numbers(&mut self) -> Vec<f64> {
         std::mem::take(&mut self.numbers)
     }
 
-    /// The same as a message: numbers of 64 bits, least significant byte first, after the batch's own.
+    /// The rows as a message: numbers of 64 bits, least significant byte first, after the batch's number.
     pub fn take(&mut self, batch: u32) -> Vec<u8> {
         let numbers = self.numbers();
         std::iter::once(f64::from(batch))

@@ -40,18 +40,18 @@ pub fn unknown(path: &str) -> Wrong {
 /// The setting and the value that two texts name.
 ///
 /// # Errors
-/// There is no such setting, or it cannot have this value.
+/// There is no such setting, or the value is not allowed.
 pub fn parsed(path: &str, text: &str) -> Result<Setting> {
     let field = known(path)?;
     let bytes = value::parse(field, text).map_err(|wrong| option(path, wrong))?;
     Ok((field, bytes))
 }
 
-/// All settings with this one changed: the device's own check, before it is asked. Its message is the same, and names what is to be
-/// done.
+/// All settings with this one changed. This is the device's own check, made before the request, with the same message
+/// and remedy.
 ///
 /// # Errors
-/// No device of this kind takes them.
+/// No device of this kind accepts them.
 pub fn changed(
     before: &DeviceSettings,
     (field, bytes): &Setting,

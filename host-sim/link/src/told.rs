@@ -1,4 +1,4 @@
-//! What the page is told in words.
+//! Messages to the page in words.
 
 use crate::fault_words::section;
 use crate::value;
@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use touchstone_protocol::settings::fields::FIELDS;
 use touchstone_protocol::{DeviceCommand, DeviceSettings, Limit, Phase, Status};
 
-/// Who is there, and everything that can be set.
+/// The device's identity and all its settings, as JSON.
 #[must_use]
 pub fn hello(device: &str, settings: &DeviceSettings, decimation: u16) -> Value {
     let wall = &settings.wall;
@@ -30,7 +30,7 @@ pub fn hello(device: &str, settings: &DeviceSettings, decimation: u16) -> Value 
     })
 }
 
-/// Where the device stands, and what to do next.
+/// The device's state, and what to do next, in words.
 #[must_use]
 pub fn state(status: &Status) -> Value {
     let fault = status.fault.map(|fault| {

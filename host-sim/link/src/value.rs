@@ -5,13 +5,13 @@ use touchstone_protocol::settings::fields::{Field, Kind};
 use touchstone_protocol::settings::{Decimal, VALUE_MAX};
 use touchstone_sim::scene::{list, nearest};
 
-/// What is wrong with a text, and what would be right.
+/// The problem of a text, and the remedy.
 pub type Wrong = (String, String);
 
 /// The value that a text stands for, as postcard has it. Numbers are exact: no float comes near them.
 ///
 /// # Errors
-/// It is no value of this setting.
+/// The text is no value of this setting.
 pub fn parse(field: &Field, text: &str) -> Result<Vec<u8>, Wrong> {
     let mut buffer = [0; VALUE_MAX];
     let no = |problem: String| Err((problem, wanted(field).1));
@@ -54,7 +54,7 @@ pub fn wanted(field: &Field) -> Wrong {
     )
 }
 
-/// What a setting may be, in words.
+/// The allowed values of a setting, in words.
 #[must_use]
 pub fn range(field: &Field) -> String {
     match field.kind {

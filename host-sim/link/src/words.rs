@@ -15,7 +15,7 @@ pub fn number_of(identity: &Identity) -> String {
     number
 }
 
-/// Who it is, on one line.
+/// The device's identity on one line.
 #[must_use]
 pub fn described(identity: &Identity) -> String {
     let number = number_of(identity);
@@ -54,10 +54,10 @@ pub fn page(code: FaultCode) -> String {
     name
 }
 
-/// What is wrong, and what to do.
+/// Problem and remedy.
 pub type ProblemAndFix = (String, &'static str);
 
-/// What to do with a device of another version.
+/// The remedy for a device of another version.
 pub const OTHER_VERSION: &str = "flash the firmware of this version: touchstone flash";
 
 /// An answer to another question.

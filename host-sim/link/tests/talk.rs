@@ -1,4 +1,4 @@
-//! The conversation against a device that answers as it is told to: what is lost, refused, silent or nonsense.
+//! The protocol with a device of the tests that loses, refuses, is silent or sends nonsense.
 
 use serde_json::Value;
 use touchstone_link::talk::{ANSWER_LIMIT_MS, TRIES, Talk};
@@ -8,14 +8,14 @@ use touchstone_protocol::{
     Reply, Request, ResetReason, Status, Telemetry, ToDevice, stored,
 };
 
-/// A device that remembers what it was asked.
+/// A device that remembers the requests.
 struct Device {
     decoder: Decoder,
     settings: DeviceSettings,
     phase: Phase,
     tick: u32,
     asked: Vec<String>,
-    /// So many answers are lost from now on.
+    /// How many of the next answers are lost.
     mute: u32,
     telemetry: bool,
 }
@@ -118,7 +118,7 @@ fn framed(message: &FromDevice) -> Vec<u8> {
     frame::encode(message, &mut buffer).unwrap().to_vec()
 }
 
-/// Both ends and the clock between them.
+/// Both ends of the link, and their clock.
 struct Wire {
     talk: Talk,
     device: Device,
@@ -145,7 +145,7 @@ impl Wire {
         wire
     }
 
-    /// Lets so much time pass, with a record a millisecond where the device has power.
+    /// Lets time pass, with a record a millisecond while the device has power.
     fn pass(&mut self, ms: f64, power: bool) {
         let until = self.now_ms + ms;
         while self.now_ms < until {

@@ -88,7 +88,7 @@ function show() {
   $("strength").value = chosen.strength;
   $("strength-n").textContent = chosen.strength.toFixed(2);
   $("speed").value = String(chosen.speed);
-  press("automatic", chosen.automatic);
+  pressing();
   $("automatic").disabled = !runs[0]?.facts.motion_s;
   const nobody = field("operator.grip") === "none" ? "Nobody holds the knob: it stays where it is.\n" : "";
   const warnings = (nobody + (runs[0]?.warnings ?? "")).trim(), many = warnings.split("\n").length;
@@ -150,10 +150,12 @@ function setOther(law) {
   open(true);
 }
 
-function preset(step) {
+/** Whether the reader wants things still: then nothing moves until somebody moves it. */
+const wantsStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
+function preset(step, demonstrate) {
   closeFile();
   const chapter = PRESETS[step - 1];
-  chosen = { base: chapter ? "thesis-knob" : "own", step, sets: chapter ? mapOf(chapter.sets) : mapOf(content.sets), b: chapter?.b ? mapOf(chapter.b) : null, automatic: Boolean(chapter), speed: 1, strength: chapter?.strength ?? 0.3 };
+  chosen = { base: chapter ? "thesis-knob" : "own", step, sets: chapter ? mapOf(chapter.sets) : mapOf(content.sets), b: chapter?.b ? mapOf(chapter.b) : null, automatic: Boolean(chapter) || demonstrate === true, speed: 1, strength: chapter?.strength ?? 0.3 };
   begin();
 }
 
@@ -174,6 +176,10 @@ function begin() {
 }
 
 function press(id, on) { $(id).setAttribute("aria-pressed", String(on)); }
+function pressing() {
+  press("automatic", chosen.automatic);
+  $("by-itself").style.visibility = chosen.automatic ? "" : "hidden";
+}
 function run(on) {
   running = on;
   $("run").textContent = on ? "Pause" : "Run";
@@ -182,7 +188,7 @@ function run(on) {
 }
 function automatic(on) {
   chosen.automatic = on && Boolean(runs[0]?.facts.motion_s);
-  press("automatic", chosen.automatic);
+  pressing();
   tell("automatic", { on: chosen.automatic });
   share();
 }
@@ -280,6 +286,7 @@ function opened({ a, b, keep }) {
   });
   // A changed setting or a law beside it is another run than the file's.
   if (openedFile && !keep && !b) runs.push(fileRun(a)); else closeFile();
+  if (chosen.automatic && !runs[0].facts.motion_s) automatic(false);
   show();
 }
 
@@ -304,7 +311,7 @@ function took({ a, b, count, recorded: ticks }) {
 }
 
 worker.onmessage = ({ data }) => {
-  if (data.type === "ready") { if (!fromAddress()) preset(0); else begin(); }
+  if (data.type === "ready") { if (!fromAddress()) preset(0, !wantsStill); else begin(); }
   if (data.type === "opened") opened(data);
   if (data.type === "rows") took(data);
   if (data.type === "back") turnedBack(data);

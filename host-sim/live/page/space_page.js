@@ -48,7 +48,8 @@ function opened({ facts, keep }) {
   $("guard").checked = facts.guard;
 }
 worker.onmessage = ({ data }) => {
-  if (data.type === "ready") { open(false); go(true); }
+  // It moves by itself until somebody touches it, but not for a reader who wants things still.
+  if (data.type === "ready") { open(false); go(true); automatic(!matchMedia("(prefers-reduced-motion: reduce)").matches); }
   // What was refused is shown until something is taken.
   if (data.type === "opened") { if (!restoring) complain(""); restoring = false; opened(data); }
   if (data.type === "rows" && run && !pending) {
@@ -73,6 +74,7 @@ function go(on) {
 function automatic(on) {
   chosen.automatic = on;
   press("automatic", on);
+  $("by-itself").style.visibility = on ? "" : "hidden";
   tell("automatic", { on });
   if (on) aim = null;
 }

@@ -7,17 +7,29 @@ class Stage {
   constructor(canvas) {
     this.canvas = canvas;
     this.views = [new Lens(), new Lens()];
+    this.half = 0.02;
     this.knobs = [];
   }
   draw(runs, hand) {
     const { g, width, height } = sheet(this.canvas);
     const wide = width > 620 || runs.length === 1;
     this.knobs = [];
+    this.follow(runs);
     runs.forEach((run, i) => {
       const n = runs.length;
       const box = wide ? { x: (width / n) * i, y: 0, w: width / n, h: height } : { x: 0, y: (height / n) * i, w: width, h: height / n };
       this.side(g, box, run, this.views[i], hand, n > 1);
     });
+  }
+  /** Half the width that a lens shows, rad: the same for all lenses, so that what is side by side can be compared. */
+  follow(runs) {
+    let widest = 0.01;
+    for (const { facts, ring } of runs) {
+      ring.since(STRIP_S, (i) => { widest = Math.max(widest, Math.min(0.6, Math.abs(ring.columns.angle_rad[i] - facts.surface_rad))); });
+    }
+    // Steps of the scale that last: a lens that breathes cannot be read.
+    const wanted = round(widest * 1.25);
+    this.half += (wanted > this.half ? 0.4 : 0.15) * (wanted - this.half);
   }
   side(g, box, run, lens, hand, named) {
     const sideways = box.w > 1.5 * box.h;
@@ -33,7 +45,7 @@ class Stage {
       g.font = "12px system-ui, sans-serif";
     }
     this.knob(g, knob, run, colour, hand);
-    lens.draw(g, rest, run, colour, !named || !sideways);
+    lens.draw(g, rest, run, colour, this.half, !named || !sideways);
   }
   knob(g, box, run, colour, hand) {
     const r = Math.max(20, Math.min(box.w, box.h) * 0.32), x = box.x + box.w / 2, y = box.y + box.h / 2 + 6;
@@ -91,16 +103,11 @@ class Stage {
 
 /** What happens at the surface, enlarged: to the right is into the wall. */
 class Lens {
-  constructor() { this.half = 0.02; this.bins = new Bins(); }
-  draw(g, box, run, colour, titled) {
-    const { facts, ring, last: row } = run;
+  constructor() { this.bins = new Bins(); }
+  draw(g, box, run, colour, half, titled) {
+    const { facts, last: row } = run;
     const surface = facts.surface_rad, h = box.h;
-    let widest = 0.01;
-    ring.since(STRIP_S, (i) => { widest = Math.max(widest, Math.min(0.6, Math.abs(ring.columns.angle_rad[i] - surface))); });
-    // Steps of the scale that last: a lens that breathes cannot be read.
-    const wanted = round(widest * 1.25);
-    this.half += (wanted > this.half ? 0.4 : 0.15) * (wanted - this.half);
-    const X = (angle) => box.x + box.w * (0.5 + (angle - surface) / (2 * this.half)), top = box.y + 18, line = box.y + h * 0.3, strip = box.y + h * 0.56, low = box.y + h - 20;
+    const X = (angle) => box.x + box.w * (0.5 + (angle - surface) / (2 * half)), top = box.y + 18, line = box.y + h * 0.3, strip = box.y + h * 0.56, low = box.y + h - 20;
     g.save();
     g.beginPath();
     g.rect(box.x, box.y, box.w, h);
@@ -117,10 +124,10 @@ class Lens {
     g.fillStyle = ink.muted;
     g.textBaseline = "bottom";
     g.textAlign = "center";
-    for (const v of marks(-this.half, this.half, 5)) {
-      const at = box.x + box.w * (0.5 + v / (2 * this.half));
+    for (const v of marks(-half, half, 5)) {
+      const at = box.x + box.w * (0.5 + v / (2 * half));
       stroke(g, ink.muted, 1, [], () => { g.moveTo(at, low); g.lineTo(at, low + 4); });
-      if (Math.abs(v) < 0.78 * this.half) g.fillText(number(v * 1e3), at, low + 18);
+      if (Math.abs(v) < 0.78 * half) g.fillText(number(v * 1e3), at, low + 18);
     }
     g.textAlign = "right";
     g.fillText("mrad", box.x + box.w - 2, low + 18);

@@ -20,7 +20,7 @@ pub enum Way<'a> {
     Serial,
 }
 
-/// What the page starts with.
+/// Data with which the page starts.
 #[derive(Debug, Clone, Copy)]
 pub struct Content<'a> {
     /// How it reaches the board.

@@ -49,7 +49,7 @@ pub const FACTS: [&str; 8] = [
 /// One loop.
 struct Place {
     live: Live,
-    /// What the scene's own hand sets out to do.
+    /// The motion of the scene's own hand, and its length.
     motion: Option<(RestPath, f64)>,
     scene: Scene,
     row: [f64; ROW.len()],
@@ -161,10 +161,10 @@ impl Desk {
         self.places.get_mut(handle)?.as_mut()
     }
 
-    /// Opens a loop at its scene's start; gives its handle.
+    /// Opens a loop at its scene's start; returns its handle.
     ///
     /// # Errors
-    /// What is wrong with the scene.
+    /// The problem of the scene.
     pub fn open(&mut self, text: &str) -> Result<usize> {
         let scene = scene(text)?;
         let live = Live::new(&scene)?;
@@ -188,7 +188,7 @@ impl Desk {
     /// Goes on with another scene from where device and hand are.
     ///
     /// # Errors
-    /// What is wrong with the scene; the loop goes on as it was.
+    /// The problem of the scene; the loop goes on unchanged.
     pub fn change(&mut self, handle: usize, text: &str) -> Result<()> {
         let scene = scene(text)?;
         let place = self.place(handle).ok_or_else(|| closed(handle))?;
@@ -200,7 +200,7 @@ impl Desk {
     /// Starts again from the scene's start.
     ///
     /// # Errors
-    /// None that opening did not have.
+    /// No other errors than opening.
     pub fn reset(&mut self, handle: usize) -> Result<()> {
         let place = self.place(handle).ok_or_else(|| closed(handle))?;
         place.live = Live::new(&place.scene)?;
@@ -208,7 +208,7 @@ impl Desk {
         Ok(())
     }
 
-    /// One tick with the hand's rest point here, rad; its numbers are those of [`ROW`].
+    /// Runs one tick with the hand's rest point here, rad; returns the numbers of [`ROW`].
     pub fn tick(&mut self, handle: usize, rest_rad: f64) -> Option<&[f64; ROW.len()]> {
         let place = self.place(handle)?;
         let moment = place.live.tick(rest_rad);

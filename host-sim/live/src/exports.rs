@@ -42,7 +42,7 @@ pub(crate) fn give_bytes(bytes: Vec<u8>) -> usize {
     count
 }
 
-/// What came of it as a number, and an error's text in the buffer.
+/// The result as a number; an error's text goes into the buffer.
 pub(crate) fn number(result: Result<i32>) -> i32 {
     result.unwrap_or_else(|error| {
         give(error.to_string());
@@ -50,7 +50,7 @@ pub(crate) fn number(result: Result<i32>) -> i32 {
     })
 }
 
-/// Makes room for a text of so many bytes; gives the address to write it to.
+/// Makes room for a text of this many bytes; returns the address to write it to.
 #[unsafe(no_mangle)]
 extern "C" fn live_text_room(bytes: usize) -> *mut u8 {
     TEXT.with_borrow_mut(|text| {
@@ -96,7 +96,7 @@ extern "C" fn live_reset(handle: usize) -> i32 {
     number(desk(|desk| desk.reset(handle)).map(|()| 0))
 }
 
-/// One tick with the hand's rest point here, rad; gives the address of its row, or 0 for a handle that is none.
+/// Runs one tick with the hand's rest point here, rad; returns the address of its row, or 0 for an unknown handle.
 #[unsafe(no_mangle)]
 extern "C" fn live_tick(handle: usize, rest_rad: f64) -> *const f64 {
     desk(|desk| {
@@ -111,7 +111,7 @@ extern "C" fn live_own_rest(handle: usize, time_s: f64) -> f64 {
     desk(|desk| desk.own_rest_rad(handle, time_s))
 }
 
-/// Address of the loop's facts, or 0 for a handle that is none.
+/// Address of the loop's facts, or 0 for an unknown handle.
 #[unsafe(no_mangle)]
 extern "C" fn live_facts(handle: usize) -> *const f64 {
     desk(|desk| {

@@ -1,6 +1,6 @@
-//! What a page calls that has a board's port itself: bytes in, bytes out, messages and rows for the page.
+//! Functions for a page that holds a board's port: bytes in, bytes out, messages and rows for the page.
 //!
-//! Bytes and texts go through the buffer of [`crate::exports`], whose words about `unsafe` count here too.
+//! Bytes and texts go through the buffer of [`crate::exports`], whose words about `unsafe` hold here too.
 #![allow(unsafe_code)]
 
 use crate::exports::{give, give_bytes, take, take_bytes};
@@ -16,7 +16,7 @@ fn talk<T>(with: impl FnOnce(&mut Talk) -> T) -> T {
     TALK.with_borrow_mut(with)
 }
 
-/// Begins anew; the place, for messages, is in the buffer.
+/// Begins anew; the buffer holds the port's name for messages.
 #[unsafe(no_mangle)]
 extern "C" fn live_board_new() {
     TALK.set(Talk::new(&take()));
@@ -46,13 +46,13 @@ extern "C" fn live_board_order(now_ms: f64) {
     talk(|talk| talk.order(&take(), now_ms));
 }
 
-/// Looks at the clock.
+/// Tells the module the time.
 #[unsafe(no_mangle)]
 extern "C" fn live_board_turn(now_ms: f64) {
     talk(|talk| talk.turn(now_ms));
 }
 
-/// Puts what is to be sent into the buffer; gives how many bytes.
+/// Puts the bytes to be sent into the buffer; returns how many.
 #[unsafe(no_mangle)]
 extern "C" fn live_board_out() -> usize {
     give_bytes(talk(Talk::out))
@@ -67,7 +67,7 @@ extern "C" fn live_board_said() -> i32 {
     })
 }
 
-/// Takes the rows that came since the last call; gives how many numbers they are.
+/// Takes the rows that came since the last call; returns their count of numbers.
 #[unsafe(no_mangle)]
 extern "C" fn live_board_rows() -> usize {
     let rows = talk(Talk::rows);

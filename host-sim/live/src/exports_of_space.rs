@@ -1,4 +1,5 @@
-//! What a page of three axes calls. Texts go through the buffer of [`crate::exports`], whose words about `unsafe` count here too.
+//! Functions for the page of three axes. Texts go through the buffer of [`crate::exports`], whose words about `unsafe`
+//! hold here too.
 #![allow(unsafe_code)]
 
 use crate::exports::{give, number, take};
@@ -31,7 +32,7 @@ extern "C" fn live_space_change() -> i32 {
     }))
 }
 
-/// One tick with the hand's rest point here, mm; gives the address of its row, or 0 where there is no loop.
+/// Runs one tick with the hand's rest point here, mm; returns the address of its row, or 0 without a loop.
 #[unsafe(no_mangle)]
 extern "C" fn live_space_tick(x_mm: f64, y_mm: f64, z_mm: f64) -> *const f64 {
     SPACE.with_borrow_mut(|space| {

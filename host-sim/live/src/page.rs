@@ -5,7 +5,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use sha2::{Digest, Sha256};
 
-/// The loop for browsers, made by `cargo xtask live`; how and from what stands beside it.
+/// The loop for browsers, made by `cargo xtask live`; a file beside it records how and from what.
 pub const MODULE: &[u8] = include_bytes!("../module/touchstone_live.wasm");
 
 /// First words of every page, by which the program knows its own.
@@ -35,14 +35,14 @@ const SCRIPT: [&str; 8] = [
     include_str!("../page/start.js"),
 ];
 
-/// What the page starts with.
+/// Data with which the page starts.
 #[derive(Debug, Clone, Copy)]
 pub struct Content<'a> {
     /// The scene as TOML, changes included.
     pub scene: &'a str,
-    /// Its name.
+    /// Name of the scene.
     pub name: &'a str,
-    /// What it shows.
+    /// What the scene shows, in a sentence.
     pub description: &'a str,
     /// The command's words after `touchstone live` that give the same scene.
     pub source: &'a str,

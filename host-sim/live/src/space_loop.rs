@@ -17,7 +17,7 @@ use touchstone_world::plant::{Cartesian, FIRM_TRANSLATION, HeldLinear, OMEGA3, O
 type N = Fixed32;
 type Held = Cartesian<HeldLinear>;
 const UNIT: LengthUnit = LengthUnit::Centimetre;
-/// Of the law's unit in a metre, and of millimetres in it.
+/// Units of the law in a metre; the second, millimetres in such a unit.
 const PER_METRE: f64 = 100.0;
 const MM: f64 = 10.0;
 
@@ -45,29 +45,30 @@ pub const SPACE_ROW: [&str; 20] = [
     "speed_mm_per_s",
 ];
 
-/// What stands in the workspace.
+/// The object in the workspace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SpaceObject {
-    /// Below a plane through the centre, whose normal points out.
+    /// The half-space below a plane through the centre; the normal points out.
     Plane([f64; 3]),
     /// A ball around the centre, radius in mm.
     Sphere(f64),
 }
 
-/// What a page can choose, and what its program knows of the device.
+/// The page's choices, and the program's data on the device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpaceChoice {
     /// The object.
     pub object: SpaceObject,
     /// The law, SI.
     pub law: Settings,
-    /// One law an axis instead of one along the normal.
+    /// One law for each axis instead of one along the normal.
     pub per_axis: bool,
     /// The guard, where there is one, SI.
     pub guard: Option<GuardSettings>,
 }
 
-/// The settings that a page is told, each with its name: all that the laws of three axes have otherwise than [`Settings::thesis`].
+/// The settings that a page gets, each with its name: all in which the laws of three axes differ from
+/// [`Settings::thesis`].
 macro_rules! numbers {
     ($settings:expr, $with:ident) => {{
         let settings = $settings;
@@ -92,7 +93,7 @@ macro_rules! numbers {
 }
 
 impl SpaceChoice {
-    /// As a page keeps it: `key=value`, a line each.
+    /// The choice as a page keeps it: `key=value`, a line each.
     #[must_use]
     pub fn to_text(&self) -> String {
         let mut text = match self.object {
@@ -228,7 +229,7 @@ impl SpaceChoice {
 
 /// The loop.
 pub struct SpaceLoop {
-    /// What it was made of.
+    /// The choice from which the loop was made.
     pub choice: SpaceChoice,
     wall: SpaceWall<N, Shape<N>, AnyLaw<N>>,
     plant: Held,
@@ -257,16 +258,16 @@ pub fn start_mm(object: SpaceObject) -> [f64; 3] {
 }
 
 impl SpaceLoop {
-    /// At rest where the hand waits at first.
+    /// A loop at rest at the hand's first position.
     ///
     /// # Errors
-    /// As [`Self::at`].
+    /// Same as [`Self::at`].
     pub fn new(choice: SpaceChoice) -> Result<Self> {
         let start = start_mm(choice.object);
         Self::at(choice, start)
     }
 
-    /// At rest at a place, mm.
+    /// A loop at rest at a position, mm.
     ///
     /// # Errors
     /// Settings that law or guard cannot have.
@@ -319,7 +320,7 @@ impl SpaceLoop {
     /// Goes on with another choice from where device and hand are.
     ///
     /// # Errors
-    /// As [`Self::new`]; the loop goes on as it was.
+    /// Same as [`Self::new`]; the loop goes on as it was.
     pub fn change(&mut self, choice: SpaceChoice) -> Result<()> {
         let mut changed = Self::new(choice)?;
         changed.state = self.state;
@@ -351,7 +352,7 @@ impl SpaceLoop {
         )
     }
 
-    /// One tick with the hand's rest point here, mm; its numbers are those of [`SPACE_ROW`].
+    /// Runs one tick with the hand's rest point here, mm; returns the numbers of [`SPACE_ROW`].
     pub fn tick(&mut self, rest_mm: [f64; 3]) -> &[f64; SPACE_ROW.len()] {
         let hip_m = Held::position(&self.state);
         let hip_mm = hip_m.map(|x| x * 1e3);

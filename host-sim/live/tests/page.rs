@@ -15,7 +15,7 @@ fn page() -> String {
     })
 }
 
-/// What stands between two texts, once.
+/// The text between two others, each of which occurs once.
 fn between<'a>(page: &'a str, from: &str, to: &str) -> &'a str {
     let (_, rest) = page.split_once(from).unwrap_or_else(|| panic!("no {from}"));
     rest.split_once(to).unwrap_or_else(|| panic!("no {to}")).0

@@ -1,4 +1,4 @@
-//! What a hand did live and what the program makes of its record are the same, to the bit.
+//! A live hand and its replay by the program give the same, bit for bit.
 
 use std::path::PathBuf;
 use touchstone_live::desk::{Desk, ROW, TRACE_COLUMNS, scene};

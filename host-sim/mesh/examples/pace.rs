@@ -1,4 +1,4 @@
-//! What a proxy's tick takes on balls of more and more triangles: pressed 0.4 mm deep and led around, and outside.
+//! Time of a proxy's tick on balls of more and more triangles: pressed 0.4 mm deep and led around, and outside.
 
 #[path = "../tests/shapes/mod.rs"]
 mod shapes;

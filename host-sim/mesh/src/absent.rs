@@ -1,11 +1,11 @@
-//! Without the feature `geometry`: no mesh exists, and who asks for one hears how to build the program.
+//! Without the feature `geometry` no mesh exists; the error says how to build the program with it.
 
 use std::path::Path;
 use touchstone_control::space::{Direction, LengthUnit, Nearest, Spatial, Surface, Vector};
 use touchstone_control::{Position, Reported};
 use touchstone_sim::error::{Error, Result};
 
-/// A triangle mesh, of which there is none.
+/// A triangle mesh; without the feature no value exists.
 #[derive(Debug, Clone)]
 pub enum Mesh {}
 
@@ -13,7 +13,7 @@ impl Mesh {
     /// Nothing is read.
     ///
     /// # Errors
-    /// Always: how to build the program.
+    /// Always returns how to build the program with this feature.
     pub fn read_stl(path: &Path, _unit_m: f64) -> Result<Self> {
         Err(Error::Io {
             path: path.to_owned(),
@@ -47,12 +47,12 @@ impl Mesh {
     }
 }
 
-/// A mesh's surface, of which there is none.
+/// A mesh's surface; without the feature no value exists.
 #[derive(Debug, Clone)]
 pub struct MeshSurface<'m>(&'m Mesh);
 
 impl<'m> MeshSurface<'m> {
-    /// Of a mesh that there cannot be.
+    /// The surface of a mesh; without the feature it is never called.
     #[must_use]
     pub const fn new(mesh: &'m Mesh, _: LengthUnit) -> Self {
         Self(mesh)

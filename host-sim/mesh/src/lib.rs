@@ -1,7 +1,7 @@
 //! Triangle meshes as virtual objects, for the desktop.
 //!
 //! [`Mesh`] is the object, from vertices or an STL file; `Proxy` is a point that stays on its surface while the hand goes in (the
-//! god-object of Zilles and Salisbury, IROS 1995); [`MeshSurface`] shows the two to [`touchstone_control::space`] as any other object.
+//! god-object of Zilles and Salisbury, IROS 1995). [`MeshSurface`] shows the two to [`touchstone_control::space`] as any other object.
 //!
 //! All of it needs the feature `geometry`. Without it no mesh can be made, and reading one says how to build the program.
 

@@ -31,10 +31,10 @@ impl std::fmt::Display for MeshError {
 
 impl std::error::Error for MeshError {}
 
-/// A triangle with what a proxy asks of it.
+/// A triangle with the data that a proxy needs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Face {
-    /// Its corners, counter-clockwise from outside, m.
+    /// The corners, counter-clockwise from outside, m.
     pub corners: [Vector; 3],
     /// Outwards, of length 1.
     pub normal: Vector,
@@ -53,10 +53,10 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// From vertices in metres and triangles of their numbers. Triangles without an area are left out.
+    /// A mesh of vertices in metres and triangles of vertex numbers. Triangles without an area are left out.
     ///
     /// # Errors
-    /// Nothing is left, or a triangle names what is no vertex.
+    /// No triangle is left, or one names a missing vertex.
     pub fn new(
         vertices: &[Vector],
         triangles: &[[u32; 3]],
@@ -101,7 +101,7 @@ impl Mesh {
     /// From the bytes of an STL file; `path` is its name in messages.
     ///
     /// # Errors
-    /// As [`Mesh::read_stl`].
+    /// Same as [`Mesh::read_stl`].
     pub fn parse_stl(bytes: &[u8], path: &Path, unit_m: f64) -> Result<Self> {
         let stl = stl::parse(bytes).map_err(|problem| {
             Self::wrong(
@@ -179,7 +179,7 @@ impl Face {
         self.normal.dot(point - self.corners[0])
     }
 
-    /// Whether a point lies over it, or beside it by no more than `beside_m`.
+    /// Whether a point lies over the face, or beside it by no more than `beside_m`.
     pub fn is_below(&self, point: Vector, beside_m: f64) -> bool {
         self.corners
             .iter()

@@ -1,4 +1,4 @@
-//! What is odd about a mesh, each by the number that gives it away: inside out, doubled, open, out of reach, of another unit.
+//! Oddities of a mesh, each with the number that shows it: inside out, doubled, open, out of reach, of another unit.
 
 use super::mesh::Mesh;
 use parry3d_f64::math::Vector;

@@ -15,7 +15,7 @@ use parry3d_f64::query::PointQuery as _;
 
 /// Times the proxy goes on with no plane in mind.
 const ROUNDS: usize = 6;
-/// Planes that may stop it in one of them.
+/// Most planes that may stop the proxy in a round.
 const PLANES: usize = 6;
 /// How far a triangle reaches beyond its edges, gaps: for edges down to 15 degrees.
 const BESIDE_GAPS: f64 = 8.0;
@@ -68,7 +68,7 @@ impl Proxy {
         self.at
     }
 
-    /// Towards the hand, until as many planes stop it as there are directions, or none does.
+    /// Goes towards the hand until no plane stops the proxy, or as many do as there are directions.
     fn round(&mut self, mesh: &Mesh, hand: Vector) {
         let mut planes: Vec<Plane> = Vec::with_capacity(PLANES);
         let mut goal = hand;
@@ -120,7 +120,7 @@ impl Proxy {
         best
     }
 
-    /// How far the hand is from the surface where the proxy is with it, m.
+    /// Distance of the hand from the surface when the proxy is with it, m.
     pub(crate) fn clearance(&self, mesh: &Mesh) -> f64 {
         mesh.tree.distance_to_local_point(self.at, false).abs()
     }

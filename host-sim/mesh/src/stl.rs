@@ -38,7 +38,7 @@ impl Triangles {
         self.triangles.push(numbers);
     }
 
-    /// In metres.
+    /// Vertices in metres.
     pub fn vertices_m(&self, unit_m: f64) -> Vec<Vector> {
         self.vertices
             .iter()
@@ -47,10 +47,10 @@ impl Triangles {
     }
 }
 
-/// What is in a file, of any kind that has an end.
+/// The content of a file, of any kind that has an end.
 ///
 /// # Errors
-/// What is wrong, and what to do.
+/// Problem and remedy.
 pub(crate) fn bytes_of(path: &Path) -> Result<Vec<u8>, (String, &'static str)> {
     touchstone_sim::input::bytes(path, MOST_BYTES).map_err(|error| match error.kind() {
         std::io::ErrorKind::FileTooLarge => {
@@ -60,10 +60,11 @@ pub(crate) fn bytes_of(path: &Path) -> Result<Vec<u8>, (String, &'static str)> {
     })
 }
 
-/// Reads the bytes of a file. Text is what begins with the word `solid` and then has a `facet` or an end; all else is binary.
+/// Reads the bytes of a file. It is text if it begins with the word `solid` and then has a `facet` or an end;
+/// otherwise binary.
 ///
 /// # Errors
-/// What is wrong.
+/// The problem.
 pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, String> {
     let told = bytes.get(80..HEAD).map_or(0, |count| {
         count
@@ -107,7 +108,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, String> {
     ))
 }
 
-/// What else people call `.stl`.
+/// Another format that people store as `.stl`.
 fn other_format(bytes: &[u8]) -> Option<&'static str> {
     let begins = |mark: &[u8]| bytes.starts_with(mark);
     let first = bytes.iter().position(|byte| !byte.is_ascii_whitespace())?;
@@ -176,7 +177,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// What is left of the line is a name, in whatever letters.
+    /// Skips the rest of the line, which is a name in any letters.
     fn skip_line(&mut self) {
         while self.at < self.bytes.len() && !self.ends_line() {
             self.at += 1;
@@ -285,7 +286,8 @@ fn text(bytes: &[u8]) -> Result<Triangles, String> {
     }
 }
 
-/// A facet after its first word. What stands as its normal is not read: many write nothing useful there, or `nan`.
+/// Reads a facet after its first word. Its stated normal is ignored: many programs write nothing useful there, or
+/// `nan`.
 fn facet(words: &mut Words<'_>) -> Result<[[f32; 3]; 3], String> {
     words.wanted("normal")?;
     let mut left = 3;

@@ -14,7 +14,7 @@ use touchstone_control::{Position, Reported};
 pub struct MeshSurface<'m> {
     mesh: &'m Mesh,
     metre: f64,
-    /// An object is asked through a shared reference; the proxy is its memory.
+    /// The proxy, in a cell: objects are used through a shared reference, and the proxy is the surface's memory.
     proxy: Cell<Option<Proxy>>,
 }
 

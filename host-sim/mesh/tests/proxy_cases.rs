@@ -7,7 +7,7 @@ use touchstone_control::space::{LengthUnit, Rule, SurfacePoint, Touch, Turn};
 use touchstone_control::{Fixed32, Position, Reported};
 use touchstone_mesh::{Mesh, MeshSurface, Proxy, Vector};
 
-/// Leads the hand along straight lines at so many ticks a leg; hand and proxy of every tick.
+/// Leads the hand along straight lines with this many ticks a leg; returns hand and proxy of every tick.
 fn along(mesh: &Mesh, corners: &[Vector], ticks: u32) -> Vec<(Vector, Vector)> {
     let mut proxy = Proxy::new(mesh, corners[0]);
     let mut course = Vec::new();
@@ -32,7 +32,7 @@ fn apart(a: Vector, b: Vector) -> f64 {
 /// The tangent of the cone's half angle.
 const CONE: f64 = 0.02;
 
-/// The same course through the control crate's restricted surface point, in centimetres.
+/// The same path through the control crate's restricted surface point, in centimetres.
 fn touched(mesh: &Mesh, corners: &[Vector], ticks: u32) -> Vec<Touch<Fixed32>> {
     let surface = MeshSurface::new(mesh, LengthUnit::Centimetre);
     let turn = Turn::of_ratio(<Fixed32 as Reported>::signal_from_f64(CONE));
@@ -132,7 +132,8 @@ fn case_3_in_a_concave_corner_it_lies_on_the_crease() {
     assert!(((proxy - hand).normalize() - normal).length() < 1e-6);
 }
 
-/// A proxy by itself jumps by the depth times the sine of the edge's turn. Behind the restricted rule the force turns by its cone at most.
+/// A proxy alone jumps by the depth times the sine of the edge's turn. Behind the restricted rule the force turns by
+/// the cone's angle at most.
 #[test]
 fn case_4_over_a_convex_edge_the_force_turns_continuously() {
     let roof = prism(&[[-30., -20.], [30., -20.], [30., 0.], [0., 12.], [-30., 0.]]).mesh();

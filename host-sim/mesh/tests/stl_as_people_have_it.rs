@@ -1,4 +1,5 @@
-//! STL files as people have them: how text is written, several solids, what a file is instead; and 10,000 files by a generator.
+//! STL files as people have them: ways to write text, several solids, other formats under the name; and 10,000 files
+//! by a generator.
 
 #[path = "../../../tests/made/choices.rs"]
 mod choices;

@@ -32,7 +32,7 @@ fn spring() -> AnyLaw<Fixed32> {
     UNIT.law(&settings).expect("settings")
 }
 
-/// 1 N/mm on a box: the force is the depth's, along the normal; outside there is none.
+/// 1 N/mm on a box: the force is in proportion to the depth, along the normal; outside there is none.
 #[test]
 fn a_wall_of_triangles_pushes_like_one_of_planes() {
     let mesh = block(20.0, 20.0, 20.0).mesh();

@@ -1,6 +1,6 @@
 //! What a tick costs in time, and what accuracy costs: `cargo run --release --example bench_tick`.
 //!
-//! First whole ticks, plant to plant, as a run with logging off has them; then the law alone in each number format, on the
+//! First whole ticks, plant to plant, as a run with logging off has them. Then the law alone in each number format, on the
 //! counts that a run of the thesis' knob gave, with the largest force difference to f64 beside its time. Least and median of
 //! several repeats, taken in turns so that a disturbance of the machine does not hit one row only; wall clock of one core.
 
@@ -19,7 +19,7 @@ const REPEATS: usize = 100;
 const HOLD_S: &str = "operator.motion.hold_s=20";
 const DURATION_S: &str = "timing.duration_s=23";
 
-/// Ticks with a force, and what the encoder read.
+/// Ticks with a force, and the encoder's counts.
 #[derive(Default)]
 struct Contact {
     ticks: u64,

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-/// A problem that the user can mend: says what, where and how. Printed on one line; exit code 1 where the world outside did not do
-/// its part, 2 where what was asked for cannot be done.
+/// A problem that the user can mend, on one line: place, problem, remedy. Exit code 1 where the outside world failed,
+/// 2 where the user's request cannot be carried out.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// Something in a file: scene, recording.
+    /// An error in a file: scene or recording.
     #[error("{}:{line}: {field}: {problem}; {fix}", file.display())]
     File {
         /// The file as the user named it.
@@ -15,17 +15,17 @@ pub enum Error {
         line: usize,
         /// Field or column, as it stands in the file.
         field: String,
-        /// What is wrong.
+        /// The problem.
         problem: String,
         /// How to mend it.
         fix: String,
     },
-    /// Something on the command line: option or `--set` key.
+    /// An error on the command line: option or `--set` key.
     #[error("{option}: {problem}; {fix}")]
     Option {
         /// The option or key as the user wrote it.
         option: String,
-        /// What is wrong.
+        /// The problem.
         problem: String,
         /// How to mend it.
         fix: String,
@@ -35,7 +35,7 @@ pub enum Error {
     Io {
         /// The path.
         path: PathBuf,
-        /// What the system said.
+        /// The system's message.
         problem: String,
         /// How to mend it.
         fix: String,
@@ -45,7 +45,7 @@ pub enum Error {
     Device {
         /// The port, the device or the program.
         place: String,
-        /// What is wrong.
+        /// The problem.
         problem: String,
         /// How to mend it.
         fix: String,

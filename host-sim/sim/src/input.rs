@@ -1,4 +1,5 @@
-//! Reading what people hand over: files of any kind, none beyond its limit, and a pipe once, however often it is asked for.
+//! Reading a user's files: of any kind, none beyond its limit; a pipe is read once, however often its content is
+//! needed.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -15,10 +16,10 @@ pub const MOST_OF_RESULTS: u64 = 64_000_000;
 /// Longest recording, bytes.
 pub const MOST_OF_RECORDING: u64 = 200_000_000;
 
-/// So much is read at a time, bytes: text that has a zero byte ends there.
+/// Bytes that are read at a time; a text with a zero byte is refused at once.
 const PART: usize = 1 << 16;
 
-/// What came through pipes, which tell it once: a scene is read several times, and again for its report.
+/// Contents of pipes, which can be read only once: a scene is read several times, and again for its report.
 static PIPES: Mutex<BTreeMap<PathBuf, Vec<u8>>> = Mutex::new(BTreeMap::new());
 
 fn too_long(most: u64) -> Error {
@@ -68,7 +69,7 @@ fn read(path: &Path, most: u64, text: bool) -> Result<Vec<u8>> {
 /// A file's bytes.
 ///
 /// # Errors
-/// What the system said; [`ErrorKind::FileTooLarge`] for more than `most` bytes.
+/// The system's message; [`ErrorKind::FileTooLarge`] for more than `most` bytes.
 pub fn bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
     read(path, most, false)
 }
@@ -76,7 +77,7 @@ pub fn bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
 /// A file's text.
 ///
 /// # Errors
-/// As [`bytes`]; [`ErrorKind::InvalidData`] for what is not UTF-8 or has a zero byte.
+/// Same as [`bytes`]; [`ErrorKind::InvalidData`] for a text that is not UTF-8 or has a zero byte.
 pub fn text(path: &Path, most: u64) -> Result<String> {
     String::from_utf8(read(path, most, true)?).map_err(|_| no_text())
 }
@@ -85,7 +86,7 @@ pub fn text(path: &Path, most: u64) -> Result<String> {
 mod tests {
     use super::*;
 
-    /// No end and no text, a length that is too much, and one that fits to the byte.
+    /// Tests an endless input, one that is no text, one that is too long, and one of exactly the allowed length.
     #[test]
     fn nothing_is_read_beyond_its_limit() {
         let said = |path: &str, most| text(Path::new(path), most).unwrap_err().to_string();

@@ -1,7 +1,7 @@
 //! Scenes, and the runs that they describe: `scene -> plan -> loop -> record`.
 //!
 //! A scene is text with units in its names ([`scene`]); a run is what the loop of sensor, law, amplifier and plant leaves behind
-//! ([`run`]); [`error::Error`] says what a person can mend, and where.
+//! ([`run`]). [`error::Error`] says what a person can mend, and where.
 //!
 //! One scene leaves the same bits on every machine: transcendental functions are those of `libm`.
 

@@ -168,7 +168,7 @@ fn noise_has_the_variance_that_it_names_and_a_period_its_amplitude() {
     }
 }
 
-/// What the motor's torque was off its command, N·m, and of the ticks in which the knob had moved how many were told the last angle.
+/// Errors of the motor's torque, N·m, and in how many of the ticks with a motion the law got the last angle.
 #[derive(Default)]
 struct Torques {
     off: Vec<f64>,

@@ -168,7 +168,7 @@ fn a_detent_holds_what_is_weaker_and_lets_go_of_what_is_stronger() {
     assert!(pushed(0.011) > 0.6 * pitch);
 }
 
-/// Books of a run: what the motor took, what the device lost, and its motion.
+/// Energy account of a run: the motor's work, the device's loss, and its motion.
 #[derive(Default)]
 struct Books {
     absorbed: f64,

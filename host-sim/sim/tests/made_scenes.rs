@@ -55,7 +55,7 @@ fn campaign(number: usize, seed: u64) {
     assert!(runs > number / 10 && refused > number / 10 && long < number / 10);
 }
 
-/// What the campaign found: a step of the plant without an end, and panics where a plant leaves all numbers.
+/// Two findings of the campaign: a step of the plant without an end, and panics where a plant diverges.
 #[test]
 fn scenes_beyond_all_numbers_end() {
     for (base, sets) in [

@@ -1,4 +1,4 @@
-//! A hand that never rests is not judged as a wall that never rests; what is seen nevertheless is.
+//! A moving hand is not mistaken for a wall that does not rest; what can be seen nevertheless is judged.
 
 use std::path::PathBuf;
 use touchstone_sim::run;
@@ -45,7 +45,7 @@ fn sine(hz: f64, time_s: f64) -> f64 {
     libm::sin(std::f64::consts::TAU * hz * time_s)
 }
 
-/// Half of the critical stiffness: such a wall holds whatever the hand does.
+/// Half of the critical stiffness: such a wall holds under any hand.
 #[test]
 fn a_soft_wall_is_never_at_fault_for_a_hand_that_moves() {
     let mut unjudged = 0;
@@ -81,7 +81,7 @@ fn a_soft_wall_is_never_at_fault_for_a_hand_that_moves() {
     assert!(unjudged >= 24, "{unjudged} of 36");
 }
 
-/// In, held from 1 to 3 s, out, and tapping on outside.
+/// A motion in, held from 1 to 3 s, then out and tapping outside.
 fn held_and_then_not(time_s: f64) -> f64 {
     match time_s {
         t if t < 1.0 => 0.4 * (1.0 - libm::cos(std::f64::consts::PI * t)) / 2.0,

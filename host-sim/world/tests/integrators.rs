@@ -1,4 +1,4 @@
-//! Each integrator has its textbook order, keeps its books to that order, and holds or creeps as it says.
+//! Each integrator has its textbook order, keeps its energy balance to that order, and holds or creeps as it says.
 
 use touchstone_world::integrator::{
     CREEP_RAD_PER_S, ExactLinear, ImplicitEuler, ImplicitMidpoint, Method, Model, RungeKutta4,
@@ -30,7 +30,7 @@ fn held(tick: u32) -> [f64; 2] {
 
 const START: [f64; 4] = [0.1, 2.0, 0.12, -1.0];
 
-/// Largest difference of the device's angle from the exact plant's, and the largest gap in the books of a tick.
+/// Largest difference of the device's angle from the exact plant's, and the largest gap in the energy balance of a tick.
 fn errors(
     plant: &impl Stepper<State = State<4>>,
     exact: &impl Stepper<State = State<4>>,
@@ -50,7 +50,7 @@ fn errors(
     [off, gap]
 }
 
-/// The errors with so many substeps and with twice as many, as powers of two.
+/// The errors with a number of substeps and with twice as many, as powers of two.
 fn slopes<M: Method<4>>(substeps: u32) -> [f64; 2] {
     let model = Model::held(&KNOB, &MEDIUM).unwrap();
     let exact = HeldLinear::new(&KNOB, &MEDIUM, PERIOD_S).unwrap();
@@ -65,7 +65,7 @@ fn slopes<M: Method<4>>(substeps: u32) -> [f64; 2] {
     [0, 1].map(|i| (coarse[i] / fine[i]).log2())
 }
 
-/// Within a tenth of the order: what the next term of the error still does at these substeps.
+/// Whether a slope is within a tenth of the order: the next term of the error still counts at these substeps.
 fn is_order(slope: f64, order: u32) -> bool {
     (slope - f64::from(order)).abs() < 0.1
 }

@@ -1,4 +1,4 @@
-//! The motor against an independent integration of its equations, and against what a motor does.
+//! The motor compared with an independent integration of its equations, and with known properties of motors.
 
 use std::f64::consts::TAU;
 use touchstone_world::motor::{

@@ -16,7 +16,7 @@ pub mod tdpa;
 
 pub use rounding::{cut, damping_loss, signal, spring, towards_zero};
 
-/// What is counted with.
+/// The integers of this specification.
 pub type Int = i32;
 /// Bits of a signal.
 pub const BITS: u32 = 8;
@@ -41,7 +41,7 @@ pub fn times(a: Int, b: Int) -> Int {
     i32::from(half(a) * half(b))
 }
 
-/// `a / b` of what is not negative and what 16 bits hold, for the same sake. Of anything else it panics.
+/// `a / b` for words of 16 bits that are not negative, so that a solver follows it.
 ///
 /// # Panics
 /// If one of them is no such word, or `b` is 0.

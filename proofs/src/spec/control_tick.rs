@@ -27,9 +27,10 @@ use touchstone_protocol::{Command, Context, FaultCode, Limit, Limits, Machine, O
 /// Full share of the torque, 2^-32, less the last bit.
 const ALL: Int = (1 << 32) - 1;
 
-/// What the tick is made of: whatever each of them answers.
+/// The parts that a tick uses, whatever each of them answers.
 pub trait Parts {
-    /// What is broken, where the shaft is, what the temperatures leave.
+    /// Checks the limits: the first broken one, the shaft's position, the share of current that the temperatures
+    /// leave.
     fn inspect(&mut self, watch: Watch) -> Verdict;
     /// Whether there is a motor to be aligned.
     fn aligns(&self) -> bool;
@@ -57,27 +58,27 @@ pub trait Parts {
     fn resume(&mut self);
     /// The law's force.
     fn law(&mut self, e: i32, at_change: Option<i32>) -> i32;
-    /// What is told of it.
+    /// The law's inner values, for telemetry.
     fn view(&mut self) -> View<Fixed32>;
-    /// It is told what became of its force.
+    /// Tells the law the force that was commanded in the end.
     fn commanded(&mut self, force: i32);
-    /// It is told that the force is switched off.
+    /// Tells the law that the force is switched off.
     fn switched_off(&mut self);
-    /// Its guard has switched the force off for overspeed.
+    /// Whether the law's guard has switched the force off for overspeed.
     fn is_tripped(&mut self) -> bool;
-    /// A position is so deep inside of the wall that its guard lets no force pass.
+    /// Whether a position is so deep inside the wall that the guard lets no force pass.
     fn is_beyond_reach(&mut self, e: i32) -> bool;
-    /// From which force on a tick is told to be at the limit.
+    /// Force from which on a tick is reported as being at the limit.
     fn force_limit(&self) -> i32;
-    /// By how much the share grows in a tick.
+    /// Growth of the share in a tick.
     fn fade_step(&self) -> u32;
     /// A force's torque, with its share.
     fn torque(&mut self, force: i32, share: Option<u32>) -> i32;
-    /// What the drive makes of a torque.
+    /// The drive command for a torque.
     fn drive(&mut self, torque: i32, rotor: &Rotor) -> Driven;
 }
 
-/// Of two positions.
+/// The difference of two positions.
 fn difference(a: i32, b: i32) -> i32 {
     signal(Int::from(a) - Int::from(b)) as i32
 }
@@ -101,7 +102,7 @@ pub fn next(state: State, calibrated: bool, command: Option<Command>) -> State {
     }
 }
 
-/// What the tick remembers from now on, and what it gives.
+/// One tick: its memory and its output.
 pub fn tick(
     found: &Memory,
     input: &ControlInput,

@@ -1,4 +1,4 @@
-//! What the guard's theorem asks of the coefficients: `covers` of `proofs/coq/GuardLosesNothing.v`.
+//! The conditions of the guard's theorem on the coefficients: `covers` of `proofs/coq/GuardLosesNothing.v`.
 
 use super::guard::Guard;
 use super::{GAIN, SIGNAL};
@@ -20,9 +20,11 @@ pub struct Device {
 }
 
 impl Guard {
-    /// What the theorem asks of the coefficients, for a device whose positions are wrong by at most `δ/2`, that moves at most
-    /// `d` in a tick, whose forces begin to act after a share `s` of it and whose `s (1-s)/4c` is `κ`: `covers` of
-    /// `proofs/coq/GuardLosesNothing.v`, times `2^`[`FINE`], each as what the left side lacks of the right. None may be negative.
+    /// The theorem's conditions on the coefficients: `covers` of `proofs/coq/GuardLosesNothing.v`, times `2^`[`FINE`],
+    /// each as right side less left side. None may be negative.
+    ///
+    /// The device has positions that are wrong by at most `δ/2`, moves at most `d` in a tick, and its forces begin to
+    /// act after a share `s` of it; `κ` is `s (1-s)/4c`.
     #[must_use]
     pub fn room(&self, device: &Device) -> [(&'static str, i128); 5] {
         let one = 1_i128 << FINE;

@@ -6,7 +6,7 @@ use super::{GAIN, HIGHEST, Int, SIGNAL, cut, over, signal, spring, times, toward
 /// The coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Enhanced {
-    /// `k_de`, a gain; what is regulated towards; `k_v`.
+    /// `k_de`, a gain; the stiffness that is regulated to; `k_v`.
     pub desired: Int,
     /// The stiffness that is regulated towards, a gain.
     pub target: Int,
@@ -48,22 +48,22 @@ pub struct Enhanced {
     pub limit: Int,
 }
 
-/// Where the contact stands.
+/// Phase of the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Contact {
-    /// None.
+    /// No contact.
     #[default]
     Free,
-    /// Up to the first reversal.
+    /// The phase up to the first reversal.
     First,
-    /// After it.
+    /// The phase after the first reversal.
     Augmenting,
 }
 
 /// The memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Memory {
-    /// Where the contact stands.
+    /// Phase of the contact.
     pub contact: Contact,
     /// Penetration of the last tick.
     pub last: Int,
@@ -73,9 +73,9 @@ pub struct Memory {
     pub energy: Int,
     /// Penetration of the mass.
     pub mass: Int,
-    /// Its displacement in the last tick.
+    /// Displacement of the mass in the last tick.
     pub mass_moved: Int,
-    /// `O`.
+    /// Offset: `O`.
     pub offset: Int,
     /// Force of the wall on the mass.
     pub at_mass: Int,
@@ -86,7 +86,7 @@ fn outward(tension: Int) -> Int {
     (tension.max(0) >> GAIN).min(HIGHEST)
 }
 
-/// The same rounded up.
+/// Same as `outward`, rounded up.
 fn outward_up(tension: Int) -> Int {
     ((tension.max(0) + (1 << GAIN) - 1) >> GAIN).min(HIGHEST)
 }
@@ -153,14 +153,14 @@ impl Enhanced {
         )
     }
 
-    /// With the damper beside the wall, on the displacement inside it, never pulling.
+    /// The force with a damper beside the wall, on the displacement inside it, never pulling.
     #[must_use]
     pub fn damped(&self, force: Int, e: Int, moved: Int) -> Int {
         let damping = cut(times(self.damper, moved.min(e)), GAIN).clamp(-HIGHEST, HIGHEST);
         signal(force + damping).max(0).min(self.limit)
     }
 
-    /// The first contact is over: the mass takes its place, with what is left of the energy.
+    /// The first contact ends: the mass takes over, with the energy that is left.
     #[must_use]
     pub fn hand_over(&self, m: &Memory) -> Memory {
         let e = m.last;

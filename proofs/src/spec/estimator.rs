@@ -8,14 +8,14 @@ use super::{Int, signal};
 
 /// One radian, as a state.
 pub const RAD: Int = 1 << 54;
-/// Digits of a state of a motion that are no part of what is multiplied.
+/// Digits of a motion's state below its part.
 const BELOW_PART: u32 = 54 - 28;
 /// Digits of a state that a signal does not show.
 const BELOW_SIGNAL: u32 = 54 - 24;
 /// Commands that are remembered.
 pub const REMEMBERED: usize = 3;
 
-/// Weight times part; what it is for the checker is in [`crate::weighed`].
+/// Weight times part; [`crate::weighed`] says what the checker puts in its place.
 #[must_use]
 pub fn weighed(weight: Int, part: Int) -> Int {
     weight * part
@@ -35,11 +35,11 @@ pub struct Motion {
 /// A time, as weights: `V`, `X`, `1 - ρ`, and of each command `q x_i` and `q v_i`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Flow<const COMMANDS: usize> {
-    /// `V`.
+    /// Reach: `V`.
     pub reach: Int,
-    /// `X`.
+    /// Drift: `X`.
     pub drift: Int,
-    /// `1 - ρ`.
+    /// Loss: `1 - ρ`.
     pub loss: Int,
     /// `q x_i`, `q v_i`.
     pub commands: [[Int; 2]; COMMANDS],
@@ -68,7 +68,7 @@ impl<const COMMANDS: usize> Flow<COMMANDS> {
 pub struct Estimator {
     /// From sample to sample.
     pub tick: Flow<REMEMBERED>,
-    /// From the sample to when the next command begins to act.
+    /// The motion from the sample to when the next command begins to act.
     pub ahead: Flow<2>,
     /// `α`, `β`, `γ`.
     pub correction: [Int; 3],
@@ -81,7 +81,7 @@ pub struct Estimator {
 pub struct Memory {
     /// `None` before the first sample.
     pub motion: Option<Motion>,
-    /// In quanta of a signal.
+    /// The commands in quanta of a signal.
     pub commands: [Int; REMEMBERED],
 }
 
@@ -97,7 +97,7 @@ pub fn shown(state: Int) -> Int {
     signal((state + (1 << (BELOW_SIGNAL - 1))) >> BELOW_SIGNAL)
 }
 
-/// Within so many radians, the lower end included.
+/// Whether a state is within this many radians, the lower end included.
 #[must_use]
 pub fn within(state: Int, rad: Int) -> bool {
     -rad * RAD <= state && state < rad * RAD
@@ -121,7 +121,7 @@ pub fn corrected(gains: [Int; 3], (x, d): (Int, Int), g: Int, e: Int) -> Option<
 }
 
 impl Estimator {
-    /// Of the end of the flow of a tick.
+    /// The motion at the end of a tick's flow, corrected.
     #[must_use]
     pub fn corrected(&self, before: Motion, f: [Int; REMEMBERED], e: Int) -> Option<Motion> {
         corrected(self.correction, self.tick.end(before, f), before.g, e)
@@ -148,7 +148,7 @@ impl Estimator {
         (after, shown(x), shown(d))
     }
 
-    /// After a force was commanded.
+    /// The memory after a force was commanded.
     #[must_use]
     pub fn commanded(&self, memory: &Memory, force: Int) -> Memory {
         let [last, before, _] = memory.commands;

@@ -1,33 +1,34 @@
-//! What `EstimatorSettings::estimator` makes of a person's settings, beside the equations in the header of `control/src/estimator/mod.rs`.
+//! The specification of `EstimatorSettings::estimator`, to be read beside the equations in the header of
+//! `control/src/estimator/mod.rs`.
 //!
-//! Between setting and weight a number has 56 fractional bits: ±128, and what is beyond stays at the end.
+//! Between setting and weight a number has 56 fractional bits, ±128, and saturates.
 
 use super::estimator::{Estimator, Flow};
 use super::settings::{MOST, ONE, between, over, signal_fits, signal_of, times};
 use super::{BITS, Int};
 
-/// One, with 56 fractional bits.
+/// The value 1 with 56 fractional bits.
 pub const LONG_ONE: Int = 1 << 56;
 const LONG_MOST: Int = i64::MAX as Int;
 /// `2π`.
 const TAU: Int = 452_751_216_129_820_177;
 
-/// Cut to the range of such a number.
+/// Saturates to the range of such a number.
 fn long(x: Int) -> Int {
     x.clamp(-LONG_MOST - 1, LONG_MOST)
 }
-/// `a b`; what it is for the checker is in [`crate::reckoned`].
+/// `a b`; [`crate::reckoned`] says what the checker puts in its place.
 #[must_use]
 pub fn long_times(a: Int, b: Int) -> Int {
     long((a * b) >> 56)
 }
-/// `a / b`, and 0 where that is no such number; what it is for the checker is in [`crate::reckoned`].
+/// `a / b`, and 0 where that is no such number; [`crate::reckoned`] says what the checker puts in its place.
 #[must_use]
 pub fn long_over(a: Int, b: Int) -> Int {
     let exact = if b == 0 { 0 } else { (a << 56) / b };
     if long(exact) == exact { exact } else { 0 }
 }
-/// `a / b` of two positive settings; what it is for the checker is in [`crate::reckoned`].
+/// `a / b` of two positive settings; [`crate::reckoned`] says what the checker puts in its place.
 #[must_use]
 pub fn ratio(a: Int, b: Int) -> Int {
     if b == 0 {
@@ -37,7 +38,8 @@ pub fn ratio(a: Int, b: Int) -> Int {
     }
 }
 
-/// `V = Σ (-β)^k t^(k+1)/(k+1)!` and `X = Σ (-β)^k t^(k+2)/(k+2)!`; what they are for the checker is in [`crate::reckoned`].
+/// `V = Σ (-β)^k t^(k+1)/(k+1)!` and `X = Σ (-β)^k t^(k+2)/(k+2)!`; [`crate::reckoned`] says what the checker puts in
+/// their place.
 #[must_use]
 pub fn integrals(loss: Int, time: Int) -> (Int, Int) {
     let (mut reach, mut drift, mut term) = (0, 0, time);
@@ -53,17 +55,17 @@ pub fn integrals(loss: Int, time: Int) -> (Int, Int) {
 /// Settings, counts of 2^-32 of their SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// Hz.
+    /// Bandwidth, Hz.
     pub bandwidth: Int,
     /// kg·m².
     pub inertia: Int,
-    /// N·m·s/rad.
+    /// Damping, N·m·s/rad.
     pub damping: Int,
-    /// s.
+    /// Delay, s.
     pub delay: Int,
 }
 
-/// The nearest weight of so many fractional bits, if a word holds it.
+/// The nearest weight with this many fractional bits, if a word holds it.
 fn weight(x: Int, fraction: u32) -> Option<Int> {
     let half = 1 << (55 - fraction);
     let nearest = (x + half).min(LONG_MOST) >> (56 - fraction);
@@ -80,11 +82,11 @@ fn of_torque(x: Int) -> Option<Int> {
 /// The device: `β`, `q`, and the delay in ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Device {
-    /// `β = b T/J`.
+    /// Loss: `β = b T/J`.
     pub loss: Int,
-    /// `q = T²/J`.
+    /// Displacement per torque: `q = T²/J`.
     pub per_torque: Int,
-    /// Until a command begins to act.
+    /// Time until a command begins to act.
     pub delay: Int,
 }
 
@@ -97,7 +99,8 @@ struct LongFlow<const COMMANDS: usize> {
 }
 
 impl Device {
-    /// Over a time; the latest command ends so long before its end, and each a tick before the one after it.
+    /// The flow over a time; `latest` is how long before the end the latest command ends, and each earlier one ends a
+    /// tick before the next.
     fn flow<const COMMANDS: usize>(&self, time: Int, latest: Int) -> LongFlow<COMMANDS> {
         let at = |t: Int| integrals(self.loss, t.max(0).min(time));
         let taken = |since, until| long_times(long(since - until), self.per_torque);
@@ -119,8 +122,8 @@ impl Device {
         }
     }
 
-    /// `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V β = 2 + ρ - 3z - α - X γ`, with `1 - z = 1 - exp(-angle)`, if words hold them; what it is for
-    /// the checker is in [`crate::reckoned`].
+    /// `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V β = 2 + ρ - 3z - α - X γ`, with `1 - z = 1 - exp(-angle)`, if words hold
+    /// them; [`crate::reckoned`] says what the checker puts in their place.
     #[must_use]
     pub fn correction(&self, angle: Int) -> Option<[Int; 3]> {
         let fast = long_times(angle, integrals(angle, LONG_ONE).0);
@@ -155,12 +158,13 @@ fn weighed<const COMMANDS: usize>(long: &LongFlow<COMMANDS>) -> Option<Flow<COMM
     })
 }
 
-/// The flow over a tick, if words hold it; what it is for the checker is in [`crate::reckoned`].
+/// The flow over a tick, if words hold it; [`crate::reckoned`] says what the checker puts in its place.
 #[must_use]
 pub fn over_a_tick(device: &Device) -> Option<Flow<3>> {
     weighed(&device.flow(LONG_ONE, -device.delay))
 }
-/// From a sample to when the next command begins to act; what it is for the checker is in [`crate::reckoned`].
+/// The flow from a sample to the time when the next command begins to act; [`crate::reckoned`] says what the checker
+/// puts in its place.
 #[must_use]
 pub fn ahead(device: &Device) -> Option<Flow<2>> {
     weighed(&device.flow(device.delay, 0))
@@ -192,8 +196,8 @@ pub fn in_ranges(set: &Settings, rate: Int, limit: Int) -> bool {
         )
 }
 
-/// The estimator of settings that validation accepts, at a rate, Hz, for a largest force; none where a weight does not fit, or is not
-/// within what the harnesses assume.
+/// The estimator of accepted settings, at a rate, Hz, for a largest force; `None` where a weight does not fit, or is
+/// beyond what the harnesses assume.
 #[must_use]
 pub fn made(set: &Settings, rate: Int, limit: Int) -> Option<Estimator> {
     let rate = rate_of(rate);

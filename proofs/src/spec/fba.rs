@@ -28,7 +28,8 @@ pub struct Memory {
     pub inside: bool,
 }
 
-/// `floor(sqrt(x))`, 0 for what is negative, at most one more than the highest signal: by halving an interval, unlike the code.
+/// `floor(sqrt(x))`, 0 for a negative `x`, at most one more than the highest signal; by halving an interval, unlike
+/// the code.
 #[must_use]
 pub fn root(x: Int) -> Int {
     let (mut low, mut high) = (0, HIGHEST + 2);

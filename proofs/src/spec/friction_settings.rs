@@ -6,27 +6,27 @@ use super::settings::{ONE, between, gain_fits, gain_of, over, signal_fits, signa
 /// Settings, counts of 2^-32 of their SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// N/m.
+    /// Stiffness, N/m.
     pub stiffness: Int,
-    /// `μ_s`.
+    /// Fixed: `μ_s`.
     pub fixed: Int,
-    /// `μ_k`.
+    /// Kinetic: `μ_k`.
     pub kinetic: Int,
 }
 
 /// Stiffness, a gain, and how far it stretches for a newton before it slides and while it does, ratios.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Friction {
-    /// `k`.
+    /// Stiffness: `k`.
     pub stiffness: Int,
-    /// `μ_s/k`.
+    /// Fixed: `μ_s/k`.
     pub fixed: Int,
-    /// `μ_k/k`.
+    /// Kinetic: `μ_k/k`.
     pub kinetic: Int,
 }
 
-/// In a unit of which so many are a metre, for a device of a rate, Hz, and a damping: `0 < k <= 2 b/T`, `0 <= μ_k <= μ_s <= 10`, and
-/// what fits.
+/// The friction in a unit, given how many of them are a metre, for a device with a rate, Hz, and a damping: `0 < k <=
+/// 2 b/T`, `0 <= μ_k <= μ_s <= 10`, and all coefficients must fit.
 #[must_use]
 pub fn made(set: &Settings, per_metre: Int, rate: Int, damping: Int) -> Option<Friction> {
     let most = times(times(damping, rate * ONE), 2 * ONE);

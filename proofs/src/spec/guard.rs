@@ -5,15 +5,15 @@ use super::{GAIN, HIGHEST, Int, SIGNAL, times};
 /// The coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Guard {
-    /// `C`.
+    /// Capacity: `C`.
     pub capacity: Int,
-    /// `P T`.
+    /// Refill: `P T`.
     pub refill: Int,
     /// `c`, a gain.
     pub damping: Int,
     /// The longest measured displacement that is not overspeed.
     pub furthest: Int,
-    /// `δ`.
+    /// Count: `δ`.
     pub count: Int,
     /// `s`, a ratio.
     pub late: Int,
@@ -32,7 +32,7 @@ pub struct Guard {
 /// The memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Memory {
-    /// What the hand may still get out.
+    /// Energy that the hand may still get out.
     pub account: Int,
     /// The force of the last tick.
     pub force: Int,
@@ -46,18 +46,18 @@ fn within(x: Int, limit: Int) -> Int {
 }
 
 impl Guard {
-    /// What the trusted damping took over a displacement of this size.
+    /// Energy that the trusted damping took over a displacement of this size.
     fn damped(&self, distance: Int) -> Int {
         let surely = (distance - self.count).max(0);
         times(times(self.damping, surely) >> GAIN, surely)
     }
 
-    /// What a force may still cost after the next sample.
+    /// The most that a force may still cost after the next sample.
     fn reserve(&self, force: Int) -> Int {
         times(force.abs(), self.in_flight)
     }
 
-    /// The largest force that so much energy pays for over every displacement.
+    /// The largest force that an energy pays for over every displacement.
     #[must_use]
     pub fn largest_force(&self, free: Int) -> Int {
         times(self.per_reach, free >> SIGNAL) >> GAIN
@@ -75,14 +75,14 @@ impl Guard {
             + self.damped(moved.abs())
     }
 
-    /// What the forces that acted can have lost at most until they are off.
+    /// The most that the forces that acted can have lost until they are off.
     fn lost(&self, memory: &Memory) -> Int {
         let size = memory.force.abs().max(memory.older.abs());
         let over = (times(self.overrun, size) >> SIGNAL).min(HIGHEST);
         times(size, (over + 1).min(HIGHEST))
     }
 
-    /// One tick, and whether it was no overspeed.
+    /// One tick; with whether there was no overspeed.
     #[must_use]
     pub fn tick(
         &self,
@@ -112,7 +112,8 @@ impl Guard {
         (after, true)
     }
 
-    /// Switched off: what the older force may still cost; or after a force that no tick ended, at most nothing.
+    /// Switched off: the account less what the older force may still cost; or, after a force that no tick ended, at
+    /// most nothing.
     #[must_use]
     pub fn switched_off(&self, memory: &Memory) -> Memory {
         Memory {
@@ -125,7 +126,7 @@ impl Guard {
         }
     }
 
-    /// What is told of the force in the end.
+    /// Takes the force that was commanded in the end.
     #[must_use]
     pub fn commanded(memory: &Memory, told: Int) -> Memory {
         Memory {

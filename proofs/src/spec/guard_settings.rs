@@ -1,5 +1,5 @@
-//! What `Guard::new` makes of a person's settings, line by line the text of `proofs/coq/GuardSettings.v`, of which the theorems are: that
-//! whatever is accepted is what the guard's harnesses assume, and covers the device that it was told.
+//! The specification of `Guard::new`, line by line the text of `proofs/coq/GuardSettings.v`. Its theorems: accepted
+//! settings satisfy what the guard's harnesses assume, and cover the given device.
 
 use super::guard::Guard;
 use super::settings::{
@@ -11,36 +11,36 @@ use super::{HIGHEST, Int};
 /// The settings, counts of 2^-32 of their SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// J.
+    /// Capacity, J.
     pub capacity: Int,
-    /// W.
+    /// Refill, W.
     pub refill: Int,
-    /// Of the damping, trusted.
+    /// Trusted share of the damping.
     pub share: Int,
-    /// N·m·s/rad.
+    /// Damping, N·m·s/rad.
     pub damping: Int,
-    /// rad/s.
+    /// Overspeed, rad/s.
     pub overspeed: Int,
-    /// s.
+    /// Delay, s.
     pub delay: Int,
-    /// s.
+    /// Lag, s.
     pub lag: Int,
     /// Whether the position is also read when the force changes.
     pub measured: bool,
 }
 
-/// What is told of the device.
+/// Given properties of the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Told {
     /// Hz, a whole number.
     pub rate: Int,
-    /// Of the force, N·m.
+    /// Limit of the force, N·m.
     pub limit: Int,
-    /// Of the encoder, rad.
+    /// Count of the encoder, rad.
     pub count: Int,
 }
 
-/// More than the few last digits that a sum of products and quotients loses.
+/// A margin larger than the rounding of a sum of products and quotients.
 const UP: Int = 8;
 /// A step of a signal.
 const STEP: Int = 1 << 8;
@@ -83,8 +83,8 @@ pub fn in_ranges(set: &Settings, told: &Told) -> bool {
     between(0, set.delay, tick) && between(0, set.lag, tick - set.delay)
 }
 
-/// What settings in their ranges give away: whether the account does not pay for the largest force over the longest displacement, and
-/// the part of it that the force acts on after the next sample, with half a count; and whether it is never refilled.
+/// Warnings for settings in their ranges. First: the account does not pay for the largest force over the longest
+/// displacement, with the part of it after the next sample and half a count. Second: the account is never refilled.
 #[must_use]
 pub fn warned(set: &Settings, told: &Told) -> [bool; 2] {
     let rate = rate(told);

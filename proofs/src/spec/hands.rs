@@ -1,4 +1,5 @@
-//! Guards, hands and laws for whoever compares the guard with its specification: any settings, hostile motions, any wanted force.
+//! Guards, hands and laws for comparing the guard with its specification: any settings, hostile motions, any wanted
+//! force.
 
 use super::guard::Memory;
 use fixed::types::I8F24;
@@ -18,16 +19,16 @@ impl Random {
             .wrapping_add(1_442_695_040_888_963_407);
         self.0 ^ self.0 >> 31
     }
-    /// Below a bound.
+    /// A random number below a bound.
     pub fn below(&mut self, bound: u64) -> u64 {
         (self.any() >> 8) % bound
     }
-    /// Of any size up to so many bits, either sign.
+    /// A random number of up to this many bits, of either sign.
     pub fn signed(&mut self, bits: u64) -> i64 {
         let size = (self.any() >> 1 >> (63 - bits) >> self.below(bits)).cast_signed();
         if self.any() & 4096 == 0 { size } else { -size }
     }
-    /// Of `-size..=size`.
+    /// A random number in `-size..=size`.
     pub fn within(&mut self, size: i64) -> i64 {
         (self.any() >> 20).cast_signed() % (2 * size + 1) - size
     }
@@ -89,7 +90,7 @@ pub fn any_settings(random: &mut Random) -> (GuardSettings, GuardedDevice) {
     (settings, device)
 }
 
-/// The signal of so many quanta, at most the end of the format.
+/// The signal of this many quanta, at most the end of the format.
 #[must_use]
 pub fn bits(x: i64) -> I8F24 {
     I8F24::from_bits(x.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32)
@@ -130,7 +131,7 @@ pub fn moved(random: &mut Random, habit: u64, tick: u64, state: &Memory, furthes
     }
 }
 
-/// Around a default, or of any size.
+/// A random value around a default, or of any size.
 fn near(random: &mut Random, default: &str) -> Si {
     let default = Si::from_str(default).expect("a number");
     match random.below(4) {
@@ -189,8 +190,8 @@ pub fn any_law(random: &mut Random, law: LawKind) -> Settings {
     }
 }
 
-/// Penetration and displacement of the next tick: a press and its release, trembling at the surface, jumps, and now and then a displacement
-/// that does not belong to it, as an estimator can tell one.
+/// Penetration and displacement of the next tick: a press and its release, trembling at the surface, jumps, and now
+/// and then a displacement that does not match, as an estimator can give one.
 pub struct Hand {
     habit: u64,
     at: i64,

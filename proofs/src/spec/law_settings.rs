@@ -13,12 +13,12 @@ use super::{BITS, Int};
 /// Most that a law stores: half of the format's largest magnitude.
 pub const ENERGY_CAP: Int = 1 << (2 * BITS - 2);
 
-/// What the offset of the enhanced law regulates.
+/// The stiffness by which the enhanced law's offset is regulated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Regulated {
     /// Force over position of the mass, towards `k_de`.
     Mass,
-    /// The same, towards what the HIP then feels as `k_de` (3.5).
+    /// The mass, regulated to what the HIP then feels as `k_de` (3.5).
     MassCompensated,
     /// Force over position of the HIP (3.6).
     Hip,
@@ -45,7 +45,7 @@ pub struct Settings {
     pub keep_force: bool,
     /// Towards which stiffness the offset goes.
     pub regulated: Regulated,
-    /// When the offset is changed.
+    /// The moments at which the offset is changed.
     pub update: Update,
     /// The ideal step supposes that the hand's force stays (`c/k_de`), not its position (`c/k_v`, 3.7).
     pub force_stays: bool,
@@ -65,7 +65,7 @@ pub struct Settings {
     pub ground_damping: Int,
     /// Lent to each contact, J.
     pub credit: Int,
-    /// N·m.
+    /// Limit, N·m.
     pub limit: Int,
 }
 
@@ -93,19 +93,19 @@ fn signal(x: Int) -> Option<Int> {
 pub struct Derived {
     /// `k_c = 2 c_i/T`.
     pub critical: Int,
-    /// `m/T²`.
+    /// Inertia: `m/T²`.
     pub inertia: Int,
-    /// `c_f/T`.
+    /// Filter damping: `c_f/T`.
     pub filter_damping: Int,
-    /// `c_env/T`.
+    /// Ground damping: `c_env/T`.
     pub ground_damping: Int,
-    /// `c_i/T`.
+    /// Device damping: `c_i/T`.
     pub device_damping: Int,
-    /// `b/T`.
+    /// Virtual damping: `b/T`.
     pub virtual_damping: Int,
 }
 
-/// What follows of several settings; what it is for the checker is in [`crate::reckoned`].
+/// Values that follow from several settings; [`crate::reckoned`] says what the checker puts in their place.
 #[must_use]
 pub fn derived(of: &Settings) -> Derived {
     let per_tick = |damping| times(damping, (of.rate * ONE).min(MOST));
@@ -119,10 +119,10 @@ pub fn derived(of: &Settings) -> Derived {
     }
 }
 
-/// Of what the damper of a spring is.
+/// Damping of a spring.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Damped {
-    /// There is none.
+    /// No damping.
     Not,
     /// `b`.
     Fully,

@@ -30,7 +30,7 @@ pub mod window;
 
 pub use rounding::{cut, damping_loss, signal, spring, towards_zero};
 
-/// What is counted with.
+/// The integers of this specification.
 pub type Int = i128;
 /// Bits of a signal.
 pub const BITS: u32 = 32;
@@ -45,13 +45,13 @@ pub const LOWEST: Int = -(1 << 31);
 /// The lowest energy: a deficit of 32 kJ is cut off there.
 pub const LOWEST_ENERGY: Int = i64::MIN as Int;
 
-/// `a b`, of two words; what is said of it at 8 bits is in [`at8::times`].
+/// `a b`, of two words; [`at8::times`] is the 8-bit form.
 #[must_use]
 pub fn times(a: Int, b: Int) -> Int {
     a * b
 }
 
-/// `a / b` of what is not negative; what is said of it at 8 bits is in [`at8::over`].
+/// `a / b` of numbers that are not negative; [`at8::over`] is the 8-bit form.
 #[must_use]
 pub fn over(a: Int, b: Int) -> Int {
     a / b

@@ -9,7 +9,7 @@ pub fn towards_zero(dividend: Int, divisor: Int) -> Int {
     if dividend < 0 { -size } else { size }
 }
 
-/// The same where the divisor is a power of two: digits cut off.
+/// Rounds for a power of two as divisor: digits are cut off.
 #[must_use]
 pub fn cut(dividend: Int, digits: u32) -> Int {
     let size = dividend.abs() >> digits;
@@ -28,7 +28,7 @@ pub fn spring(stiffness: Int, position: Int) -> Int {
     cut(times(stiffness, position), GAIN).clamp(-HIGHEST, HIGHEST)
 }
 
-/// `c Δ²`, an energy: what a damper took over one displacement, the force rounded towards zero.
+/// `c Δ²`: the energy that a damper took over one displacement, the force rounded towards zero.
 #[must_use]
 pub fn damping_loss(damping: Int, moved: Int) -> Int {
     times(spring(damping, moved), moved)

@@ -13,12 +13,12 @@ pub const MOST: Int = i64::MAX as Int;
 pub fn plus(a: Int, b: Int) -> Int {
     (a + b).min(MOST)
 }
-/// `a b`; what it is for the checker is in [`crate::reckoned`].
+/// `a b`; [`crate::reckoned`] says what the checker puts in its place.
 #[must_use]
 pub fn times(a: Int, b: Int) -> Int {
     ((a * b) >> 32).min(MOST)
 }
-/// `a / b`, by nothing the largest number; what it is for the checker is in [`crate::reckoned`].
+/// `a / b`, the largest number for `b = 0`; [`crate::reckoned`] says what the checker puts in its place.
 #[must_use]
 pub fn over(a: Int, b: Int) -> Int {
     if b <= 0 {
@@ -27,7 +27,7 @@ pub fn over(a: Int, b: Int) -> Int {
         ((a << 32) / b).min(MOST)
     }
 }
-/// Whether it lies between two others, or is one of them.
+/// Whether a number lies between two others, or equals one of them.
 #[must_use]
 pub fn between(least: Int, x: Int, most: Int) -> bool {
     least <= x && x <= most
@@ -38,12 +38,12 @@ pub fn between(least: Int, x: Int, most: Int) -> bool {
 pub fn signal_of(x: Int) -> Int {
     x >> 8
 }
-/// As a gain, with 12.
+/// A setting as a gain, with 12 fractional bits.
 #[must_use]
 pub fn gain_of(x: Int) -> Int {
     x >> 20
 }
-/// As an energy, with 48.
+/// A setting as an energy, with 48 fractional bits.
 #[must_use]
 pub fn energy_of(x: Int) -> Int {
     x << 16
@@ -53,7 +53,7 @@ pub fn energy_of(x: Int) -> Int {
 pub fn signal_fits(x: Int) -> bool {
     signal_of(x) <= HIGHEST
 }
-/// As a gain.
+/// Whether a setting fits a gain.
 #[must_use]
 pub fn gain_fits(x: Int) -> bool {
     gain_of(x) <= HIGHEST

@@ -12,12 +12,12 @@ pub fn spring_tick(desired: Int, damping: Int, limit: Int, e: Int, moved: Int) -
     cut(tension, GAIN).clamp(0, HIGHEST.min(limit))
 }
 
-/// When the offset is changed.
+/// The moments at which the offset is changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Update {
-    /// When the motion turns inward (2.14).
+    /// The offset changes when the motion turns inward (2.14).
     TurnInward,
-    /// While it goes inward (3.2).
+    /// The offset changes while the motion goes inward (3.2).
     Inward,
     /// Always.
     EveryTick,
@@ -34,7 +34,7 @@ pub struct Sfa {
     pub gain: Int,
     /// `1/k_v`, a ratio.
     pub compliance: Int,
-    /// When the offset is changed.
+    /// The moments at which the offset is changed.
     pub update: Update,
     /// The force of the first contact is kept at its end (2.16, 2.17).
     pub keep_force: bool,
@@ -45,15 +45,15 @@ pub struct Sfa {
 /// The memory; `augmenting` is after the first reversal, `inside` from the first tick in the wall on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Memory {
-    /// In contact.
+    /// Whether there is contact.
     pub inside: bool,
-    /// After the first reversal.
+    /// Whether the first reversal has passed.
     pub augmenting: bool,
     /// Penetration of the last tick.
     pub last: Int,
-    /// That of the tick before it.
+    /// Penetration of the tick before the last.
     pub before_last: Int,
-    /// `O`.
+    /// Offset: `O`.
     pub offset: Int,
     /// Force of the last tick.
     pub force: Int,

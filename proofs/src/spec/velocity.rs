@@ -6,7 +6,7 @@ use super::Int;
 use super::estimator::{Flow, Motion, REMEMBERED, corrected, shown, state, weighed, within};
 pub use super::window::{LONGEST, window};
 
-/// Digits of a state that are no part of what is multiplied.
+/// Digits of a state below its part.
 const BELOW_PART: u32 = 54 - 28;
 
 /// `v = v + a (x - x' - v)`.
@@ -36,7 +36,7 @@ pub fn tracked(reach: Int, drift: Int, gains: [Int; 3], before: Motion, at: Int)
     corrected(gains, free.end(before, [0; REMEMBERED]), before.g, at)
 }
 
-/// The memory after a position, and the velocity that is told: a device that could not have moved like that stands.
+/// The memory after a position, and the velocity; after an impossible motion the device is taken to stand.
 #[must_use]
 pub fn told(after: Option<Motion>, at: Int) -> (Motion, Int) {
     let motion = after.unwrap_or(Motion {

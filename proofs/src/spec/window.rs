@@ -6,7 +6,7 @@ use super::{HIGHEST, Int, SIGNAL, signal, times};
 /// Positions that a window reaches back at most.
 pub const LONGEST: usize = 16;
 
-/// A quotient's bound: so far in so many ticks.
+/// Bound of a quotient: a distance in a number of ticks.
 type Bound = Option<(Int, Int)>;
 
 /// The slope of the longest window, up to `longest` ticks, through whose first and last position a line passes all others by no more than the

@@ -1,4 +1,5 @@
-//! What boards with room keep beside the settings: what there is to touch, the alignment and the start by itself, the map of the cogging.
+//! What boards with room store beside the settings: the environment, the alignment and the unattended start, the
+//! cogging map.
 
 use super::{Backend, Session};
 use crate::reply::Refusal;
@@ -42,13 +43,13 @@ impl Session {
         Ok(())
     }
 
-    /// The kept alignment for the next calibration, where it was measured with what the settings say.
+    /// Gives the device the kept alignment for the next calibration, if it was measured with the present settings.
     pub(super) fn give_kept(&self, device: &mut impl Backend) {
         let usable = self.kept.usable(&self.settings, device.identity().board);
         device.use_kept(usable.ok());
     }
 
-    /// What is kept for the start.
+    /// Keeps something for the next start.
     #[inline(never)]
     pub(super) fn keep(
         &mut self,
@@ -93,7 +94,7 @@ impl Session {
         Ok(())
     }
 
-    /// Takes what there is to touch, in every state but the calibration: the field that turns the shaft is none of it.
+    /// Takes a new environment, in every state but calibration, in which the motor's field turns the shaft.
     #[inline(never)]
     pub(super) fn surround(
         &mut self,

@@ -1,4 +1,4 @@
-//! One leaf at a time, by its path.
+//! Reading and writing one setting by its path.
 
 use super::DeviceSettings;
 use miniconf::{ConstPathIter, SerdeError, postcard as leaf};

@@ -17,59 +17,59 @@ pub const CURRENT_BITS: u32 = 13;
 /// No [`KeptCogging`] takes more bytes in flash (a test).
 pub const COGGING_MAX: usize = 120;
 
-/// A part of it, `cos·cos(n θ) + sin·sin(n θ)`, with `θ` from the encoder's own zero in the direction in which it is counted.
+/// One harmonic, `cos·cos(n θ) + sin·sin(n θ)`, with `θ` from the encoder's zero in the direction in which it counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CoggingHarmonic {
     /// `n`, periods in a turn, from 1.
     pub order: u8,
     /// A current that pushes along the count, 2^-13 A.
     pub cos: i16,
-    /// The same.
+    /// Factor of the sine, in the same unit.
     pub sin: i16,
 }
 
 /// The current that holds the cogging.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct CoggingMap {
-    /// Its parts.
+    /// The harmonics.
     pub harmonics: Vec<CoggingHarmonic, HARMONICS>,
 }
 
 /// A map, and what it was measured with.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KeptCogging {
-    /// What it was measured with.
+    /// The hardware with which it was measured.
     pub with: MeasuredWith,
     /// The map.
     pub map: CoggingMap,
 }
 
 impl KeptCogging {
-    /// The map, where it was measured with what the settings say.
+    /// The map, if it was measured with the present settings.
     ///
     /// # Errors
-    /// Why not.
+    /// Why the map cannot be used.
     pub fn usable(&self, settings: &DeviceSettings, board: Board) -> Result<&CoggingMap, Unkept> {
         self.with.fits(settings, board).map(|()| &self.map)
     }
 }
 
-/// What the next calibration goes on with.
+/// A measurement that the next calibration goes on with.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Sweep {
-    /// Nothing.
+    /// No measurement is under way.
     #[default]
     None,
     /// The shaft is turned slowly, both ways, as if no map were kept.
     Bare,
-    /// The same while the map is played.
+    /// A sweep while the map is played.
     Compensated,
 }
 
-/// What a board says of its map.
+/// A board's report on its cogging map.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CoggingReport {
-    /// What is kept; `Save` writes it.
+    /// The kept map; `Save` writes it.
     pub kept: Option<KeptCogging>,
     /// Whether the electrical angle falls when the count rises; known once the device is calibrated.
     pub against: Option<bool>,

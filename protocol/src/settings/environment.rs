@@ -1,7 +1,8 @@
-//! What there is to touch beside the wall of `wall`, on boards with room for it: further walls, endstops, detents, all behind the law's one
-//! guard. It is the simulator's `[environment]`, field by field.
+//! The environment beside the wall of `wall`, on boards with room for it: further walls, endstops, detents, all behind
+//! the law's one guard. It is the simulator's `[environment]`, field by field.
 //!
-//! Not a part of [`DeviceSettings`]: it may be changed while the knob is at work, and boards without room for it have none.
+//! Not a part of [`DeviceSettings`]: it may be changed while the knob is at work, and boards without room for it have
+//! none.
 
 use super::{Decimal, DeviceSettings, Reason, SettingsError, fields, refused};
 use heapless::Vec;
@@ -33,11 +34,11 @@ pub struct Surround {
 /// A wall beside the first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WallBeside {
-    /// Its surface, rad.
+    /// Position of the wall's surface, rad.
     pub at_rad: Decimal,
     /// Whether it is solid below its surface, else above.
     pub below: bool,
-    /// Its stiffness, N·m/rad; none: that of the first.
+    /// The wall's stiffness, N·m/rad; none: that of the first wall.
     pub stiffness_n_m_per_rad: Option<Decimal>,
 }
 
@@ -59,22 +60,22 @@ pub struct DetentsBeside {
     pub per_rev: u16,
     /// The largest torque, N·m.
     pub strength_n_m: Decimal,
-    /// Where one of them is, rad.
+    /// Position of one of the detents, rad.
     pub centre_rad: Decimal,
 }
 
-/// When an environment that was taken counts.
+/// The time from which an accepted environment applies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CountsFrom {
     /// The device is armed: from its next tick on.
     NextTick,
-    /// From the next arming on.
+    /// It applies from the next arming on.
     Arming,
     /// Settings that it was checked with wait for a calibration: from that on.
     Calibration,
 }
 
-/// The paths of the walls' places and stiffnesses, in the order of [`Surround::walls`] with all of them.
+/// The paths of the walls' positions and stiffnesses, in the order of [`Surround::walls`] when all are given.
 const PLACES: [[&str; 2]; 6] = [
     ["wall.surface_rad", "wall.k_desired_n_m_per_rad"],
     [
@@ -105,7 +106,7 @@ const STRENGTH: &str = "environment.detents.strength_n_m";
 const CHANGE: (Si, Si) = (Si::lit("0.01"), Si::lit("100"));
 
 impl Default for Surround {
-    /// The wall alone.
+    /// An environment with one wall and nothing else.
     fn default() -> Self {
         Self {
             first_wall: true,
@@ -171,10 +172,10 @@ impl Surround {
         self.placed(settings).into_iter().flatten().collect()
     }
 
-    /// Checks all of it with the settings that it stands beside, and makes it what a control tick runs.
+    /// Checks the environment with the settings that it stands beside, and builds what a control tick runs.
     ///
     /// # Errors
-    /// What is refused.
+    /// The setting that is refused.
     #[cold]
     #[inline(never)]
     pub fn built(&self, settings: &DeviceSettings) -> Result<Environment<Fixed32>, SettingsError> {
@@ -218,10 +219,10 @@ impl Surround {
             .map_err(|error| why(&error, &placed))
     }
 
-    /// Checks all of it with the settings that it stands beside.
+    /// Checks the environment with the settings that it stands beside.
     ///
     /// # Errors
-    /// What is refused.
+    /// The setting that is refused.
     // What is built for it is gone from the stack with it.
     #[inline(never)]
     pub fn check(&self, settings: &DeviceSettings) -> Result<(), SettingsError> {
@@ -235,7 +236,7 @@ impl Surround {
     }
 }
 
-/// What the law refuses, at its place.
+/// Names the path of the setting that the law refused.
 fn why(error: &Refused, placed: &[Option<WallSettings>; MOST_WALLS]) -> SettingsError {
     let limit = |path, value| SettingsError {
         path,

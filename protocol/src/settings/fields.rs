@@ -7,7 +7,7 @@ use touchstone_control::choices::*;
 use touchstone_control::table::equal;
 use touchstone_control::{Choice, Si, setting_path};
 
-/// What a leaf may hold.
+/// The values that a setting may have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A number from `least` to `most`.
@@ -31,7 +31,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The range as decimals, of what has one.
+    /// The range as decimals; `None` for a setting without one.
     #[must_use]
     pub fn range(&self) -> Option<(Decimal, Decimal)> {
         match *self {
@@ -47,13 +47,13 @@ impl Kind {
 /// A leaf of [`DeviceSettings`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Field {
-    /// Its path, e.g. `wall.k_desired_n_m_per_rad`.
+    /// Path of the setting, e.g. `wall.k_desired_n_m_per_rad`.
     pub path: &'static str,
-    /// What it may hold.
+    /// The values that the setting may hold.
     pub kind: Kind,
-    /// Its unit, empty for a pure number or a word.
+    /// Unit of the setting, empty for a pure number or a word.
     pub unit: &'static str,
-    /// What it means.
+    /// The meaning of the setting.
     pub about: &'static str,
 }
 
@@ -150,7 +150,7 @@ device_settings!(fields);
 /// A number against a range.
 ///
 /// # Errors
-/// It is outside.
+/// The value is out of range.
 pub fn within(path: &'static str, value: Si, (least, most): (Si, Si)) -> Result<(), SettingsError> {
     if value < least || value > most {
         let (value, least, most) = (Decimal(value), Decimal(least), Decimal(most));

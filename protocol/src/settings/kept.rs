@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// No [`KeptStart`] takes more bytes in flash (a test).
 pub const KEPT_MAX: usize = 24;
 
-/// What is kept for the next start.
+/// The data that are kept for the next start.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KeptStart {
     /// The alignment, if it is kept.
@@ -27,7 +27,7 @@ pub struct KeptAlignment {
     pub offset: u16,
     /// The electrical angle falls when the count rises.
     pub against: bool,
-    /// What it was measured with.
+    /// The hardware with which it was measured.
     pub with: MeasuredWith,
 }
 
@@ -41,13 +41,13 @@ pub struct MeasuredWith {
     pub encoder: EncoderKind,
     /// Whether it was counted the other way.
     pub reversed: bool,
-    /// Its counts in a turn.
+    /// The encoder's counts in a turn.
     pub counts_per_rev: u32,
     /// The motor's pole pairs.
     pub pole_pairs: u8,
 }
 
-/// Why something that goes by the encoder's own zero cannot be kept, or what is kept cannot be used.
+/// Why a measurement against the encoder's zero cannot be kept, or a kept one cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Unkept {
     /// The encoder is an incremental one.
@@ -56,18 +56,18 @@ pub enum Unkept {
     NothingToAlign,
     /// Settings that were changed since wait for a calibration.
     SettingsWait,
-    /// None is kept.
+    /// No data are kept.
     None,
-    /// It was measured on another board.
+    /// The alignment was measured on another board.
     OtherBoard,
-    /// It was measured with another encoder, or the same one counted otherwise.
+    /// The alignment was measured with another encoder, or with other settings of the same one.
     OtherEncoder,
-    /// It was measured with another number of pole pairs.
+    /// The alignment was measured with another number of pole pairs.
     OtherPolePairs,
 }
 
 impl Unkept {
-    /// For people.
+    /// Text for people.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
@@ -86,35 +86,35 @@ impl Unkept {
     }
 }
 
-/// What became of the start by itself, since the board was switched on. The numbers never change.
+/// How the unattended start went since the board was switched on. The numbers never change.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum SelfStart {
-    /// Nobody asked for it.
+    /// The automatic start is switched off.
     #[default]
     Off = 0,
-    /// It waits for the supply and for a shaft at rest.
+    /// The board waits for the supply and for a shaft at rest.
     Waiting = 1,
-    /// It checks the kept alignment.
+    /// The board checks the kept alignment.
     Checking = 2,
-    /// It armed.
+    /// The board has armed.
     Started = 3,
-    /// Not: this was no coming on of the power, but another reset.
+    /// Not started: the reset was not caused by power coming on.
     NoPowerOn = 4,
-    /// Not: no alignment is kept that fits the settings, or they ask for a measurement.
+    /// Not started: no kept alignment fits the settings, or the settings call for a measurement.
     NoAlignment = 5,
-    /// Not: a desktop spoke first, and has the word.
+    /// Not started: a desktop spoke first and is in charge.
     DesktopSpoke = 6,
-    /// Not: the supply did not come into its range, or the shaft not to rest, in time.
+    /// Not started: the supply did not come into its range in time, or the shaft did not come to rest.
     NotReady = 7,
-    /// Not: the stop button was pressed.
+    /// Not started: the stop button was pressed.
     StopPressed = 8,
-    /// Not: a fault, which is latched.
+    /// Not started: a fault occurred, which is latched.
     Faulted = 9,
 }
 
 impl SelfStart {
-    /// All of them, by their numbers.
+    /// All states, by their numbers.
     pub const ALL: [Self; 10] = [
         Self::Off,
         Self::Waiting,
@@ -128,7 +128,7 @@ impl SelfStart {
         Self::Faulted,
     ];
 
-    /// For people.
+    /// Text for people.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
@@ -150,21 +150,21 @@ impl SelfStart {
     }
 }
 
-/// What a board says of it.
+/// A board's report on its unattended start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StartReport {
-    /// What is kept; `Save` writes it.
+    /// The data that are kept for the next start; `Save` writes them.
     pub kept: KeptStart,
     /// Whether the alignment in use was a kept one that was checked, and not searched for.
     pub was_checked: bool,
-    /// What became of the start by itself.
+    /// How the unattended start went.
     pub self_start: SelfStart,
 }
 
-/// Whether what goes by the encoder's own zero can be kept with these settings at all.
+/// Whether these settings allow keeping a measurement against the encoder's zero at all.
 ///
 /// # Errors
-/// Why not.
+/// The reason for the refusal.
 pub const fn may_keep(settings: &DeviceSettings) -> Result<(), Unkept> {
     match (settings.drive.kind, settings.encoder.kind) {
         (DriveKind::Analogue, _) => Err(Unkept::NothingToAlign),
@@ -186,10 +186,10 @@ impl MeasuredWith {
         }
     }
 
-    /// Whether this is what the settings say.
+    /// Whether the alignment was measured with the present settings.
     ///
     /// # Errors
-    /// What of it is not.
+    /// The part that differs.
     pub fn fits(&self, settings: &DeviceSettings, board: Board) -> Result<(), Unkept> {
         may_keep(settings)?;
         let now = Self::new(settings, board);
@@ -218,10 +218,10 @@ impl KeptAlignment {
 }
 
 impl KeptStart {
-    /// The kept alignment, where it was measured with what the settings say.
+    /// The kept alignment, if it was measured with the present settings.
     ///
     /// # Errors
-    /// Why there is none.
+    /// The reason why there is no alignment.
     pub fn usable(&self, settings: &DeviceSettings, board: Board) -> Result<KeptAlignment, Unkept> {
         may_keep(settings)?;
         let kept = self.alignment.ok_or(Unkept::None)?;

@@ -8,13 +8,13 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use touchstone_control::choices::*;
 use touchstone_control::{Choice, Si};
 
-/// A leaf's value, and what stands for it on the wire.
+/// The value of one setting, and its form on the wire.
 pub trait Leaf: Copy + 'static {
-    /// What stands on the wire.
+    /// The form on the wire.
     type Wire: Serialize + DeserializeOwned;
-    /// For the wire.
+    /// Converts the value for the wire.
     fn to_wire(self) -> Self::Wire;
-    /// From the wire; `None` if it is no value.
+    /// Reads it from the wire; `None` if the value is not valid.
     fn of_wire(wire: Self::Wire) -> Option<Self>;
 }
 

@@ -1,11 +1,11 @@
-//! Everything that a device can be told, as one tree: each leaf has a path with its unit in its name, and its bounds.
+//! All settings of a device, as one tree: each leaf has a path with its unit in its name, and its bounds.
 //!
 //! ```text
 //! person's text <-> leaf (path, value) <-> DeviceSettings --validate--> control::Settings, drive
 //! ```
 //!
-//! The same code validates on both sides: what the desktop accepts, the device does. All of it follows from two tables, the law's
-//! ([`touchstone_control::law_settings`]) and the device's own, `table.rs`.
+//! The same code validates on both sides, so the device accepts what the desktop accepts. All of it follows from two
+//! tables: the law's ([`touchstone_control::law_settings`]) and the device's own, `table.rs`.
 
 #[cfg(feature = "wire")]
 mod access;
@@ -61,7 +61,7 @@ macro_rules! tree {
         $(tree! { @table $(#[$doc])* $Group { $($name: $kind $range = $default, $unit, $about;)+ } {} })+
         $(tree! { @table $(#[$own_doc])* $Own { $($own_rows)* } {} })+
 
-        /// Everything that a device can be told.
+        /// All settings of a device.
         #[derive(Debug, Clone, PartialEq, Eq, Default)]
         #[cfg_attr(feature = "wire", derive(Serialize, Deserialize, miniconf::Tree), serde(deny_unknown_fields))]
         pub struct DeviceSettings {
@@ -73,7 +73,7 @@ macro_rules! tree {
         }
 
         impl DeviceSettings {
-            /// What the control law needs; not validated.
+            /// The control law's settings, not validated.
             #[must_use]
             pub fn law(&self) -> law::Settings {
                 law::Settings {
@@ -126,7 +126,7 @@ macro_rules! thesis {
 }
 
 impl LawSettings {
-    /// As [`law::Settings::thesis`].
+    /// Same as [`law::Settings::thesis`].
     #[must_use]
     pub fn thesis() -> Self {
         let mut law = Self {
@@ -140,8 +140,9 @@ impl LawSettings {
 }
 
 impl DeviceSettings {
-    /// The thesis' wall on a gimbal-type motor, at 24 V: valid on the board, but no motor's data sheet. With the X-NUCLEO-IHM16M1 a
-    /// small wall on the motor of its kit, at 12 V. With the SimpleFOC Mini no motor at all: it has to be told.
+    /// The first settings of a board. Most have the thesis' wall on a gimbal-type motor at 24 V, which is valid but no
+    /// real motor's data sheet. With the X-NUCLEO-IHM16M1: a small wall on the motor of its kit, at 12 V. With the
+    /// SimpleFOC Mini: no motor at all, the user has to name it.
     #[must_use]
     pub fn defaults(board: Board) -> Self {
         let mut settings = Self::default();

@@ -13,7 +13,7 @@
 use touchstone_control::choice;
 
 choice! {
-    /// Which encoder is connected.
+    /// The encoder that is connected.
     EncoderKind {
         /// A and B into the timer.
         Incremental = "incremental",
@@ -45,7 +45,7 @@ macro_rules! device_settings {
                     "where the surface is, from the zero of the calibration (inside is beyond it)";
             }
             own {
-                /// When the control interrupt runs.
+                /// The timing of the control interrupt.
                 timing TimingSettings {
                     rate_hz: u32(500, 10_000) = 1000, "Hz",
                         "the control rate, a whole fraction of 20000 Hz";
@@ -121,7 +121,7 @@ macro_rules! device_settings {
                     measures: flag() = false, "",
                         "whether a calibration goes on to measure the motor (the shaft SPINS, both ways)";
                 }
-                /// What is sent by itself.
+                /// The data that the device sends without a request.
                 telemetry TelemetrySettings {
                     decimation: u16(0, 1_000) = 1, "",
                         "after how many control ticks a record is sent (0 sends none)";

@@ -1,13 +1,16 @@
-//! What a device without current sensors starts with: the supply and the limits of the small gimbal knob, and no motor. Its torque is a
-//! voltage, by resistance and torque constant: what was never said must not be guessed. Both, and the inductance, are at the least end
-//! of their ranges, with which a calibration is refused, and which no motor for this board has. The wall's law is that of the scene
-//! `scenes/voltage-knob.toml` (tested), whose force limit has to be told as well, as it follows from the torque constant.
+//! The first settings of a device without current sensors: the supply and the limits of the small gimbal knob, and no
+//! motor.
+//!
+//! Such a device makes torque by voltage, from resistance and torque constant, which must not be guessed. Both, and
+//! the inductance, are at the low end of their ranges: a calibration refuses these values, and no motor for this board
+//! has them. The wall's law is that of the scene `scenes/voltage-knob.toml` (tested). Its force limit follows from the
+//! torque constant, so it has to be set as well.
 
 use super::gimbal_kit::{self, set};
 use super::{DeviceSettings, fields};
 use touchstone_control::Si;
 
-/// The least end of a setting's range: not told.
+/// The low end of a setting's range, which means "not set".
 macro_rules! untold {
     ($path:literal) => {
         const { fields::range($path).0 }
@@ -15,7 +18,8 @@ macro_rules! untold {
 }
 
 impl DeviceSettings {
-    /// The first setting of the motor that was not told: without current sensors it can neither be measured nor compared with anything.
+    /// The first setting of the motor that is not set. Without current sensors it can neither be measured nor compared
+    /// with anything.
     #[must_use]
     pub fn untold_motor(&self) -> Option<&'static str> {
         let motor = &self.motor;

@@ -22,21 +22,21 @@ pub type PathText = heapless::String<PATH_MAX>;
 pub struct SettingsError {
     /// The path of the leaf.
     pub path: &'static str,
-    /// Its value, or the coefficient for [`Reason::OutOfFormat`].
+    /// The refused value, or the coefficient for [`Reason::OutOfFormat`].
     pub value: Decimal,
-    /// Why it is refused.
+    /// Reason for the refusal.
     pub reason: Reason,
 }
 
-/// The same on the wire.
+/// A [`SettingsError`] on the wire.
 #[cfg(feature = "wire")]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Invalid {
-    /// As [`SettingsError::path`].
+    /// Same as [`SettingsError::path`].
     pub path: PathText,
-    /// As [`SettingsError::value`].
+    /// Same as [`SettingsError::value`].
     pub value: Decimal,
-    /// As [`SettingsError::reason`].
+    /// Same as [`SettingsError::reason`].
     pub reason: Reason,
 }
 
@@ -51,7 +51,7 @@ pub enum Reason {
         /// Largest allowed.
         most: Decimal,
     },
-    /// The law's coefficient that is made of it does not fit the number format.
+    /// The law's coefficient for this value does not fit the number format.
     OutOfFormat,
     /// No whole fraction of this rate, Hz.
     NoFractionOf(u32),
@@ -76,7 +76,7 @@ impl From<SettingsError> for Invalid {
 }
 
 impl SettingsError {
-    /// What the words for people are made of.
+    /// Writes an error in words for people.
     fn tell(
         f: &mut fmt::Formatter<'_>,
         path: &str,
@@ -140,10 +140,10 @@ impl fmt::Display for Invalid {
 impl core::error::Error for Invalid {}
 
 impl DeviceSettings {
-    /// Checks everything that a board and the law decide; returns the law that the wall will follow.
+    /// Checks everything that depends on the board and the law; returns the wall's law.
     ///
-    /// What the power stage adds (its largest current and voltage) is checked by `touchstone_drive::wire::checked`, which calls
-    /// this first and is what firmware and desktop use.
+    /// `touchstone_drive::wire::checked` also checks the limits of the power stage (its largest current and voltage).
+    /// It calls this first, and is what firmware and desktop use.
     ///
     /// # Errors
     /// The first setting that is refused.
@@ -162,7 +162,7 @@ impl DeviceSettings {
         fields::check(self)
     }
 
-    /// Not every board has an encoder's bus and an analogue output on its connectors.
+    /// Checks that the board has the encoder's bus and the analogue output that the settings need.
     fn check_board(&self, board: Board) -> Result<(), SettingsError> {
         // The smallest board's flash has no room for a question that is none there.
         #[cfg(feature = "large")]

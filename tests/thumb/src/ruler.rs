@@ -59,7 +59,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// One more.
+    /// Adds one measurement.
     pub fn add(&mut self, instructions: u32) {
         self.runs += 1;
         self.sum += u64::from(instructions);

@@ -9,13 +9,13 @@ use touchstone_control::{
 /// A law with its settings.
 #[derive(Debug, Clone, Copy)]
 pub struct Case {
-    /// Short, without spaces.
+    /// Short name without spaces.
     pub name: &'static str,
-    /// The default settings but for what the name says.
+    /// The default settings with the change that the name states.
     pub settings: Settings,
 }
 
-/// All of them.
+/// All cases.
 #[must_use]
 pub fn cases() -> [Case; 19] {
     let base = Settings::thesis();

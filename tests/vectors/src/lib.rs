@@ -1,7 +1,7 @@
-//! One motion with all the hard cases, played through every law in a fixed-point format, and a digest of all that came out.
+//! One motion with all the hard cases, played through every law in a fixed-point format, and a digest of all results.
 //!
 //! Integers only, no allocation, no operating system: the microcontroller's program (`tests/thumb`) and the desktop's
-//! (`examples/golden.rs`) run this very code, and `cargo xtask thumb` compares what they print.
+//! (`examples/golden.rs`) run the same code, and `cargo xtask thumb` compares what they print.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -21,11 +21,11 @@ pub const COUNTS_PER_TURN: u32 = 40_000;
 /// Where the wall begins, rad; not a whole number of counts.
 pub const SURFACE: Si = Si::lit("0.5");
 
-/// Who runs the ticks: it may look at a clock around each, and is told what came out.
+/// Runs the ticks: it may look at a clock around each, and gets the results.
 pub trait Machine<N: Number> {
     /// Encoder count to penetration.
     fn penetration(&mut self, scale: &CountScale, count: i64) -> Position<N>;
-    /// One tick.
+    /// Runs one tick.
     fn tick(&mut self, wall: &mut Controller<N>, e: Position<N>) -> Force<N>;
     /// A segment of the motion is over; the digest is of all that came out since the start of the case.
     fn segment_done(&mut self, case: &Case, segment: &Segment, digest: u64);

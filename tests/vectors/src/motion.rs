@@ -1,4 +1,4 @@
-//! The motion, in encoder counts: what a hand does, what an encoder does at its worst, and what only a fault does.
+//! The motion, in encoder counts: of a hand, of an encoder at its worst, and of faults.
 
 /// The last count outside the wall: its surface is at 0.5 rad, 3183.1 counts.
 const OUTSIDE: i64 = 3183;
@@ -6,14 +6,14 @@ const OUTSIDE: i64 = 3183;
 /// A part of the motion.
 #[derive(Debug)]
 pub struct Segment {
-    /// Short, without spaces.
+    /// Short name without spaces.
     pub name: &'static str,
-    /// How long.
+    /// Duration, ticks.
     pub ticks: u32,
     count: fn(&mut Motion, u32) -> i64,
 }
 
-/// 20,000 ticks.
+/// The segments of the motion, 20,000 ticks in all.
 pub const SEGMENTS: [Segment; 9] = [
     segment("presses", 5000, Motion::presses),
     segment("hold", 2500, Motion::hold),
@@ -30,7 +30,7 @@ const fn segment(name: &'static str, ticks: u32, count: fn(&mut Motion, u32) -> 
     Segment { name, ticks, count }
 }
 
-/// What the motion remembers: where it is, and its random numbers.
+/// State of the motion: its place, and its random numbers.
 #[derive(Debug)]
 pub struct Motion {
     random: u64,
@@ -48,7 +48,7 @@ impl Default for Motion {
     }
 }
 
-/// Up for half of the period, down for the other: `0..=height`.
+/// A triangle wave, up for half of the period and down for the other: `0..=height`.
 fn triangle(tick: u32, period: u32, height: i64) -> i64 {
     let phase = i64::from(tick % period);
     let half = i64::from(period / 2);
@@ -78,7 +78,7 @@ impl Motion {
         OUTSIDE - 50 + triangle(tick, 500, 50 + self.height) + self.whole(2)
     }
 
-    /// In to 300 counts, held there with one count of jitter, out.
+    /// Moves in to 300 counts, holds there with one count of jitter, and moves out.
     fn hold(&mut self, tick: u32) -> i64 {
         let way_in = i64::from(tick.min(2499 - tick)).min(300);
         OUTSIDE + way_in + self.whole(1)

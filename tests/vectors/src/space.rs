@@ -129,7 +129,7 @@ struct Hand {
 }
 
 impl Hand {
-    /// In hundredths of a millimetre, around the place (2, -1, 2) cm of the ball's surface.
+    /// Positions in hundredths of a millimetre, around the place (2, -1, 2) cm of the ball's surface.
     fn go(&mut self, tick: u32) -> Vector<Position<Fixed32>> {
         for axis in &mut self.at {
             self.seed = self

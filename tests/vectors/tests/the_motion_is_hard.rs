@@ -1,4 +1,4 @@
-//! What the vectors are worth: they reach what they are meant to reach, in both formats.
+//! The vectors reach the cases that they are meant for, in both formats.
 
 use std::collections::BTreeSet;
 
@@ -6,7 +6,7 @@ use touchstone_control::law::Contact;
 use touchstone_control::{Controller, CountScale, Fixed16, Fixed32, Force, Position};
 use touchstone_vectors::{Bits, COUNTS_PER_TURN, Case, Machine, SEGMENTS, Segment, cases, play};
 
-/// What was seen in one case.
+/// The outcome of one case.
 #[derive(Default)]
 struct Seen {
     last: Option<i32>,

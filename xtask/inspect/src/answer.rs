@@ -5,13 +5,13 @@ use std::process::ExitCode;
 /// How an inspection ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answer {
-    /// All is as it must be; exit code 0.
+    /// Everything is right; exit code 0.
     Right(String),
-    /// Something is not; exit code 1.
+    /// A check failed; exit code 1.
     Wrong(String),
-    /// It could not be told, and why; exit code 77.
+    /// The check could not run, and why; exit code 77.
     NotRun(String),
-    /// It was called wrongly, and how to call it; exit code 2.
+    /// The call was wrong, with the right usage; exit code 2.
     Usage(String),
 }
 

@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use crate::answer::Answer;
 
-/// Either list.
+/// One of the two lists.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct List {
@@ -27,22 +27,22 @@ struct Mutant {
     /// The harness that refutes it; may be missing where a test is named.
     #[serde(default)]
     harness: String,
-    /// The test that fails of it, `package name`; may be missing where a harness is named.
+    /// The test that must fail with the change, `package name`; may be missing where a harness is named.
     #[serde(default)]
     test: String,
 }
 
-/// A part of the firmware's safety, taken out.
+/// A change that takes one part of the firmware's safety out.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Sabotage {
-    /// What is taken out.
+    /// Name of the part that is taken out.
     name: String,
-    /// Whose program.
+    /// The board whose program is changed.
     board: String,
     /// What `fil --only` is given.
     only: String,
-    /// What a line says that tells what is wrong.
+    /// Text of the line that reports the problem.
     says: String,
     change: Vec<Change>,
 }
@@ -55,7 +55,7 @@ struct Change {
     replace: String,
 }
 
-/// An entry as it is printed.
+/// Lines of a printed entry.
 type Lines<'l> = Vec<(&'static str, &'l str)>;
 
 impl Mutant {

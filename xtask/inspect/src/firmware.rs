@@ -1,5 +1,5 @@
-//! What a board's program must be: small enough, and its interrupts free of panics, floats, critical sections and calls that
-//! lead nobody knows where.
+//! Checks of a board's program: it is small enough, and its interrupts have no panics, floats, critical sections or
+//! calls with an unknown goal.
 
 use std::path::Path;
 
@@ -9,13 +9,13 @@ use crate::cortex::{Depths, ProgramCode, is_panic, is_soft_float, word};
 /// The rooms of a board's chip.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 struct Room {
-    /// Flash for the program, bytes: without what is kept for settings.
+    /// Flash for the program, bytes, without the pages for settings.
     flash: u32,
-    /// Memory, the stack included, bytes: without what the interrupts' code has.
+    /// Memory with the stack, bytes, without the part that holds the interrupts' code.
     memory: u32,
 }
 
-/// Each board's.
+/// Memory of each board's chip.
 const ROOMS: [(&str, Room); 5] = [
     ("nucleo-g474re", room(240, 96)),
     ("nucleo-g474re-ihm16m1", room(240, 96)),
@@ -50,10 +50,10 @@ const HEAP: [&str; 4] = [
     "alloc_error_handler",
 ];
 
-/// What was found out about a program.
+/// Findings on a program.
 #[derive(Debug, Default)]
 struct Report {
-    /// What the chip has.
+    /// Memory of the chip.
     room: Room,
     /// Bytes of code and constants.
     text: u32,
@@ -65,12 +65,12 @@ struct Report {
     stack: u32,
     /// Bytes that the stack has.
     stack_room: u32,
-    /// What is not as it must be.
+    /// Problems.
     wrong: Vec<String>,
 }
 
 impl Report {
-    /// One line for people.
+    /// The findings in one line for people.
     fn line(&self) -> String {
         let Self {
             text,
@@ -196,7 +196,7 @@ fn sizes(program: &ProgramCode, report: &mut Report) {
     }
 }
 
-/// What an interrupt reaches.
+/// Follows an interrupt through all its calls.
 fn interrupt(program: &ProgramCode, handler: &str, wrong: &mut Vec<String>) {
     let Some(reach) = program
         .address(handler)
@@ -240,8 +240,8 @@ fn interrupt(program: &ProgramCode, handler: &str, wrong: &mut Vec<String>) {
 /// The function of the firmware that ends before the working interrupts are enabled.
 const START: &str = "touchstone_firmware3run5start";
 
-/// The stack: what the thread needs, and on top of it one handler of each priority, each with an exception's frame. At the start
-/// only the drivers' interrupts come.
+/// The stack: the thread's, and on top of it one handler of each priority with an exception's frame. At the start only
+/// the drivers' interrupts come.
 fn stack(program: &ProgramCode, report: &mut Report) {
     let mut depths = Depths::new(program);
     let Some(reset) = program.address("Reset") else {

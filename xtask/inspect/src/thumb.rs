@@ -1,5 +1,5 @@
-//! What `cargo xtask thumb` compares: the digests that two machines printed, and what a tick reaches in the program that one of
-//! them ran.
+//! Comparisons of `cargo xtask thumb`: the digests that two machines printed, and what a tick reaches in the program
+//! that one of them ran.
 
 use crate::answer::Answer;
 use crate::budgets::{ENHANCED, SPACE};
@@ -43,10 +43,10 @@ pub fn inspect(
     })
 }
 
-/// What the worst tick took, in words.
+/// The cost of the worst tick, in words.
 ///
 /// # Errors
-/// It took more than its budget, or was not counted.
+/// The cost exceeds the budget, or was not counted.
 fn budget(what: &str, worst: u64, most: u64) -> Result<String, String> {
     match worst {
         0 => Err(format!("no {what} was counted")),
@@ -59,7 +59,7 @@ fn budget(what: &str, worst: u64, most: u64) -> Result<String, String> {
     }
 }
 
-/// Prints what a tick reaches; what of it should not be there.
+/// Prints what a tick reaches; returns what should not be there.
 fn examine(program: &ProgramCode) -> Vec<String> {
     let mut wrong = Vec::new();
     println!(
@@ -115,7 +115,7 @@ fn examine(program: &ProgramCode) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// At the budget, above it, and where nothing was counted.
+    /// Checks a count at the budget, above it, and a missing count.
     #[test]
     fn a_budget_can_be_broken() {
         assert!(budget("tick", 700, 700).is_ok());

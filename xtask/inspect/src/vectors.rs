@@ -1,9 +1,9 @@
-//! What the two machines printed, side by side.
+//! Compares the output of the two machines.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Instructions of many calls.
+/// Instructions counted over many calls.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 struct Cost {
     calls: u64,
@@ -12,7 +12,7 @@ struct Cost {
 }
 
 impl Cost {
-    /// From three words.
+    /// Parses three words.
     fn parse(words: &[&str]) -> Option<Self> {
         let [calls, sum, worst] = words else {
             return None;
@@ -50,10 +50,10 @@ struct Row {
     segments: usize,
 }
 
-/// What the two machines printed.
+/// Output of the two machines.
 #[derive(Debug, Default)]
 pub struct Report {
-    /// By `law format segment`; each is taken out when the other machine names it.
+    /// The desktop's values by `law format segment`; each is removed once the other machine names it.
     desktop: BTreeMap<String, String>,
     rows: Vec<Row>,
     penetration: Vec<(String, Cost)>,

@@ -9,10 +9,10 @@ use std::process::Command;
 
 /// Debian's and Ubuntu's `libtcmalloc-minimal4` (`libtcmalloc-minimal4t64` in their later releases).
 const NAME: &str = "libtcmalloc_minimal.so.4";
-/// What the loader puts before the C library.
+/// The variable for libraries that the loader puts before the C library.
 const PRELOAD: &str = "LD_PRELOAD";
 
-/// The allocator's file, where the loader knows one for this machine and nobody asked the loader for something else.
+/// File of the allocator, where the loader knows one for this machine and the user has set no other.
 pub fn found() -> Option<PathBuf> {
     if std::env::var_os(PRELOAD).is_some() {
         return None;
@@ -25,7 +25,7 @@ pub fn found() -> Option<PathBuf> {
     starts_with(&file).then_some(file)
 }
 
-/// Gives it to a command and to all that this starts.
+/// Gives the allocator to a command and to all processes that it starts.
 pub fn give(command: &mut Command) -> &mut Command {
     match found() {
         Some(file) => command.env(PRELOAD, file),
@@ -33,7 +33,7 @@ pub fn give(command: &mut Command) -> &mut Command {
     }
 }
 
-/// What there is to say of it under a table.
+/// A note on the allocator for under a table.
 pub fn said() -> &'static str {
     match found() {
         Some(_) => "memory by tcmalloc",
@@ -41,7 +41,7 @@ pub fn said() -> &'static str {
     }
 }
 
-/// Its file in the loader's list, in which a line is `name (kind) => file`.
+/// The allocator's file in the loader's list, in which a line is `name (kind) => file`.
 fn in_list(list: &str) -> Option<PathBuf> {
     let mut files = list.lines().filter_map(|line| {
         let (what, file) = line.split_once(" => ")?;
@@ -50,7 +50,8 @@ fn in_list(list: &str) -> Option<PathBuf> {
     files.next()
 }
 
-/// Whether a program starts with it and the loader has nothing to say: one of another kind of machine is not loaded.
+/// Whether a program starts with it without a complaint of the loader: a library for another kind of machine is not
+/// loaded.
 fn starts_with(file: &Path) -> bool {
     let done = Command::new("true").env(PRELOAD, file).output();
     done.is_ok_and(|done| done.status.success() && done.stderr.is_empty())

@@ -11,19 +11,19 @@ use super::{allocator, solvers};
 use crate::inspect;
 use crate::outcome::Outcome;
 
-/// Each process may take so much processor time, by `ulimit -t`, which is no answer either: a little more than what the gate allows a
-/// harness altogether.
+/// Processor time that each process may take, by `ulimit -t`, s; an end by that is no answer. It is a little more than
+/// what the gate allows a harness altogether.
 const PROCESS_S: u32 = 150;
-/// The checker ends a harness that takes longer by the clock: only to come to an end at all, for what a machine that others use as
-/// well leaves to it nobody knows.
+/// Time by the clock after which the checker ends a harness, s. It only serves to come to an end: how much of a shared
+/// machine the checker gets is unknown.
 const TIMEOUT_S: u32 = 2400;
 /// Each process that the checker starts, by `ulimit -v`; one that needs more fails.
 pub const MEMORY_KIB: u64 = 8 << 20;
 
-/// What a run left behind.
+/// Files of a finished run.
 pub struct Left {
     pub report: PathBuf,
-    /// What the processes of each harness took: name of its file, kibibytes, seconds.
+    /// Memory and time of each harness' processes: name of its file, kibibytes, seconds.
     pub usage: PathBuf,
 }
 
@@ -32,18 +32,18 @@ pub struct Left {
 pub struct How {
     /// Harnesses at the same time.
     pub jobs: u32,
-    /// On standard error.
+    /// Shows the progress on standard error.
     pub progress: bool,
 }
 
 impl How {
-    /// Without a word, one after the other.
+    /// Runs without output, one harness after the other.
     pub const QUIET: Self = Self {
         jobs: 1,
         progress: false,
     };
 
-    /// As they name their solvers, with progress.
+    /// The harnesses with their own solvers, with progress.
     pub const fn jobs(jobs: u32) -> Self {
         Self {
             jobs,
@@ -52,15 +52,15 @@ impl How {
     }
 }
 
-/// Which harnesses.
+/// The harnesses to run.
 #[derive(Debug, Clone, Copy)]
 pub enum Which<'a> {
     All,
-    /// Those whose name contains this.
+    /// The harnesses whose name contains this.
     Containing(&'a str),
     /// The one of this name.
     Named(&'a str),
-    /// Those of these names.
+    /// The harnesses with these names.
     These(&'a [String]),
 }
 
@@ -220,8 +220,8 @@ pub fn list(target: &Path) -> Result<PathBuf, String> {
     Ok(list)
 }
 
-/// Whether one named harness refutes what stands in a workspace. `Err`: anything else than a proof or a refutation of that
-/// very harness.
+/// Whether one named harness refutes the code in a workspace. `Err`: the result is neither a proof nor a refutation by
+/// that harness.
 pub fn refutes(workspace: &Path, target: &Path, harness: &str) -> Result<bool, String> {
     let left = run(workspace, target, Which::Named(harness), How::QUIET)?;
     let words = [
@@ -275,7 +275,7 @@ fn show_progress(output: impl BufRead, show: bool) {
 mod tests {
     use super::*;
 
-    /// What a checker says that ends without a report.
+    /// Message of a checker that ends without a report.
     fn said(script: &str) -> String {
         let mut command = Command::new("sh");
         command

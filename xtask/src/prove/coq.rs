@@ -12,7 +12,7 @@ use crate::changes;
 use crate::outcome::Outcome;
 use crate::shell;
 
-/// In the order in which each needs those before it.
+/// The files, each after those that it needs.
 const FILES: [&str; 22] = [
     "Quotient",
     "Root",
@@ -37,11 +37,11 @@ const FILES: [&str; 22] = [
     "Theorems",
     "Extract",
 ];
-/// What the theorems are claimed in.
+/// The file with the theorems' statements.
 const CLAIMS: &str = "Theorems.v";
-/// What Coq says of them; committed, so that none goes or says less unseen.
+/// Coq's printed statements; committed, so that none can vanish or weaken unseen.
 const SAID: &str = "claims.txt";
-/// All of them, as one.
+/// The definition that joins all theorems.
 const TOGETHER: &str = "Definition claims :=";
 const ASKED: &str = "Print Assumptions claims.";
 /// The answer where nothing is assumed.
@@ -66,7 +66,7 @@ const UNPROVED: [&str; 8] = [
 /// Why a folder of theorems is not to be believed.
 #[derive(Debug, PartialEq)]
 struct Broken {
-    /// `Guard.v`.
+    /// Name of the file, such as `Guard.v`.
     file: String,
     why: String,
 }
@@ -75,7 +75,8 @@ pub fn is_there() -> bool {
     shell::capture(Command::new("coqc").arg("--version")).is_some() && integers().is_some()
 }
 
-/// The version of what the extracted specification counts with, where it can be built with: Coq itself needs no more than to run with it.
+/// Version of the integer library of the extracted specification, where it can be built with; Coq itself only needs to
+/// run with it.
 pub fn integers() -> Option<String> {
     let mut query = Command::new("ocamlfind");
     let said = shell::capture(query.args(["query", "-format", "%d %v", "zarith"]))?;
@@ -84,7 +85,7 @@ pub fn integers() -> Option<String> {
     is_whole.then(|| version.to_owned())
 }
 
-/// Compiles the theorems, asks what they assume, and runs the specification on the code's ticks.
+/// Compiles the theorems, prints their assumptions, and runs the specification on the code's ticks.
 pub fn run() -> Outcome {
     if !is_there() {
         return Outcome::NotRun(INSTALL.into());
@@ -111,7 +112,7 @@ fn broken(file: &str, why: impl ToString) -> Broken {
     }
 }
 
-/// A folder with the sources and nothing that was made of them.
+/// A folder with the sources and no build results.
 fn fresh(folder: &Path) -> Result<(), Broken> {
     let said = |why: std::io::Error| broken("", format!("{}: {why}", folder.display()));
     if folder.exists() {
@@ -165,7 +166,7 @@ fn proved(folder: &Path, show: bool) -> Result<usize, Broken> {
     Ok(claims)
 }
 
-/// The claims: what is asked what it says, and all of it, together, what it assumes.
+/// The claims in the file: each is printed, and the assumptions of all of them together.
 fn all_asked(text: &str) -> Result<Vec<&str>, String> {
     let said: Vec<&str> = text
         .lines()
@@ -187,7 +188,7 @@ fn all_asked(text: &str) -> Result<Vec<&str>, String> {
     Ok(said)
 }
 
-/// One answer, and that nothing is assumed.
+/// Checks that an answer has no assumption.
 fn nothing_assumed(answers: &str) -> Result<(), String> {
     // What is assumed follows this word.
     if let Some(at) = answers.find("Axioms:") {
@@ -202,7 +203,7 @@ fn nothing_assumed(answers: &str) -> Result<(), String> {
     }
 }
 
-/// What Coq says of the claims is what is committed, but for where its lines end.
+/// Checks that Coq's answers are the committed ones, apart from line breaks.
 fn as_claimed(folder: &Path, answers: &str) -> Result<(), Broken> {
     let claims = std::fs::read_to_string(folder.join(SAID)).map_err(|why| broken(SAID, why))?;
     let (claimed, said) = (claims.split_whitespace(), answers.split_whitespace());
@@ -357,7 +358,7 @@ mod tests {
         }
     }
 
-    /// Each claim is asked for what it says as well as for what it assumes, and is in the committed answers.
+    /// Each claim's statement and assumptions are printed, and are in the committed answers.
     #[test]
     fn every_claim_is_in_the_committed_answers() {
         let read = |file| {

@@ -1,5 +1,5 @@
-//! `cargo xtask prove --elf [--mutants] [--board BOARD] [NAME]`: functions of a board's program are their specification, by what its
-//! machine code does (`proofs/elf/`).
+//! `cargo xtask prove --elf [--mutants] [--board BOARD] [NAME]`: functions of a board's program equal their
+//! specification, according to their machine code (`proofs/elf/`).
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -7,12 +7,12 @@ use std::time::Instant;
 use crate::outcome::Outcome;
 use crate::{firmware, inspect, shell};
 
-/// The board whose program is looked at where none is named.
+/// The default board.
 pub const BOARD: &str = "nucleo-g474re";
 /// Ticks of the Rust code that the checker's specification repeats.
 const TICKS: &str = "20000";
 
-/// All ticks, or those whose name contains a part.
+/// Proves all ticks, or those whose name contains a part.
 pub fn run(board: &str, part: &str) -> Outcome {
     let begun = Instant::now();
     match checked(board, &["--only", part]) {
@@ -24,7 +24,8 @@ pub fn run(board: &str, part: &str) -> Outcome {
     }
 }
 
-/// All ticks on samples, without a proof: that the checker, its specification and the program still fit one another.
+/// Runs all ticks on samples, without a proof, to see that the checker, its specification and the program still fit
+/// together.
 pub fn readings() -> Outcome {
     // Whether a program can be built is what `cargo xtask firmware` says.
     if firmware::build(BOARD).is_err() {
@@ -66,7 +67,7 @@ fn checked(board: &str, options: &[&str]) -> Result<Outcome, Outcome> {
     Ok(shell::run(&mut check))
 }
 
-/// Its functions by their paths in the source, in a file: a compiler's mangling is its own.
+/// Writes a file of the program's functions by their paths in the source: each compiler mangles names in its own way.
 fn functions(program: &Path) -> Result<PathBuf, Outcome> {
     let (lines, outcome) = inspect::ask(["functions".as_ref(), program.as_os_str()]);
     outcome.went_well()?;

@@ -5,17 +5,17 @@ use std::process::Command;
 use crate::outcome::Outcome;
 use crate::shell;
 
-/// What is said where all of them hold.
+/// The message when all of them hold.
 pub const HOLD: &str = "all inputs of the properties that have few enough hold";
-/// One of a second: what runs where the checker is not.
+/// A property that takes a second: it runs where the checker is missing.
 pub const SAMPLE: &str = "space::w8::p4_unit";
 
-/// Those whose name contains `part`.
+/// Tries the properties whose name contains `part`.
 pub fn run(part: &str) -> Outcome {
     asked(trials(part), part)
 }
 
-/// All, in the time that others leave over.
+/// Tries all properties, at low priority.
 pub fn run_beside() -> Outcome {
     asked(shell::behind(&trials("")), "")
 }

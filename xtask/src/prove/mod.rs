@@ -28,10 +28,10 @@ use checker::{How, Left, MEMORY_KIB, Which};
 
 const INSTALL: &str = "Kani is not installed; install with `cargo install --locked kani-verifier && cargo kani setup`";
 const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --theorems | --every [NAME] | --elf [--mutants] [--board BOARD] [NAME] | --mutants [--tests] [--shard I/N] | --mutants --theorems";
-/// What the proofs are made of; nothing else has to build.
+/// The crates that the proofs use; no other has to build.
 pub const PARTS: [&str; 4] = ["control", "protocol", "drive", "proofs"];
 const LOCK: &str = "proofs/harnesses.lock";
-/// What was proved, beside the report.
+/// File of the earlier results, beside the report.
 const MEMO: &str = "proved.tsv";
 /// Harnesses of a part of a run that is taken up again.
 const AT_A_TIME: usize = 52;
@@ -148,12 +148,13 @@ fn has_checker() -> bool {
     shell::capture(&mut kani_version()).is_some()
 }
 
-/// Harnesses, and the properties that were tried on all inputs: what failed, else what is said of the harnesses.
+/// Joins the outcomes of harnesses and of exhaustive properties: a failure first, else the harnesses' outcome.
 fn with_every(every: Outcome, harnesses: Outcome) -> Outcome {
     if every.is_failure() { every } else { harnesses }
 }
 
-/// Harnesses, and the arithmetic that some of them rest on: what failed, else what did not run, else what is said of the harnesses.
+/// Joins the outcomes of harnesses and of the arithmetic that some of them need: a failure first, then what did not
+/// run, else the harnesses' outcome.
 fn with_obligations(obligations: Outcome, harnesses: Outcome) -> Outcome {
     let said = format!("{}; integer obligations", harnesses.reason());
     match obligations {
@@ -186,7 +187,7 @@ fn kani_version() -> Command {
     command
 }
 
-/// The versions of the checker, of its compiler where it says so, and of what it asks.
+/// Versions of the checker, of its compiler and of its solvers.
 fn versions() -> String {
     let mut kani = kani_version();
     kani.arg("--verbose");
@@ -207,7 +208,7 @@ fn target() -> std::path::PathBuf {
     shell::target("kani-gate")
 }
 
-/// Those whose name contains `part`; says nothing about the others, nor about the lock.
+/// Runs the harnesses whose name contains `part`; the others and the lock are not checked.
 fn some(part: &str, jobs: u32) -> Outcome {
     let which = Which::Containing(part);
     match checker::run(Path::new("."), &target(), which, How::jobs(jobs)) {
@@ -216,7 +217,8 @@ fn some(part: &str, jobs: u32) -> Outcome {
     }
 }
 
-/// All of them, against the lock, with the table. Resumed: those that were not proved before, of this code and as they are stated.
+/// Runs all harnesses, checks them against the lock, and writes the table. Resumed: only those that were not yet
+/// proved for the present code and statements.
 fn whole(bless: impl FnOnce() -> bool, resume: bool, jobs: u32) -> Outcome {
     let (machine, begun) = (machine(load()), Instant::now());
     let left = if resume {
@@ -251,7 +253,8 @@ fn whole(bless: impl FnOnce() -> bool, resume: bool, jobs: u32) -> Outcome {
     gate(&left, &words)
 }
 
-/// Runs what was not proved before, some at a time, so that what is broken off has lost little; the last of the runs, and the list.
+/// Runs the harnesses that are not yet proved, some at a time, so that an interruption loses little; returns the last
+/// run, and the list.
 fn remaining(jobs: u32) -> Result<(Left, Option<PathBuf>), String> {
     let list = checker::list(&target())?;
     let memo = target().join(MEMO);
@@ -311,7 +314,7 @@ fn machine(load: Option<f64>) -> String {
     }
 }
 
-/// What can be done without the checker, which does not replace it.
+/// Runs the tests that need no checker; they do not replace it.
 fn without_checker() -> Outcome {
     let theorems = coq::run();
     println!("theorems over traces: {theorems}");
@@ -349,7 +352,8 @@ fn without_harnesses() -> Outcome {
     }
 }
 
-/// The integer obligations in two solvers' Python wheels, and what of the machine code's checker needs no machine code.
+/// Runs the integer obligations in two solvers' Python wheels, and the part of the machine code's checker that needs
+/// no machine code.
 fn obligations() -> Outcome {
     let python = match with_wheels("obligations-venv", "proofs/obligations/requirements.txt") {
         Ok(python) => python,

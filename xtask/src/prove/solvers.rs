@@ -10,9 +10,9 @@ use std::process::Command;
 /// How often CaDiCaL may be wrong about a decision before kissat takes over: a second or two. By conflicts and not by time, so that who
 /// answers is the same on every machine.
 const CONFLICTS: u32 = 10_000;
-/// What has fewer variables kissat is asked at once: it finds models of so little as fast itself. Which models are found decides what the
-/// last question looks like, and with CaDiCaL's kissat took 28 s instead of 4 for one harness of two that this was tried with, and 11
-/// instead of 8 for the other. That is chance, and may fall the other way for a new harness.
+/// Below this many variables kissat is run at once: for such small problems it finds models as fast. Which models are
+/// found decides how the last question looks. With CaDiCaL first, kissat took 28 s instead of 4 for one of two tried
+/// harnesses, and 11 instead of 8 for the other. That is chance, and may differ for a new harness.
 const FEW_VARIABLES: u32 = 40_000;
 
 /// A search path in which scripts stand before cvc5 and kissat, where these are there.
@@ -59,8 +59,9 @@ fn with_integers(cvc5: &Path) -> String {
     )
 }
 
-/// Of a harness the checker asks kissat once for each cover and each assertion that is to be reached, of which it is fast to find that
-/// they can be, and once whether anything fails, which takes kissat. CaDiCaL needs a quarter of kissat's time for the former.
+/// For a harness the checker runs kissat once for each cover and each assertion that must be reached, and once for
+/// whether anything fails. The former are easy, and CaDiCaL needs a quarter of kissat's time for them; the latter
+/// needs kissat.
 fn with_a_first_look(cadical: &Path, kissat: &Path) -> String {
     let (cadical, kissat) = (cadical.display(), kissat.display());
     format!(
@@ -97,7 +98,7 @@ mod tests {
         there
     }
 
-    /// What a command says with a search path made of these programs, and its exit code.
+    /// Output and exit code of a command with a search path of these programs.
     fn said(name: &str, all: &[(&str, &str)], command: &str) -> (String, Option<i32>) {
         let folder = crate::shell::target(name);
         let there = programs(&folder, all);

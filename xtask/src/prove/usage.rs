@@ -12,16 +12,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// What the processes of one harness took.
+/// Memory and time of one harness.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Usage {
-    /// All together, at their highest.
+    /// Highest memory of all its processes together.
     pub memory_kib: u64,
-    /// All together.
+    /// Processor time of all its processes together.
     pub processor_s: f64,
 }
 
-/// Of one process that was started for a harness, with all that it started.
+/// Use of one process that was started for a harness, with all that it started.
 type Seen = HashMap<(String, u32), Usage>;
 
 /// Watches the processes that have files in one folder as arguments.
@@ -56,7 +56,7 @@ impl Watch {
         Self { stop, thread }
     }
 
-    /// By the name of the harness's file, without its endings.
+    /// The use of memory and time by the name of the harness's file, without its endings.
     pub fn finish(self) -> HashMap<String, Usage> {
         self.stop.store(true, Ordering::Relaxed);
         let mut sums = HashMap::<String, Usage>::new();
@@ -92,7 +92,7 @@ fn process(folder: &Path) -> Option<Process> {
     })
 }
 
-/// The highest memory so far, KiB.
+/// A process' highest memory so far, KiB.
 fn memory_kib(folder: &Path) -> Option<u64> {
     let status = std::fs::read(folder.join("status")).ok()?;
     let status = String::from_utf8_lossy(&status);
@@ -100,8 +100,8 @@ fn memory_kib(folder: &Path) -> Option<u64> {
     line.split_whitespace().next()?.parse().ok()
 }
 
-/// One look at all processes: those of a harness, together with all that they started. The kernel's own have no memory, and are most of what
-/// there is to read: they are looked at once.
+/// Reads all processes once: those of a harness, together with all that they started. The kernel's own processes have
+/// no memory, and are most of what there is to read, so each is read only once.
 fn look(folder: &str, seen: &mut Seen, kernels: &mut HashSet<u32>) {
     let mut all = HashMap::new();
     let mut of_harness = Vec::new();

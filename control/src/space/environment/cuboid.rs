@@ -8,9 +8,9 @@ use crate::space::vector::{Direction, Vector};
 /// A box. The depth is exact inside, and less than a quantum off outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cuboid<N: Spatial> {
-    /// Its centre.
+    /// Centre of the cuboid.
     pub centre: Vector<Position<N>>,
-    /// From the centre to each face.
+    /// Distance from the centre to each face.
     pub half: Vector<Position<N>>,
 }
 

@@ -9,11 +9,11 @@ use crate::space::vector::{Direction, Vector};
 /// A cylinder with flat ends. The depth is less than a quantum off, four at the rim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cylinder<N: Spatial> {
-    /// Its centre.
+    /// Centre of the cylinder.
     pub centre: Vector<Position<N>>,
-    /// Its radius.
+    /// Radius of the cylinder.
     pub radius: Position<N>,
-    /// From the centre to each end.
+    /// Distance from the centre to each end.
     pub half: Position<N>,
     /// The axis along which it lies, 0 to 2; others are z.
     pub axis: usize,

@@ -9,7 +9,7 @@ use crate::space::vector::{Direction, Vector};
 /// distance. Planes may coincide; one without a direction counts as none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Facets<'a, N: Spatial> {
-    /// Its planes.
+    /// The planes that bound it.
     pub planes: &'a [Plane<N>],
 }
 

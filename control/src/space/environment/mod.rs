@@ -1,6 +1,6 @@
 //! Virtual objects: the closest surface point, and how far it is to the surface along a direction.
 //!
-//! Every object is asked with the direction in which its surface point lay in the last tick, outwards: it decides where several points are as
+//! Every object is asked with the direction in which its surface point lay in the last tick, outwards. It decides where several points are as
 //! close (the centre of a sphere, the diagonal of a box), and which side of a thin plate the HIP came from. Distances are right
 //! to a few quanta of the format; that of each object is in its documentation. Lengths are in the device's
 //! [unit](super::LengthUnit), and coordinates at most a quarter of the format.
@@ -28,7 +28,7 @@ use crate::Position;
 /// The closest surface point, as seen from the HIP.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearest<N: Spatial> {
-    /// Out of the object.
+    /// The direction out of the object.
     pub normal: Direction<N>,
     /// How deep the HIP is below it, positive inside.
     pub depth: Position<N>,

@@ -8,9 +8,9 @@ use crate::space::vector::{Direction, Vector};
 /// What lies below a plane. The depth is within a quantum, and exact where the normal is an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane<N: Spatial> {
-    /// Out of the object.
+    /// The direction out of the object.
     pub normal: Direction<N>,
-    /// Of the plane over the origin, along the normal.
+    /// Height of the plane over the origin, along the normal.
     pub height: Position<N>,
 }
 
@@ -21,7 +21,7 @@ impl<N: Spatial> Plane<N> {
     pub fn above(&self, at: Vector<Position<N>>) -> Position<N> {
         self.normal.component(at) - self.height
     }
-    /// The same plane, seen from below.
+    /// Same plane with the opposite normal.
     #[must_use]
     pub fn flipped(&self) -> Self {
         Self {

@@ -6,10 +6,10 @@ use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
 /// A plate across an axis that keeps the HIP on the side from which it came, however deep it is pressed or how far it moves in a
-/// tick; around its rim, and only there, the HIP comes to the other side.
+/// tick. Around its rim, and only there, the HIP comes to the other side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plate<N: Spatial> {
-    /// Its body.
+    /// The body of the plate.
     pub body: Cuboid<N>,
     /// The axis across which it lies, 0 to 2; others are z.
     pub axis: usize,

@@ -8,9 +8,9 @@ use crate::{Energy, Force, Position};
 /// A ball. The depth is less than a quantum too large.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere<N: Spatial> {
-    /// Its centre.
+    /// Centre of the sphere.
     pub centre: Vector<Position<N>>,
-    /// Its radius.
+    /// Radius of the sphere.
     pub radius: Position<N>,
 }
 

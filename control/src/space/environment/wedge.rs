@@ -1,4 +1,4 @@
-//! Two planes: the edge where both bound an object, and the corner where each does.
+//! Two planes: an edge, where both bound the object, and a corner, where either does.
 
 use super::{Nearest, Plane, Surface, slanted};
 use crate::Position;
@@ -9,15 +9,15 @@ use crate::space::vector::{Direction, Vector};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edge<N: Spatial> {
     planes: [Plane<N>; 2],
-    /// `n₁·n₂`.
+    /// Cosine: `n₁·n₂`.
     cosine: N::Signal,
-    /// `1 - (n₁·n₂)²`.
+    /// Sine squared: `1 - (n₁·n₂)²`.
     sine_squared: N::Signal,
 }
 
 impl<N: Spatial> Edge<N> {
-    /// Of two planes. The flatter the angle between them, the less exact are depths around the edge itself: a few quanta over the
-    /// square of its sine.
+    /// The edge of two planes. The flatter the angle between them, the less exact are depths around the edge: a few
+    /// quanta over the square of the angle's sine.
     #[must_use]
     pub fn new(planes: [Plane<N>; 2]) -> Self {
         let [one, other] = &planes;
@@ -29,7 +29,7 @@ impl<N: Spatial> Edge<N> {
         }
     }
 
-    /// What is left of a height over one plane after a way to the other.
+    /// The height over one plane that is left after going some way to the other.
     fn beyond(&self, height: Position<N>, way: Position<N>) -> Position<N> {
         height - Position(N::times(self.cosine, way.0))
     }
@@ -100,7 +100,7 @@ pub struct Corner<N: Spatial> {
 }
 
 impl<N: Spatial> Corner<N> {
-    /// Of two planes; as exact as [`Edge`].
+    /// The corner of two planes; as exact as [`Edge`].
     #[must_use]
     pub fn new(planes: [Plane<N>; 2]) -> Self {
         Self {

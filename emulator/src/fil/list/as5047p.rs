@@ -1,4 +1,4 @@
-//! With the AS5047P on the bus: what the encoder may do.
+//! Injections with the AS5047P on the bus: faults of the encoder.
 
 use super::Expect::{GoesOn, Off, OffAtLast};
 use super::When::{Calibrating, Free, Pressed, Ready};
@@ -10,7 +10,7 @@ use crate::fil::fault::Fault;
 use crate::peripheral::spi::SlaveFault;
 use touchstone_protocol::FaultCode::*;
 
-/// With the AS5047P on the bus.
+/// The injections with the AS5047P on the bus.
 pub const WITH_AS5047P: &[Injection] = &[
     // All zeros have the right parity. Which of a reading's two frames comes first decides what is seen: the field's answer says nothing of a
     // magnet, the angle's is an angle, and far from the last one. So not at a moment, which another program has elsewhere in its tick.

@@ -1,7 +1,9 @@
-//! Rows that sabotaged firmware asked for (`cargo xtask fil --sabotage`): without them a part of its safety could be missing.
+//! Injections that sabotaged firmware made necessary (`cargo xtask fil --sabotage`): without them a part of its safety
+//! could be missing.
 //!
-//! A bit of the interrupt controller that falls is the mildest way in which a stage can stop: nothing hangs, and a watchdog that
-//! is fed by whatever still runs is content. A break within the current loop is not undone by what the loop decided before.
+//! A cleared bit of the interrupt controller is the mildest way in which a stage can stop: nothing hangs, and a
+//! watchdog that any running code feeds does not act. A break within the current loop must not be undone by what the
+//! loop decided before.
 
 use super::Expect::{Off, Reset};
 use super::When::{Calibrating, Free, Measuring, Pressed, Starting};
@@ -18,7 +20,7 @@ const TIM5: u32 = 50;
 /// frame has 24 bytes at least, after 32 ms.
 const LINK: u64 = WATCHDOG + 768 / 24 * 1_000;
 
-/// With the AS5047P on the bus.
+/// The injections with the AS5047P on the bus.
 pub const ASKED_FOR: &[Injection] = &[
     row(
         "current loop comes no more",

@@ -1,4 +1,4 @@
-//! What is about neither a sensor nor the processor: a person at the button, a brisk flick.
+//! Injections that concern neither a sensor nor the processor: a person at the button, a brisk flick.
 
 use super::Expect::{GoesOn, Off};
 use super::When::{Calibrating, Free, Pressed, Ready};
@@ -6,7 +6,7 @@ use super::{Injection, TICK, row};
 use crate::fil::fault::Fault;
 use touchstone_protocol::FaultCode::*;
 
-/// With the AS5047P on the bus, on the board with a button.
+/// The injections with the AS5047P on the bus, on the board with a button.
 pub const BESIDE: &[Injection] = &[
     row(
         "stop button, 50 ms",

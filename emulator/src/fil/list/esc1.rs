@@ -1,4 +1,5 @@
-//! On the B-G431B-ESC1: currents through its amplifiers, the break through its comparators, an incremental encoder.
+//! Injections on the B-G431B-ESC1: currents through its amplifiers, the break through its comparators, an incremental
+//! encoder.
 
 use super::Expect::{GoesOn, Off, Reset};
 use super::When::{Calibrating, Free, Pressed, Ready, Starting};
@@ -11,7 +12,7 @@ use touchstone_protocol::FaultCode::*;
 const USART2: u32 = 38;
 const TIM3: u32 = 29;
 
-/// With its incremental encoder.
+/// The injections with the board's incremental encoder.
 pub const ON_ESC1: &[Injection] = &[
     row(
         "phase A reads +8 A",

@@ -1,5 +1,6 @@
-//! On the NUCLEO-G431RB with the X-NUCLEO-IHM16M1: the other NUCLEO's shield with the B-G431B-ESC1's chip. What the shield brings about on
-//! either is in `ihm16m1.rs`; what hangs on the chip, and on a program of its own, is here.
+//! Injections on the NUCLEO-G431RB with the X-NUCLEO-IHM16M1, which has the shield of one board and the chip of the
+//! B-G431B-ESC1. Those that depend on the shield are in `ihm16m1.rs`; those that depend on the chip, and on having its
+//! own program, are here.
 
 use super::Expect::{GoesOn, Off, Reset};
 use super::When::{Calibrating, Free, Pressed};
@@ -13,7 +14,7 @@ use touchstone_protocol::FaultCode::*;
 const LPUART1: u32 = 91;
 const TIM3: u32 = 29;
 
-/// Beside what the shield brings about.
+/// Injections in addition to those of the shield.
 pub const ON_G431RB: &[Injection] = &[
     row(
         "encoder stuck while the field turns",

@@ -1,5 +1,5 @@
-//! On the X-NUCLEO-IHM16M1: enables instead of lower inputs, a driver with a line of its own, small currents,
-//! a supply of 12 V.
+//! Injections on the X-NUCLEO-IHM16M1: enables instead of lower inputs, a driver with its own fault line, small
+//! currents, a supply of 12 V.
 
 use super::Expect::{GoesOn, Off, OffAtLast, Reset};
 use super::When::{Calibrating, Free, Measuring, Pressed, Ready, Starting};
@@ -12,10 +12,10 @@ use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault};
 use crate::peripheral::spi::SlaveFault;
 use touchstone_protocol::FaultCode::*;
 
-/// A driver that switches itself off needs nobody; what the line brings about is the same PWM period.
+/// Limit for a driver that switches itself off: its line ends the same PWM period.
 const BY_ITSELF: u64 = 60;
 
-/// What the shield brings about on either NUCLEO, with EN\FAULT at PB12, the break, and an AS5047P on the bus.
+/// Injections of the shield on either NUCLEO, with EN\FAULT at PB12, the break, and an AS5047P on the bus.
 pub const ON_IHM16M1: &[Injection] = &[
     row(
         "driver's line low, 2 us long",
@@ -163,7 +163,7 @@ pub const ON_IHM16M1: &[Injection] = &[
     ),
 ];
 
-/// More of it, played with the NUCLEO-G474RE alone.
+/// Further injections of the shield, played with the NUCLEO-G474RE alone.
 pub const MORE_ON_IHM16M1: &[Injection] = &[
     row(
         "driver's line low, 300 us long",
@@ -202,7 +202,7 @@ pub const MORE_ON_IHM16M1: &[Injection] = &[
     ),
 ];
 
-/// With EN\FAULT at PA11, which the current loop looks at, and an MT6701 on the bus.
+/// The injections with EN\FAULT at PA11, which the current loop reads, and an MT6701 on the bus.
 pub const WITH_LINK_R35: &[Injection] = &[
     row(
         "driver's line low, 300 us long",

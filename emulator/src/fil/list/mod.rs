@@ -1,4 +1,4 @@
-//! The injections: what, in which state, at which moment, and what must become of it.
+//! The injections: each with its state, its moment and the expected result.
 
 mod as5047p;
 mod asked;
@@ -28,7 +28,7 @@ pub use processor::PROCESSOR;
 pub use second::SECOND;
 pub use simplefoc_mini::ON_SIMPLEFOC_MINI;
 
-/// In which state it happens.
+/// The state of the device in which the fault happens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum When {
     /// Calibrated, outputs off.
@@ -53,7 +53,7 @@ impl When {
     }
 }
 
-/// What must become of it.
+/// The expected result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Expect {
     /// Outputs off within this many microseconds; one of these codes is latched.
@@ -62,24 +62,24 @@ pub enum Expect {
     OffAtLast(u64, &'static [Code]),
     /// A reset: outputs off within this many microseconds, then `Boot`, or `Fault` with one of these codes.
     Reset(u64, &'static [Code]),
-    /// Nothing: it goes on.
+    /// The device goes on undisturbed.
     GoesOn,
 }
 
-/// An injection.
+/// A fault to inject, with the state it occurs in and the expected result.
 #[derive(Debug, Clone, Copy)]
 pub struct Injection {
-    /// For people.
+    /// Text for people.
     pub name: &'static str,
-    /// In which state.
+    /// The state of the device in which the fault happens.
     pub when: When,
     /// Microseconds later than a round time: the moment within the PWM and the control period.
     pub moment_us: u64,
-    /// What.
+    /// The fault that is injected.
     pub fault: Fault,
-    /// What must become of it.
+    /// The expected result.
     pub expect: Expect,
-    /// Something that goes wrong as well, while the fault is latched: it must change nothing.
+    /// A second fault while the first is latched: it must change nothing.
     pub then: Option<Fault>,
     /// Once its cause is gone and it was left by `Stop`, the device calibrates and arms as if nothing had been.
     pub again: bool,
@@ -131,18 +131,19 @@ const fn row(
 const TICK: u64 = 1_050;
 /// One control tick: the outputs are off from the first bad reading on, and the third is latched as a fault.
 const OFF_AT_FIRST_BAD: u64 = TICK;
-/// A seventh of the frames bad, two to four of them in a tick: each bad reading counts 50, each good one takes 1 away, and 1,000 are too many
-/// (`drive/src/supervisor/share.rs`). At two frames in a tick that are 75 ticks; nearly twice that, us.
+/// Limit for a seventh of the frames bad, two to four of them in a tick. Each bad reading adds 50, each good one takes
+/// 1 away, and 1,000 are too many (`drive/src/supervisor/share.rs`). At two frames in a tick that takes 75 ticks;
+/// nearly twice that, us.
 const OFF_AT_SHARE: u64 = 150_000;
-/// The windings answer the voltage otherwise than the motor's model for so long, us (`docs/faults/25-motor-model.md`).
+/// Limit for windings that answer the voltage otherwise than the motor's model, us (`docs/faults/25-motor-model.md`).
 const OFF_AT_MODEL: u64 = 50_000;
-/// Two control ticks: the AS5047P is asked for its field in one and answers in the next.
+/// Two control ticks: one requests the AS5047P's field, the next gets the answer.
 const OFF_AT_BAD_FIELD: u64 = 2 * TICK;
 /// A shaft at 150 rad/s makes 391 counts in a control period, and 265 are too many: a first reading may see 0.68 of a period and
 /// not be enough, the one after it is. And the PWM period in which its tick switches off, us.
 const FAST_SHAFT: u64 = 1_740;
-/// A lockup pulls the break in hardware, well before the window watchdog, which would end it as well. A stack that is at its end is
-/// used by the next interrupt, at most a PWM period later.
+/// Limit for a lockup, which pulls the break in hardware well before the window watchdog would end it as well. When the
+/// stack is full, the next interrupt causes the lockup, at most a PWM period later.
 const LOCKUP: u64 = 60;
 /// The window watchdog: eleven counts of its clock (`firmware/src/window.rs`), and the time since the last refresh, us.
 const WINDOW_WATCHDOG: u64 = 270;

@@ -7,7 +7,7 @@ use crate::fil::fault::Fault;
 use crate::peripheral::spi::SlaveFault;
 use touchstone_protocol::FaultCode::*;
 
-/// With an MT6701 on the bus.
+/// The injections with an MT6701 on the bus.
 pub const WITH_MT6701: &[Injection] = &[
     row(
         "encoder's check sum, bit 0",
@@ -74,7 +74,7 @@ pub const WITH_MT6701: &[Injection] = &[
     ),
 ];
 
-/// With an incremental encoder at the timer.
+/// The injections with an incremental encoder at the timer.
 pub const WITH_TRACKS: &[Injection] = &[
     row(
         "encoder held",

@@ -6,7 +6,7 @@ use super::{Injection, TICK, row};
 use crate::fil::fault::Fault;
 use touchstone_protocol::FaultCode::*;
 
-/// On the shield, with the AS5047P on the bus.
+/// The injections on the shield, with the AS5047P on the bus.
 pub const POWER: &[Injection] = &[
     row(
         "phase A reads +8 A",

@@ -7,7 +7,7 @@ use crate::chip::ResetCause;
 use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault, Level, SERIAL};
 use touchstone_protocol::FaultCode::*;
 
-/// On the NUCLEO-G474RE, with the AS5047P on the bus.
+/// The injections on the NUCLEO-G474RE, with the AS5047P on the bus.
 pub const PROCESSOR: &[Injection] = &[
     row(
         "processor 25 times slower",

@@ -7,7 +7,7 @@ use crate::fil::fault::Fault;
 use crate::peripheral::spi::SlaveFault;
 use touchstone_protocol::FaultCode::*;
 
-/// Two faults, the second 30 ms after the first is latched.
+/// Pairs of faults: the second 30 ms after the first is latched.
 pub const SECOND: &[Injection] = &[
     row(
         "phase A reads +8 A, then the break",

@@ -11,10 +11,10 @@ use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault};
 use crate::peripheral::spi::SlaveFault;
 use touchstone_protocol::FaultCode::*;
 
-/// A driver that switches itself off needs nobody; what the line brings about is the same PWM period.
+/// Limit for a driver that switches itself off: its line ends the same PWM period.
 const BY_ITSELF: u64 = 60;
 
-/// With nFAULT at PB12, the break, and an AS5047P on the bus.
+/// The injections with nFAULT at PB12 (the break input) and an AS5047P on the bus.
 pub const ON_SIMPLEFOC_MINI: &[Injection] = &[
     row(
         "driver's line low, 2 us long",

@@ -76,7 +76,7 @@ pub struct BridgeTimer {
     repetition: u32,
     status: u32,
     main_output: bool,
-    /// When the counter was at 0 last.
+    /// Time at which the counter was last at 0.
     bottom: u64,
     /// Cycles into the period up to which edges have been handed out.
     done: u64,
@@ -215,13 +215,14 @@ impl BridgeTimer {
         bdtr & BKE != 0 && (pin || active & (sources >> 1 & 15) != 0)
     }
 
-    /// When what is active at the break input now passes its filter.
+    /// Time at which the active break input passes its filter.
     fn passes_at(&self) -> Option<u64> {
         let filter = filter_cycles(self.registers.get(BDTR), self.registers.get(CR1));
         Some(self.active_since? + filter)
     }
 
-    /// Time has passed: what has been active all along may be through the filter. Whether the outputs went off by it.
+    /// Lets time pass: an input that stayed active may now be through the filter. Returns whether that switched the
+    /// outputs off.
     pub fn pass(&mut self, now: u64) -> bool {
         let was_on = self.main_output;
         self.look_at_break(now);
@@ -261,7 +262,7 @@ impl BridgeTimer {
         }
     }
 
-    /// What a write leaves of a register that is locked in part.
+    /// The value that a write gives a partly locked register.
     fn unlocked(&self, offset: u32, value: u32) -> u32 {
         let level = self.registers.get(BDTR) >> 8 & 3;
         let kept = match (offset, level) {
@@ -453,7 +454,7 @@ impl Peripheral for BridgeTimer {
 }
 
 impl BridgeTimer {
-    /// One enable bit for the flags of all breaks: BIF, B2IF, SBIF.
+    /// Whether a break raises an interrupt: one enable bit for the flags BIF, B2IF and SBIF.
     fn breaks_interrupt(&self) -> bool {
         self.registers.get(DIER) & BIF != 0 && self.status & (BIF | 0x100 | SBIF) != 0
     }

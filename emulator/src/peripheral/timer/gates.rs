@@ -2,14 +2,14 @@
 //!
 //! Deliberately not taken from the program: a level that the program thinks is "off" and the driver does not must show.
 
-/// What a transistor pair does.
+/// State of a transistor pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Leg {
-    /// Neither conducts.
+    /// Neither transistor conducts.
     Open,
     /// The upper transistor conducts.
     Upper,
-    /// The lower one.
+    /// The lower transistor conducts.
     Lower,
 }
 
@@ -20,16 +20,17 @@ pub enum GateDriver {
     L6387,
     /// HIN switches on when high, LIN when low; both at once is refused.
     L6398,
-    /// An input and an enable a phase: while the enable is high, the input chooses between the two; both transistors are off while it is
+    /// An input and an enable a phase: while the enable is high, the input chooses between the two. Both transistors are off while it is
     /// low, and all six while the line EN\FAULT is.
     Stspin830,
-    /// An input a channel and one enable for all three, which is wired to the first of the timer's complementary outputs. What the driver
-    /// itself finds switches all three off until it is gone; a current that was too large, until the supply was off.
+    /// One input a channel and one enable for all three, which is wired to the first of the timer's complementary
+    /// outputs. A fault that the driver finds switches all three off until it is gone; over-current, until the supply
+    /// is off.
     Drv8313,
 }
 
 impl GateDriver {
-    /// What a pair does by the levels of its two inputs, upper and lower; `None` where nothing drives the pin.
+    /// State of a pair for the levels of its two inputs, upper and lower; `None` where the pin is not driven.
     #[must_use]
     pub fn leg(self, levels: Option<(bool, bool)>) -> Leg {
         let Some((upper, second)) = levels else {

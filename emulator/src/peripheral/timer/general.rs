@@ -13,15 +13,15 @@ pub struct Timer {
     /// The prescaler in use: the register counts from the next update on.
     prescaler: u64,
     count: u64,
-    /// When the counter had this count.
+    /// Time at which the counter had this count.
     since: u64,
     status: u32,
-    /// The encoder's own count, and what the counter showed beyond it.
+    /// The encoder's count, and the counter's difference from it.
     encoder: i64,
 }
 
 impl Timer {
-    /// With its interrupt and width in bits.
+    /// A timer with this interrupt and this width in bits.
     #[must_use]
     pub fn new(interrupt: u32, bits: u32) -> Self {
         let mask = (u64::MAX >> (64 - bits)) as u32;

@@ -20,13 +20,13 @@ const AGAIN: Duration = Duration::from_secs(1);
 /// What happened in a turn.
 #[derive(Debug, Clone, PartialEq)]
 pub enum News {
-    /// Nothing but records.
+    /// Only records are requested.
     None,
     /// The device is in another state.
     State,
     /// The connection is gone.
     Lost(String),
-    /// It is there again; what was done at once.
+    /// The connection is back; with what was done about the device.
     Back(Option<String>),
 }
 
@@ -34,7 +34,7 @@ pub enum News {
 pub struct DeviceSide {
     address: Address,
     client: Option<Client>,
-    /// All settings as the device has them.
+    /// All settings of the device.
     pub settings: DeviceSettings,
     /// Control ticks between two records.
     pub decimation: u16,
@@ -149,10 +149,10 @@ impl DeviceSide {
         }
     }
 
-    /// Switches the device off if it moves or may move something, and makes sure of it; what was done, in words.
+    /// Switches the device off if it moves or may move something, and confirms it; returns what was done, in words.
     ///
     /// # Errors
-    /// It may still be on.
+    /// The device may still be on.
     pub fn off(&mut self) -> Result<Option<&'static str>> {
         if self.client.is_none() {
             // The page's connection is gone: one of its own is tried, since nobody else will switch it off.
@@ -171,7 +171,7 @@ impl DeviceSide {
         done
     }
 
-    /// The same in words for a page that goes on.
+    /// Same as [`DeviceSide::off`], with an error as words for a page that goes on.
     fn off_in_words(&mut self) -> Option<String> {
         match self.off() {
             Ok(done) => done.map(str::to_owned),
@@ -179,7 +179,7 @@ impl DeviceSide {
         }
     }
 
-    /// The device sends again what it sends by itself.
+    /// Restores the device's own telemetry setting.
     pub fn leave(&mut self) {
         let decimation = self.settings.telemetry.decimation;
         if let Some(client) = &mut self.client {
@@ -188,7 +188,7 @@ impl DeviceSide {
         }
     }
 
-    /// Asks something of the device; a connection that breaks over it is noticed by the next turn.
+    /// Sends a request to the device; the next turn notices a connection that breaks meanwhile.
     fn with<T>(&mut self, ask: impl FnOnce(&mut Client) -> Result<T>) -> Result<T> {
         match &mut self.client {
             Some(client) => ask(client),
@@ -248,7 +248,7 @@ impl DeviceSide {
         })
     }
 
-    /// Who is there, and everything that can be set.
+    /// The device's identity and all its settings, as JSON.
     pub fn hello(&self) -> serde_json::Value {
         let known = self.client.as_ref().map(|client| client.identity());
         let device = known.map_or_else(|| "no device".to_owned(), described);

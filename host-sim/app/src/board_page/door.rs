@@ -1,8 +1,8 @@
-//! The door: a port of this machine alone, behind which there is one page for whoever has the token.
+//! The door: a port that only this machine reaches, with one page for the holder of the token.
 //!
-//! A browser carries requests of foreign pages too. Three things keep those out: the token, which only the address that was opened
-//! has; the header `Host`, which a foreign name that was made to mean this machine (DNS rebinding) cannot have; the header `Origin`,
-//! without which no socket is opened.
+//! A browser also carries requests of foreign pages. Three things keep those out. Only the opened address has the
+//! token. A foreign name that was made to mean this machine (DNS rebinding) cannot have the right header `Host`. No
+//! socket is opened without the right header `Origin`.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
@@ -14,13 +14,13 @@ use touchstone_sim::error::{Error, Result};
 use tungstenite::WebSocket;
 use tungstenite::protocol::WebSocketConfig;
 
-/// A request's head is longer than this only if it is none.
+/// A request's head that is longer is refused.
 const HEAD_MAX: usize = 8192;
-/// Who has not said what is wanted by then is not heard.
+/// Time in which a request's head must be complete once it has begun.
 const HEAD_LIMIT: Duration = Duration::from_secs(2);
-/// Who has said nothing yet may stay so long: a browser opens connections before it needs them.
+/// Time for which a connection may be silent before its first byte: browsers open connections before they need them.
 const IDLE_LIMIT: Duration = Duration::from_secs(60);
-/// So many may ask at once.
+/// Most connections at once.
 const VISITORS: usize = 32;
 /// An order of the page is a line.
 const MESSAGE_MAX: usize = 4096;
@@ -28,7 +28,7 @@ const MESSAGE_MAX: usize = 4096;
 /// A page that was let in.
 pub type Socket = WebSocket<TcpStream>;
 
-/// What a request gets.
+/// The answer to a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Wish {
     Page,
@@ -36,17 +36,17 @@ enum Wish {
     Refused(&'static str, &'static str),
 }
 
-/// The door.
+/// The server at which a browser asks.
 pub struct Door {
-    /// What the browser is to open.
+    /// The address for the browser.
     pub address: String,
     /// Pages that were let in, one at a time.
     pub sockets: Receiver<Socket>,
-    /// Whether there is a page; whoever serves it takes this back when it is gone.
+    /// Whether a page is open; the thread that serves it clears this when the page is gone.
     pub taken: Arc<AtomicBool>,
 }
 
-/// What the threads behind the door share.
+/// Data that the threads behind the door share.
 struct Inside {
     host: String,
     token: String,
@@ -162,7 +162,7 @@ impl Inside {
         }
     }
 
-    /// What a request's head asks for, and whether it gets it.
+    /// Reads a request's head and decides whether it is allowed.
     fn wish(&self, head: &[u8]) -> Wish {
         let mut headers = [httparse::EMPTY_HEADER; 64];
         let mut request = httparse::Request::new(&mut headers);
@@ -216,13 +216,13 @@ fn same(given: &str, token: &str) -> bool {
     given.len() == token.len() && differing == 0
 }
 
-/// What came of waiting for a request.
+/// Result of waiting for a request.
 enum Head {
-    /// Its head, left where it is for whoever reads it.
+    /// The whole head, which stays in the stream for the next reader.
     Whole(Vec<u8>),
-    /// Nothing was said.
+    /// The browser sent nothing.
     Silent,
-    /// Not in time, or too long.
+    /// The request was not complete in time, or too long.
     Broken,
 }
 
@@ -258,7 +258,7 @@ fn head(stream: &TcpStream) -> std::io::Result<Head> {
     }
 }
 
-/// Takes away what was looked at.
+/// Removes bytes that were only peeked at.
 fn take(stream: &mut TcpStream, count: usize) -> std::io::Result<()> {
     stream.read_exact(&mut vec![0; count])
 }

@@ -1,11 +1,11 @@
-//! `touchstone live --port`: a board in a browser's page, served to this machine alone.
+//! `touchstone live --port`: a board on a page in the browser, served to this machine alone.
 //!
 //! ```text
 //! device -> link: records, orders -> batches 30 times a second -> page
 //! ```
 //!
-//! The program stands between the two, and switches the device off when the page is gone: a wall must not stay on with nobody before
-//! it who can stop it.
+//! The program stands between the two, and switches the device off when the page is gone: a wall must not stay on when
+//! no person can stop it.
 
 mod device_side;
 mod door;

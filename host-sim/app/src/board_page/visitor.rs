@@ -1,4 +1,4 @@
-//! A page that is open: batches to it, orders from it, and whether it is still there.
+//! An open page: batches to it, orders from it, and whether it is still there.
 
 use super::device_side::{DeviceSide, News};
 use super::door::Socket;
@@ -11,16 +11,17 @@ use touchstone_protocol::DeviceCommand;
 use touchstone_sim::error::{Error, Result};
 use tungstenite::Message;
 
-/// Between two batches.
+/// Time between two batches of records.
 const BATCH: Duration = Duration::from_millis(33);
-/// Every batch is acknowledged; a page that has not done so for this long hangs, and nobody can stop the device by it.
+/// Every batch is acknowledged. A page that has not done so for this long hangs, so a person could not stop the device
+/// with it.
 const HANGS: Duration = Duration::from_secs(2);
 /// Batches that may be on their way.
 const UNSEEN: u32 = 30;
-/// Between two looks at what the device counted.
+/// Interval at which the device's counters are read.
 const LOOK: Duration = Duration::from_secs(2);
 
-/// A page.
+/// A page that is open in a browser.
 pub struct Visitor {
     socket: Socket,
     batch: u32,
@@ -53,7 +54,7 @@ impl Visitor {
         visitor
     }
 
-    /// One turn: what the page asks, what it is told.
+    /// One turn: takes the page's orders, sends it the news.
     ///
     /// # Errors
     /// The page is gone.
@@ -83,7 +84,7 @@ impl Visitor {
         Ok(())
     }
 
-    /// What is new of the device.
+    /// Sends the page the news of the device.
     fn tell(&mut self, link: &mut DeviceSide, news: News) -> std::result::Result<(), Gone> {
         match news {
             News::None => {}
@@ -188,7 +189,7 @@ fn switches_off(order: &Value) -> bool {
     matches!(order["do"].as_str(), Some("stop" | "disarm"))
 }
 
-/// Does what the page asks.
+/// Carries out an order of the page.
 fn carry_out(order: &Value, link: &mut DeviceSide) -> Result<()> {
     let command = match order["do"].as_str() {
         Some("calibrate") => DeviceCommand::Calibrate,

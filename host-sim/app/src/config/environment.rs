@@ -1,4 +1,4 @@
-//! `touchstone config environment`: what there is to touch beside the wall, in the words of a scene.
+//! `touchstone config environment`: things to touch in addition to the wall, in the words of a scene.
 
 use crate::number;
 use crate::out::{self, say, tell};
@@ -17,7 +17,7 @@ use touchstone_sim::scene::{self, DetentRing, Endstops, FurtherWall, Scene};
 pub struct EnvironmentOptions {
     /// A scene, by file or name: its `[environment]` is sent. Without it, that of the device is taken.
     scene: Option<String>,
-    /// Changes a field of it, e.g. environment.detents.strength_n_m=0.02; may be given several times.
+    /// Changes a field of the environment, e.g. environment.detents.strength_n_m=0.02; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
     /// Back to the wall alone.
@@ -88,7 +88,7 @@ fn small(place: &str, board: Board) -> Error {
     Error::device(place, problem, fix)
 }
 
-/// What was asked for, on top of what there is.
+/// The wanted environment: the changes applied to the present one.
 fn wanted(
     options: &EnvironmentOptions,
     before: &Surround,
@@ -191,7 +191,7 @@ fn json(environment: &Surround) -> serde_json::Value {
     })
 }
 
-/// As a scene says it, which can be put into one.
+/// Prints the environment as TOML, in the form of a scene.
 fn shown(environment: &Surround) -> Result<()> {
     // Not by way of a JSON value: how that keeps its numbers is for JSON alone.
     let environment_table = toml::Value::try_from(as_scene(environment));

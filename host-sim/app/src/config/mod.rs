@@ -48,15 +48,16 @@ enum Action {
         #[command(flatten)]
         overwrite: Overwrite,
     },
-    /// Takes settings from TOML: all are checked before any is changed. What the file leaves out stays as it is.
+    /// Takes settings from TOML: all are checked before any is changed. Settings that the file leaves out do not
+    /// change.
     Import {
         /// The file.
         file: PathBuf,
-        /// Only checks, and shows what would change.
+        /// Only check, and show what would change.
         #[arg(long)]
         dry_run: bool,
-        /// Takes also what weakens the energy guard: off, less delay, more damping, capacity or refill than are sure. WHAT A HAND MAY GET
-        /// OUT IS THEN NOT WHAT docs/guard-promise.md SAYS.
+        /// Also accepts settings that weaken the energy guard: off, less delay, more damping, capacity or refill than
+        /// is certain. THE BOUNDS OF docs/guard-promise.md THEN NO LONGER HOLD FOR A HAND.
         #[arg(long)]
         weaken_guard: bool,
     },
@@ -64,7 +65,7 @@ enum Action {
     Defaults,
     /// Keeps the settings in the device's flash.
     Save,
-    /// Shows what there is to touch beside the wall, or sends a scene's: further walls, endstops, detents. Counts at once, also under a
+    /// Shows things to touch in addition to the wall, or sends a scene's: further walls, endstops, detents. Counts at once, also under a
     /// hand; `save` keeps it.
     Environment(environment::EnvironmentOptions),
     /// Lists all settings with units, ranges and meanings; needs no device.
@@ -82,7 +83,7 @@ impl Options {
     }
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<()> {
     let connect = || options.port.connect();
     match &options.action {
@@ -193,7 +194,7 @@ fn get(client: &mut Client, shown: &[&Field]) -> Result<()> {
     )
 }
 
-/// Changes a setting; gives all of them before and after.
+/// Changes a setting; returns all settings before and after.
 pub fn set(client: &mut Client, setting: &Setting) -> Result<(DeviceSettings, DeviceSettings)> {
     let before = client.settings()?;
     let after = setting::changed(&before, setting, client.identity().board)?;
@@ -277,7 +278,7 @@ fn import(
     changed(&before, &after)
 }
 
-/// Says what of the guard's bound is gone.
+/// Notes which part of the guard's bound no longer holds.
 fn note_weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) {
     for it in guard::weaker(before, after, board) {
         note!("warning: the guard is weaker: {}: {}", it.path, it.problem);
@@ -303,7 +304,7 @@ fn differences(before: &DeviceSettings, after: &DeviceSettings) -> Result<()> {
     Ok(())
 }
 
-/// The same for programs.
+/// The differences as JSON.
 fn differences_json(
     before: &DeviceSettings,
     after: &DeviceSettings,
@@ -323,7 +324,7 @@ fn differences_json(
     })
 }
 
-/// Shows what was changed, and what that leaves to do.
+/// Shows what was changed, and what is left to do.
 fn changed(before: &DeviceSettings, after: &DeviceSettings) -> Result<()> {
     out::result(
         || differences_json(before, after, before != after),

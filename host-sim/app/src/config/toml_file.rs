@@ -64,10 +64,10 @@ fn split(path: &str) -> (&str, &str) {
 /// Lines of the fields that a file has.
 pub type Lines = BTreeMap<&'static str, usize>;
 
-/// Reads settings over others; what the file leaves out stays.
+/// Reads settings on top of others; those that the file leaves out stay.
 ///
 /// # Errors
-/// The first line with something that is no setting, or no value of it.
+/// The first line that has no setting, or no value for it.
 pub fn read(text: &str, file: &Path, before: &DeviceSettings) -> Result<(DeviceSettings, Lines)> {
     let line = |offset: usize| 1 + text.get(..offset).unwrap_or(text).matches('\n').count();
     let wrong = |offset: usize, field: &str, (problem, fix): Wrong| Error::File {

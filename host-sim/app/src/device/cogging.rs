@@ -19,20 +19,21 @@ use touchstone_protocol::{
 };
 use touchstone_sim::error::{Error, Result};
 
-/// What is done with a map.
+/// The actions on a map.
 #[derive(Debug, Clone, Copy, Subcommand)]
 pub enum CoggingAction {
     /// Measures it, tries it, keeps and saves it: HANDS OFF, THE SHAFT TURNS SLOWLY, both ways and twice, for a minute.
     Measure,
-    /// Tries the kept one: HANDS OFF, THE SHAFT TURNS SLOWLY, without it and with it.
+    /// Tries the kept map: HANDS OFF, THE SHAFT TURNS SLOWLY, without the map and with it.
     Check,
     /// Forgets it, and saves that.
     Forget,
 }
 
-/// A map takes away at least this part of the shaft's ripple, or it is none of this motor. A map that is half a period off doubles it.
+/// A map may leave at most this share of the shaft's ripple, or it does not belong to this motor. A map that is half a
+/// period off doubles the ripple.
 const LEFT_MOST: f64 = 0.7;
-/// What a sweep takes beside its calibration and its turns.
+/// Time that a sweep takes in addition to its calibration and its turns.
 const SWEEP_REST: Duration = Duration::from_secs(10);
 
 /// A map, and what it does.
@@ -45,12 +46,12 @@ pub struct Tried {
 }
 
 impl Tried {
-    /// What the map leaves of the ripple.
+    /// Share of the ripple that the map leaves.
     pub fn left(&self) -> f64 {
         self.ripple_rad[1] / self.ripple_rad[0]
     }
 
-    /// For programs.
+    /// JSON for programs.
     pub fn json(&self) -> serde_json::Value {
         serde_json::json!({
             "rms_n_m": self.found.rms_n_m,
@@ -62,7 +63,7 @@ impl Tried {
         })
     }
 
-    /// For people.
+    /// Text for people.
     pub fn lines(&self) -> [String; 3] {
         let found = &self.found;
         let orders: Vec<String> = found
@@ -185,7 +186,7 @@ fn shown(client: &mut Client, settings: &DeviceSettings) -> Result<()> {
     )
 }
 
-/// Nothing is driven, and it saves.
+/// Requires that the motor is not driven, since the settings will be saved.
 pub fn at_rest(client: &mut Client) -> Result<()> {
     match status_of(client)?.phase {
         Phase::Armed => Err(Error::device(
@@ -293,7 +294,8 @@ fn no_map(client: &Client, why: &NoMap) -> Error {
     Error::device(client.place(), why.to_string(), fix)
 }
 
-/// With a device that switches off soon after its cable is gone; whatever comes of it, stopped, and with its settings.
+/// Runs an action on a device that switches off soon after its cable is pulled; afterwards the device is stopped and
+/// has its settings back, whatever happened.
 fn guarded<T>(
     client: &mut Client,
     settings: &DeviceSettings,

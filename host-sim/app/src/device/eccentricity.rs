@@ -1,5 +1,5 @@
-//! `touchstone device eccentricity`: what the encoder's magnet out of the axis makes of the angle, what that costs, and when it should be seated
-//! anew; the same for `touchstone setup`.
+//! `touchstone device eccentricity`: the error of the angle that the encoder's off-centre magnet causes, its cost, and
+//! when to seat the magnet anew. Also used by `touchstone setup`.
 
 use super::cogging::at_rest;
 use crate::interrupt;
@@ -13,7 +13,7 @@ use touchstone_lab::identify::eccentricity::{Eccentricity, Harmonic, ORDERS, Res
 use touchstone_protocol::DeviceSettings;
 use touchstone_sim::error::Result;
 
-/// What is done about it.
+/// The actions on the encoder's error.
 #[derive(Debug, Clone, Copy, Subcommand)]
 pub enum EccentricityAction {
     /// Measures it: HANDS OFF, THE SHAFT TURNS, THEN SPINS BOTH WAYS, for half a minute. Nothing is kept; the device is left stopped.
@@ -50,7 +50,7 @@ pub const NAMES: [&str; ORDERS] = [
     "encoder's error twice a turn",
 ];
 
-/// An order's amplitude, what is not known of it, its phase.
+/// An order's amplitude, its uncertainty, its phase.
 pub fn shown(found: &Eccentricity, index: usize) -> [String; 3] {
     let it = &found.harmonics[index];
     let open = format!("{:.3}°", it.uncertainty_rad.to_degrees());
@@ -68,7 +68,7 @@ pub fn shown(found: &Eccentricity, index: usize) -> [String; 3] {
     [amplitude, open, phase]
 }
 
-/// What it costs, in words.
+/// The cost of the error for a wall, in words.
 pub fn costs(found: &Eccentricity, pole_pairs: f64) -> String {
     let cost = found.cost(pole_pairs);
     format!(
@@ -85,7 +85,7 @@ pub fn field_n_m_per_rad(settings: &DeviceSettings, torque_constant_n_m_per_a: f
     f64::from(settings.motor.pole_pairs) * torque_constant_n_m_per_a * current_a
 }
 
-/// What a field that no coast was beside cannot know.
+/// Says what a measurement with the field alone, without a coast, cannot tell.
 fn by_field_alone(field_n_m_per_rad: f64) -> String {
     format!(
         "a torque once or twice a turn, as of a weight out of the axis: {:.3}° for each mN·m (the knob coasts too shortly)",
@@ -93,7 +93,7 @@ fn by_field_alone(field_n_m_per_rad: f64) -> String {
     )
 }
 
-/// For people; with how stiffly the field held the shaft, N·m/rad.
+/// Text for people, with the stiffness by which the field held the shaft, N·m/rad.
 pub fn lines(found: &Eccentricity, pole_pairs: f64, field_n_m_per_rad: f64) -> Vec<String> {
     let mut lines: Vec<String> = (0..ORDERS)
         .map(|index| {
@@ -131,7 +131,7 @@ pub fn warning(found: &Eccentricity, pole_pairs: f64) -> Option<String> {
     ))
 }
 
-/// For programs, and for a setup that goes on later.
+/// JSON for programs, and for a setup that goes on later.
 pub fn as_json(found: &Eccentricity, pole_pairs: f64) -> Value {
     let cost = found.cost(pole_pairs);
     let harmonics = (0..ORDERS).map(|index| {

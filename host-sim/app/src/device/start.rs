@@ -12,25 +12,26 @@ use touchstone_sim::error::{Error, Result};
 
 const SILENCE: &str = "limits.host_silence_s";
 
-/// What is done with an alignment.
+/// The actions on an alignment.
 #[derive(Debug, Clone, Copy, Subcommand)]
 pub enum AlignmentAction {
-    /// Keeps what the calibration found, saves it with the settings, and checks it at once: THE SHAFT MOVES A LITTLE.
+    /// Keeps the alignment that the calibration found, saves it with the settings, and checks it at once: THE SHAFT
+    /// MOVES A LITTLE.
     Keep,
-    /// Forgets it, and saves that: each calibration looks for it again.
+    /// Forgets the alignment, and saves that: each calibration searches for it again.
     Forget,
 }
 
-/// Whether a board starts by itself.
+/// Whether a board starts unattended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Switch {
-    /// It checks the kept alignment and arms when power comes on: the shaft moves with nobody there.
+    /// The board checks the kept alignment and arms when power comes on: the shaft moves with no person present.
     On,
-    /// It waits for a desktop, as shipped.
+    /// The board waits for a desktop, as shipped.
     Off,
 }
 
-/// What the device says of its start; nothing from a board that keeps nothing for it.
+/// The device's report on its start; `None` from a board that keeps nothing for it.
 pub fn report(client: &mut Client) -> Result<Option<StartReport>> {
     if !client.identity().board.is_large() {
         return Ok(None);
@@ -41,7 +42,7 @@ pub fn report(client: &mut Client) -> Result<Option<StartReport>> {
     }
 }
 
-/// The same, demanded.
+/// Same as [`report`], with an error where the board has none.
 fn demanded(client: &mut Client) -> Result<StartReport> {
     let board = client.identity().board;
     report(client)?.ok_or_else(|| {
@@ -56,7 +57,7 @@ fn demanded(client: &mut Client) -> Result<StartReport> {
     })
 }
 
-/// The two lines of it that `status` and `doctor` show.
+/// The two lines on the start that `status` and `doctor` show.
 pub fn lines(report: Option<&StartReport>, settings: &DeviceSettings, board: Board) -> [String; 2] {
     let Some(report) = report else {
         return [
@@ -82,7 +83,7 @@ pub fn lines(report: Option<&StartReport>, settings: &DeviceSettings, board: Boa
     [alignment, autostart]
 }
 
-/// The same for programs.
+/// The report on the start as JSON.
 pub fn json(
     report: Option<&StartReport>,
     settings: &DeviceSettings,
@@ -102,7 +103,7 @@ pub fn json(
     })
 }
 
-/// Shows both.
+/// Shows both errors.
 fn shown(client: &mut Client) -> Result<()> {
     let board = client.identity().board;
     let (report, settings) = (demanded(client)?, client.settings()?);
@@ -171,8 +172,8 @@ pub fn keep(client: &mut Client) -> Result<()> {
     ))
 }
 
-/// Sets for how long the device may hear nothing of a desktop, and gives that, s. A knob that starts by itself needs no desktop: 0, for ever.
-/// One that no longer does gets the time that ships, where it has none.
+/// Sets for how long the device may hear nothing of a desktop, and returns that, s. A knob that starts unattended
+/// needs no desktop: 0, for ever. One that no longer does gets the shipped time, if it has none.
 fn set_silence(client: &mut Client, switch: Switch) -> Result<Si> {
     let mut settings = client.settings()?;
     let set = settings.limits.host_silence_s;
@@ -191,7 +192,7 @@ fn set_silence(client: &mut Client, switch: Switch) -> Result<Si> {
     Ok(wanted)
 }
 
-/// Whether the device saves now: a refusal must not come after half of it.
+/// Checks that the device can save now: a refusal must not come halfway.
 fn saves(client: &mut Client) -> Result<()> {
     let phase = status_of(client)?.phase;
     let fix = match phase {

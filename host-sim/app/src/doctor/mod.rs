@@ -1,4 +1,5 @@
-//! `touchstone doctor`: everything that a board or an omega.3 needs, whether it is there, and how to get what is not.
+//! `touchstone doctor`: everything that a board or an omega.3 needs, whether it is there, and how to get what is
+//! missing.
 
 mod usb;
 
@@ -39,28 +40,28 @@ pub struct Options {
     dev: PathBuf,
 }
 
-/// What somebody wants to use.
+/// The purposes for which the installation is checked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Needs {
-    /// A board: to flash it and to speak to it.
+    /// A board: to flash it and to communicate with it.
     Board,
     /// An omega.3.
     Omega3,
 }
 
-/// What was found of one thing; for people a line, for programs an entry of `things`.
+/// The finding on one thing: for people a line, for programs an entry of `things`.
 enum Found {
-    /// It is there.
+    /// Found; holds a description.
     There(String),
-    /// It is not, and how to get it.
+    /// Missing; holds the problem and how to mend it.
     Missing { problem: String, fix: String },
-    /// Not needed, or not to be told here.
+    /// Not needed, or not detectable here; holds the reason.
     Skipped(String),
 }
 
 use Found::{Missing, Skipped, There};
 
-/// Not there, and how to get it.
+/// A missing thing, and how to get it.
 fn missing(problem: impl Into<String>, fix: impl Into<String>) -> Found {
     Missing {
         problem: problem.into(),
@@ -68,7 +69,7 @@ fn missing(problem: impl Into<String>, fix: impl Into<String>) -> Found {
     }
 }
 
-/// Runs it. Exit code 1 if something is missing of what was asked for, else 0.
+/// Runs it. Exit code 1 if something is missing for the named use, else 0.
 #[must_use]
 pub fn main(options: &Options) -> ExitCode {
     let needs = options
@@ -131,7 +132,7 @@ pub fn main(options: &Options) -> ExitCode {
     ExitCode::from(u8::from(lacks > 0 && needs.is_some()))
 }
 
-/// All that a board needs.
+/// Checks everything that a board needs.
 fn board(options: &Options, tell: &mut impl FnMut(&str, Found)) {
     let tcp = matches!(options.port, Some(Address::Tcp(_))) && options.sysfs == Path::new("/sys");
     // Behind a TCP port there is no board to be flashed.
@@ -158,7 +159,7 @@ fn board(options: &Options, tell: &mut impl FnMut(&str, Found)) {
     }
 }
 
-/// First line of what a program prints.
+/// First line of a program's output.
 fn first_line(program: &str, arguments: &[&str]) -> Option<String> {
     let output = Command::new(program).args(arguments).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
@@ -244,7 +245,8 @@ fn port(given: Option<&Address>, tell: &mut impl FnMut(&str, Found)) -> Option<A
     }
 }
 
-/// The omega.3's library, and with it the device. Who has no library is not missing one, unless that was asked.
+/// Checks the omega.3's library, and with it the device. The library counts as missing only where the user wants an
+/// omega.3.
 fn omega3(is_needed: bool, tell: &mut impl FnMut(&str, Found)) {
     let library = match haptic::library(None) {
         Ok(library) => library,
@@ -263,7 +265,7 @@ fn omega3(is_needed: bool, tell: &mut impl FnMut(&str, Found)) {
     );
 }
 
-/// The device, how it starts, and what its guard promises.
+/// Checks the device, how it starts, and what its guard promises.
 fn device(address: Option<&Address>) -> (Found, Option<(String, String)>) {
     let Some(address) = address else {
         return (Skipped("no port to ask it on".into()), None);
@@ -277,7 +279,7 @@ fn device(address: Option<&Address>) -> (Found, Option<(String, String)>) {
     }
 }
 
-/// Whether its alignment is kept, and whether it starts by itself; and the energy that its guard bounds.
+/// Whether the device's alignment is kept, and whether it starts unattended; and the energy that its guard bounds.
 fn how_it_is_set(client: &mut Client) -> touchstone_sim::error::Result<(String, String)> {
     let (report, settings) = (start::report(client)?, client.settings()?);
     let board = client.identity().board;
@@ -286,7 +288,7 @@ fn how_it_is_set(client: &mut Client) -> touchstone_sim::error::Result<(String, 
     Ok((start, guard::promise(&settings, board)))
 }
 
-/// Why nobody answers, and what to do.
+/// Why no device answers, and the remedy.
 fn not_there(address: &Address, error: Error) -> Found {
     match error {
         Error::Device { problem, .. } if problem.contains("ermission") => missing(

@@ -1,4 +1,4 @@
-//! The probe at the USB, as Linux shows it in its files; elsewhere probe-rs is asked.
+//! The probe at the USB: on Linux from its files, elsewhere through probe-rs.
 
 use super::{Found, Skipped, There, missing};
 use crate::flash;
@@ -83,7 +83,7 @@ fn permission(node: &Path) -> Found {
     }
 }
 
-/// Not Linux, or a container without USB.
+/// Check for systems other than Linux, and for containers without USB.
 fn elsewhere(devices: &Path) -> Found {
     match flash::probes() {
         Some(probes) if !probes.is_empty() => There(probes.join(", ")),

@@ -73,7 +73,7 @@ pub fn write(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
     }
 }
 
-/// Shows what the program tells that runs.
+/// Shows the log of the running program.
 pub fn log(job: &Job<'_>, log: &Log) -> Result<()> {
     let elf = read(job)?;
     let (image, words) = (image(job, &elf)?, words(job, &elf)?);

@@ -1,4 +1,4 @@
-//! Flash and log by the program probe-rs, which has to be installed; its progress is shown as it is.
+//! Flash and log through the program probe-rs, which has to be installed; its progress is shown unchanged.
 
 use super::{Job, written};
 use crate::log::Log;
@@ -15,12 +15,12 @@ pub const IS_CRATE: bool = false;
 /// How to get probe-rs.
 const INSTALL: &str = "install it, without a compiler by https://probe.rs/docs/getting-started/installation, with one by cargo install probe-rs-tools --locked; a touchstone of `cargo xtask dist` needs none";
 
-/// What does the work, in its own words; otherwise what is missing, and how to get it.
+/// The installed tool, in its own words; or what is missing, and how to get it.
 pub fn there() -> std::result::Result<String, (String, String)> {
     asked(&["--version"]).ok_or_else(|| ("not on the PATH".to_owned(), INSTALL.to_owned()))
 }
 
-/// The probes it sees, a line each; nothing where it cannot be asked.
+/// The probes that probe-rs finds, a line each; `None` where it cannot run.
 pub fn probes() -> Option<Vec<String>> {
     let line = asked(&["list"])?;
     match line.contains("No debug probes") {
@@ -61,7 +61,7 @@ pub fn write(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
     log.map_or(Ok(()), |log| self::log(job, log))
 }
 
-/// Shows what the program tells that runs.
+/// Shows the log of the running program.
 pub fn log(job: &Job<'_>, log: &Log) -> Result<()> {
     tell!("{}; Ctrl-C ends it", job.elf.display());
     let mut child = command("attach", job)
@@ -90,7 +90,7 @@ fn download(job: &Job<'_>) -> Command {
     command
 }
 
-/// One of its commands, for a board's chip and behind a probe.
+/// One of probe-rs' commands, for a board's chip and a probe.
 fn command(what: &str, job: &Job<'_>) -> Command {
     let mut command = Command::new("probe-rs");
     command.args([what, "--chip", job.chip()]);

@@ -1,7 +1,7 @@
 //! The board that a program says it is for: a symbol without a place, which the linker adds (`firmware/build.rs`). It is in the ELF
 //! file alone and costs no flash.
 
-/// What the symbol's name begins with; the board's name follows, with `_` for `-`.
+/// The beginning of the symbol's name; the board's name follows, with `_` for `-`.
 const BEGIN: &[u8] = b"touchstone_board_";
 /// Type of a section that is a table of symbols.
 const SYMBOLS: u32 = 2;

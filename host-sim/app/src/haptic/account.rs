@@ -1,4 +1,4 @@
-//! What a run on a haptic device did: on the terminal, or as JSON, however it ended.
+//! Summary of a run on a haptic device: on the terminal, or as JSON, however the run ended.
 
 use crate::out::{json, print, say, tell};
 use touchstone_control::Choice;
@@ -10,13 +10,13 @@ use touchstone_lab::scorecard::on_device::DeviceCard;
 use touchstone_lab::scorecard::on_device_page;
 use touchstone_sim::error::Result;
 
-/// What is told of.
+/// The data of the summary.
 pub struct Account<'a> {
     pub sheet: &'a DataSheet,
     pub settings: &'a WallSettings,
     /// Where law and stiffness come from.
     pub source: &'a str,
-    /// What the wall is known not to keep.
+    /// Limits that the wall is known not to keep.
     pub caution: Option<&'a str>,
     pub wall: &'a DeviceWall<'a>,
     pub limits: &'a ServoLimits,
@@ -25,7 +25,7 @@ pub struct Account<'a> {
     pub card: Option<&'a DeviceCard>,
 }
 
-/// What was got of real time, in words.
+/// Whether real-time priority was granted, in words.
 fn words(got: &std::result::Result<(), String>) -> String {
     match got {
         Ok(()) => "yes".to_owned(),
@@ -45,7 +45,7 @@ impl Account<'_> {
         self.report.release.as_ref().err().map(ToString::to_string)
     }
 
-    /// For programs.
+    /// JSON for programs.
     pub fn value(&self) -> serde_json::Value {
         let report = self.report;
         let classes = report
@@ -81,7 +81,7 @@ impl Account<'_> {
         })
     }
 
-    /// For a page: the run itself, and how late its ticks were.
+    /// Lines for a page: the run itself, and how late its ticks were.
     pub fn section(&self) -> Section {
         let report = self.report;
         let row = |name: &str, value: String| vec![name.to_owned(), value];
@@ -144,7 +144,7 @@ impl Account<'_> {
         }
     }
 
-    /// Tells it.
+    /// Prints the summary.
     pub fn tell(&self) -> Result<()> {
         let report = self.report;
         if json() {

@@ -1,4 +1,4 @@
-//! Which haptic device, and how it is opened.
+//! The choice of a haptic device, and how it is opened.
 
 use clap::ValueEnum;
 use std::path::PathBuf;
@@ -18,14 +18,14 @@ pub enum HapticKind {
     Omega3,
     /// Haply's Inverse3, through its maker's service.
     Inverse3,
-    /// An omega.3 by its published limits, or what a survey says, in a simulated hand.
+    /// An omega.3 with its published limits, or a device from a survey, in a simulated hand.
     Simulated,
     /// A delta mechanism with the Falcon's geometry, in a simulated hand.
     SimulatedDelta,
 }
 
 impl HapticKind {
-    /// Its word on the command line.
+    /// The device's word on the command line.
     pub fn word(self) -> &'static str {
         match self {
             Self::Omega3 => "omega3",
@@ -35,12 +35,12 @@ impl HapticKind {
         }
     }
 
-    /// Whether it is one of this program's own, with a time of its own.
+    /// Whether the device is simulated by this program, with a simulated time.
     pub fn is_simulated(self) -> bool {
         matches!(self, Self::Simulated | Self::SimulatedDelta)
     }
 
-    /// The rate at which a simulated one is played where none is given, Hz.
+    /// The default rate of a simulated device, Hz.
     pub fn own_rate_hz(self) -> u32 {
         match self {
             Self::SimulatedDelta => FALCON_RATE_HZ,
@@ -49,7 +49,7 @@ impl HapticKind {
     }
 }
 
-/// Which device.
+/// The options that choose the device.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct WhichDevice {
     /// The device; without it, the first real one that there is.
@@ -84,16 +84,16 @@ pub fn described(library: &Dhd) -> String {
     format!("library {version}, {}", library.path().display())
 }
 
-/// What a simulated hand does.
+/// Motion of a simulated hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SimulatedHand {
-    /// Nobody is at it; at this rate, Hz.
+    /// No hand; at this rate, Hz.
     Nobody(u32),
-    /// It holds still above the centre.
+    /// The hand holds still above the centre.
     Still,
-    /// It moves around an object, over and over; at this rate, Hz.
+    /// The hand moves around an object, over and over; at this rate, Hz.
     Moves(Object, u32),
-    /// It comes to an object where it is probed, and does what a scorecard asks of it.
+    /// The hand goes to the place of an object that is probed, and does the actions of a scorecard.
     InTurn(Object, DeedsInTurn),
 }
 
@@ -108,7 +108,7 @@ impl SimulatedHand {
     }
 }
 
-/// The rest point of a simulated hand that slides so fast, and how often a second it is asked for.
+/// The rest point of a simulated hand that slides at this speed, and its update rate, Hz.
 fn rest(hand: SimulatedHand, slide_mm_per_s: f64) -> (Rest, u32) {
     let (object, rate_hz) = match hand {
         SimulatedHand::Nobody(rate_hz) => return (Box::new(|_| [0.0; 3]), rate_hz),
@@ -169,7 +169,7 @@ impl WhichDevice {
         }
     }
 
-    /// All kinds: what is there of each.
+    /// All kinds of devices, each with the device that was found, or why none was.
     pub fn all(&self) -> Vec<(HapticKind, Result<String>)> {
         let wanted = |model: &&HapticKind| self.model().is_none_or(|only| only == **model);
         let models = [

@@ -21,7 +21,7 @@ use touchstone_world::plant::OMEGA3_AXIS;
 pub enum WallPreset {
     /// Tuned for mass and damping of the device, on estimated states.
     Tuned,
-    /// The thesis' settings (§5.2), of --law, --k-desired N/mm.
+    /// The thesis' settings (§5.2), with the law of --law and the stiffness of --k-desired N/mm.
     Thesis,
 }
 
@@ -43,7 +43,7 @@ pub struct WallOptions {
     /// The lever of that scene, as `device identify` says it, mm.
     #[arg(long, value_name = "MM", requires = "settings", allow_negative_numbers = true, value_parser = number::up_to(1000.0, "of millimetres"))]
     lever_mm: Option<f64>,
-    /// One law an axis, instead of one along the normal.
+    /// One law for each axis, instead of one along the normal.
     #[arg(long)]
     per_axis: bool,
     /// Control rate, Hz; default: the fastest that the device has, its own where it sets the pace.
@@ -57,28 +57,28 @@ pub struct WallOptions {
     pub no_guard: bool,
 }
 
-/// Of a word that was found among them.
+/// The law of a known word.
 fn law(word: &str) -> LawKind {
     let same = |kind: &&LawKind| kind.word() == word;
     LawKind::ALL.iter().find(same).copied().unwrap_or_default()
 }
 
-/// The thesis' stiffness that is played where none is given, N/mm, and that for a device of which nothing is known.
+/// Default stiffness with the thesis' settings, N/mm; the second for an unknown device.
 const THESIS_N_PER_MM: f64 = 5.0;
 const UNKNOWN_N_PER_MM: f64 = 1.0;
 
-/// What is played at what rate, with how long a force, and what is to be said of it before it begins.
+/// The chosen wall: rate, longest force, settings, and what to say before it begins.
 pub struct ChosenWall {
     pub rate_hz: u32,
     pub force_n: f64,
     pub settings: WallSettings,
     /// Where law and stiffness come from, in words.
     pub source: String,
-    /// What the wall is known not to keep, and why.
+    /// Limits that the wall is known not to keep, and why.
     pub caution: Option<String>,
 }
 
-/// Law, what its estimators are told, where both come from, and what is to be said of them.
+/// The chosen law, its estimators' settings, the source of both, and what to say about them.
 struct ChosenLaw {
     law: Settings,
     estimator: Option<[EstimatorSettings; 3]>,
@@ -86,7 +86,7 @@ struct ChosenLaw {
     caution: Option<String>,
 }
 
-/// What the guard takes for sure of a device, SI: its least damping; the thesis' (§5.2) where nobody measured any.
+/// The guard's settings for a device, SI, from its least damping; from the thesis' (§5.2) where it was never measured.
 pub fn guard(damping_n_s_per_m: f64, delay_s: f64, rate_hz: u32) -> GuardSettings {
     let si = Si::saturating_from_num::<f64>;
     // Rounded down, as the guard's own range is.
@@ -101,7 +101,7 @@ pub fn guard(damping_n_s_per_m: f64, delay_s: f64, rate_hz: u32) -> GuardSetting
 }
 
 impl WallOptions {
-    /// For a device.
+    /// The wall for a device.
     ///
     /// # Errors
     /// A rate that it does not have, a file that cannot be taken, a preset that it does not have.

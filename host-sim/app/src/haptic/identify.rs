@@ -30,7 +30,7 @@ pub struct Options {
     /// Control rate, Hz; default: the fastest that the device has, its own where it sets the pace.
     #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = number::within(500_u32, 10_000, "of Hz"))]
     rate_hz: Option<u32>,
-    /// Writes what was found to this file, which `--twin` simulates.
+    /// Writes the result to this file, which `--twin` simulates.
     #[arg(long, value_name = "FILE.toml")]
     out: Option<PathBuf>,
     /// Writes the axis of the least damping as a scene of one axis, for `touchstone tune`.
@@ -51,7 +51,7 @@ const FURTHEST_M: f64 = 0.03;
 /// Beyond the push, for what holds the device in its place, N.
 const HOLD_N: f64 = 3.0;
 
-/// Moves, finds, tells.
+/// Moves the device, identifies it, prints the result.
 pub fn main(options: &Options) -> Result<ExitCode> {
     let kind = options.which.model();
     if options.fast && !kind.is_some_and(HapticKind::is_simulated) {

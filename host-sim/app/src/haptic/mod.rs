@@ -20,22 +20,23 @@ use touchstone_device::haptic::HapticDevice;
 use touchstone_device::ports;
 use touchstone_sim::error::Result;
 
-/// What is done with a haptic device.
+/// The actions on a haptic device.
 #[derive(Debug, Clone, Subcommand)]
 pub enum Action {
     /// Lists haptic devices, and boards at serial ports.
     List(WhichDevice),
-    /// Who a haptic device is, where it is, and how it stands. Its motors stay off.
+    /// Show a haptic device's identity, position and state. Its motors stay off.
     Info(WhichDevice),
     /// Plays a wall on a haptic device: THE MOTORS ARE ON until it ends, at the latest by Ctrl-C.
     Run(run::Options),
-    /// Moves a haptic device that nobody holds by some millimetres, and finds mass, damping and friction of each axis: THE MOTORS ARE ON.
+    /// Moves a haptic device without a hand at it by some millimetres, and finds mass, damping and friction of each
+    /// axis: THE MOTORS ARE ON.
     Identify(identify::Options),
     /// Writes a haptic device's inertia, Jacobian and ranges to a file that can be simulated. Its motors stay off.
     Survey(survey::Options),
 }
 
-/// Does it.
+/// Runs the job.
 pub fn main(action: &Action) -> Result<ExitCode> {
     let done = match action {
         Action::Run(options) => return run::main(options),
@@ -47,7 +48,7 @@ pub fn main(action: &Action) -> Result<ExitCode> {
     done.map(|()| ExitCode::SUCCESS)
 }
 
-/// Lists what there is; of what is not there, why.
+/// Lists the devices that are there; of the others, why not.
 fn list(which: &WhichDevice) -> Result<()> {
     let found = which.all();
     let boards = ports();
@@ -83,7 +84,7 @@ fn list(which: &WhichDevice) -> Result<()> {
     )
 }
 
-/// Opens one, tells, and releases it.
+/// Opens a device, prints its properties, and releases it.
 fn info(which: &WhichDevice) -> Result<()> {
     let mut device = which.open(choice::SimulatedHand::Still)?;
     let place = device.sheet().name.clone();

@@ -26,7 +26,7 @@ use touchstone_mesh::Mesh;
 use touchstone_sim::error::{Error, Result};
 use touchstone_world::plant::OMEGA3;
 
-/// What stands in the device's workspace.
+/// The object in the device's workspace.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Scenery {
     /// A floor or a slope through the centre, or a ball of 30 mm around it.
@@ -78,7 +78,7 @@ pub struct Options {
     scored: scorecard::ScoreOptions,
     #[command(flatten)]
     wall: WallOptions,
-    /// Ends after so many seconds; without it, with Ctrl-C.
+    /// Ends after this many seconds; without this option, at Ctrl-C.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e6, "of seconds"))]
     seconds: Option<f64>,
     /// Keeps every tick as CSV; needs --seconds.
@@ -118,7 +118,7 @@ impl fmt::Display for Scenery {
     }
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn main(options: &Options) -> Result<ExitCode> {
     let kind = options.which.model();
     let simulated = kind.is_some_and(HapticKind::is_simulated);

@@ -22,7 +22,7 @@ use touchstone_lab::thesis::space::Object;
 use touchstone_sim::error::{Error, Result};
 use touchstone_world::plant::{FIRM_TRANSLATION, Hand, LIGHT_TRANSLATION, MEDIUM_TRANSLATION};
 
-/// What a simulated hand does.
+/// Motion of a simulated hand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum HandProgramme {
     /// Probes the object, holds, slides along it and lets go, over and over.
@@ -54,7 +54,7 @@ impl PressedGrip {
     }
 }
 
-/// Options of it.
+/// Options of the scorecard.
 #[derive(Debug, Clone, clap::Args)]
 pub struct ScoreOptions {
     /// Writes the run's scorecard, as page and results.json, to this folder; needs --seconds, or the scorecard's programme.
@@ -63,7 +63,7 @@ pub struct ScoreOptions {
     /// Replaces what another command left in the folder, and a file of --csv that is there already.
     #[arg(long)]
     pub force: bool,
-    /// What a simulated hand does.
+    /// Motion of a simulated hand.
     #[arg(long, value_enum, default_value_t)]
     pub programme: HandProgramme,
     /// How it grips, with the scorecard's programme.
@@ -107,9 +107,9 @@ impl ScoreOptions {
     }
 }
 
-/// Of the longest force, what a hand touches with before it presses.
+/// Share of the longest force with which a hand touches before it presses.
 const TOUCH_SHARE: f64 = 2.0 / 15.0;
-/// From when on a programme begins: the force has faded in, s.
+/// Time at which a programme begins, after the force has faded in, s.
 const BEGIN_S: f64 = 1.2;
 
 /// A stiffness, and how well a depth is known along a direction.
@@ -144,7 +144,7 @@ pub fn turn(
     DeedsInTurn::new(approach, grip.hand(), first)
 }
 
-/// What was played.
+/// The run to be judged.
 pub struct PlayedOnDevice<'a> {
     pub sheet: &'a DataSheet,
     pub settings: &'a WallSettings,

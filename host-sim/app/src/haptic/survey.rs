@@ -21,7 +21,7 @@ pub struct Options {
     out: PathBuf,
     #[command(flatten)]
     overwrite: Overwrite,
-    /// For how long; move the effector through its whole workspace meanwhile.
+    /// Duration of the survey; move the effector through its whole workspace meanwhile.
     #[arg(long, value_name = "N", default_value_t = 20.0, allow_negative_numbers = true, value_parser = number::up_to(3600.0, "of seconds"))]
     seconds: f64,
 }

@@ -16,13 +16,13 @@ const COLUMNS: [&str; 7] = [
     "force_z_n",
 ];
 
-/// Ticks.
+/// The recorded ticks of a device's run.
 pub struct DeviceTrace {
     ticks: Vec<ServoTick>,
 }
 
 impl DeviceTrace {
-    /// With room for all ticks of a run; those that are more are not kept.
+    /// A trace with room for this many ticks; further ticks are not kept.
     pub fn for_ticks(most: u64) -> Self {
         Self {
             ticks: Vec::with_capacity(usize::try_from(most).unwrap_or(0)),
@@ -36,12 +36,12 @@ impl DeviceTrace {
         }
     }
 
-    /// All of them.
+    /// All recorded ticks.
     pub fn ticks(&self) -> &[ServoTick] {
         &self.ticks
     }
 
-    /// Writes it. Ticks that were missed are not in it, but their time is: times of neighbours are then further apart.
+    /// Writes the trace. Missed ticks are left out, but time goes on: neighbouring rows are then further apart.
     pub fn write(&self, place: &Named<'_>, rate_hz: u32) -> Result<()> {
         let wrong = |error: csv::Error| place.error(&error.into());
         let mut file = csv::Writer::from_writer(Vec::new());

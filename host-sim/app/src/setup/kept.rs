@@ -1,4 +1,4 @@
-//! What a setup has done so far, in its folder: an interruption loses the step that it falls into and no other.
+//! Progress of a setup, in its folder: an interruption loses only the step in which it happens.
 
 use crate::device::eccentricity;
 use serde_json::{Map, Value, json};
@@ -9,12 +9,12 @@ use touchstone_lab::identify::{Estimate, Mechanics};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::output;
 
-/// File of what is done.
+/// Name of the progress file.
 const NAME: &str = "setup.json";
 /// What a setup writes beside it.
 const FILES: [&str; 3] = [super::BEFORE, "knob.toml", "law.toml"];
 
-/// What is done.
+/// The finished steps.
 pub struct Kept {
     file: PathBuf,
     done: Map<String, Value>,
@@ -31,7 +31,7 @@ pub const VALUES: [&str; 7] = [
     "friction_n_m",
 ];
 
-/// The same in their order.
+/// The motor's values in the order of their names.
 pub fn values(motor: &MeasuredMotor) -> [Estimate; 7] {
     let Mechanics {
         inertia_kg_m2,
@@ -66,7 +66,7 @@ fn untouched(folder: &Path) -> Result<()> {
 }
 
 impl Kept {
-    /// What the folder has; the folder is made.
+    /// Reads the folder's progress; makes the folder if needed.
     pub fn open(folder: &Path) -> Result<Self> {
         let file = folder.join(NAME);
         std::fs::create_dir_all(folder).map_err(|error| io(folder, &error))?;
@@ -91,7 +91,7 @@ impl Kept {
         self.done.get("device")?.as_str()
     }
 
-    /// It is about this one.
+    /// Notes the device that this setup is for.
     pub fn begin(&mut self, device: &str) -> Result<()> {
         self.done.insert("device".into(), device.into());
         self.write()
@@ -127,7 +127,7 @@ impl Kept {
         })
     }
 
-    /// What was found of the encoder beside it.
+    /// The encoder's eccentricity, if it was found.
     pub fn encoder(&self) -> Option<Eccentricity> {
         eccentricity::from_json(self.done.get("encoder")?)
     }
@@ -143,7 +143,7 @@ impl Kept {
         self.write()
     }
 
-    /// What the last wall was tuned for.
+    /// The use for which the last wall was tuned.
     pub fn tuned_for(&self) -> Option<&str> {
         self.done.get("tuned_for")?.as_str()
     }
@@ -154,14 +154,14 @@ impl Kept {
         self.write()
     }
 
-    /// All at once or not at all: what a cut of power leaves is the state before.
+    /// Writes the progress all at once or not at all: a cut of power leaves the state before.
     fn write(&self) -> Result<()> {
         let text = format!("{:#}\n", Value::Object(self.done.clone()));
         output::write(&self.file, text).map_err(|error| io(&self.file, &error))
     }
 }
 
-/// Values with what is not known of them.
+/// The motor's values with their uncertainties.
 pub fn as_json(motor: &MeasuredMotor) -> Value {
     let mut all: Map<String, Value> = VALUES
         .into_iter()

@@ -10,14 +10,14 @@ use touchstone_protocol::DeviceSettings;
 /// Time from a reading to its command at the motor, PWM periods: half a one in the mean until the current loop takes the command, one until the
 /// compare values act in the middle.
 const DELAY_PERIODS: f64 = 1.5;
-/// The guard is told this part of the damping that was measured: its bound rests on there being no less.
+/// Share of the measured damping that the guard may count on: its bound holds only if there is no less.
 const GUARD_SHARE: f64 = 0.8;
-/// Nor more than what is left of it below so many standard uncertainties.
+/// The guard also counts on no more than the damping less this many standard uncertainties.
 const GUARD_UNCERTAINTIES: f64 = 2.0;
-/// A press takes this part of what the motor gives, at most the thesis' 0.1 N·m.
+/// A press takes this share of the motor's torque, at most the thesis' 0.1 N·m.
 const PRESS_SHARE: f64 = 0.6;
 
-/// The damping that the guard is told, N·m·s/rad.
+/// The damping that the guard counts on, N·m·s/rad.
 pub fn sure_damping(motor: &MeasuredMotor) -> f64 {
     let it = &motor.mechanics.damping_n_m_s_per_rad;
     (GUARD_SHARE * it.value)
@@ -118,7 +118,7 @@ push_torque_n_m = {press:.4e}
     text
 }
 
-/// What is added to it for the encoder: nothing where nothing stands out.
+/// The scene's lines on the encoder's eccentricity; empty where no order stands out.
 pub fn encoder_text(encoder: Option<&Eccentricity>) -> String {
     let Some(encoder) = encoder.filter(|it| it.stands_out(0) || it.stands_out(1)) else {
         return String::new();

@@ -1,5 +1,5 @@
-//! `touchstone setup`: from a connected board to a tuned wall, step by step. What is done is kept in a folder; the same command goes on
-//! where the last one was interrupted.
+//! `touchstone setup`: from a connected board to a tuned wall, step by step. A folder keeps the finished steps; the
+//! same command goes on where the last one was interrupted.
 
 mod kept;
 mod knob_scene;
@@ -39,16 +39,16 @@ use touchstone_sim::scene::Scene;
 pub struct Options {
     #[command(flatten)]
     port: PortOption,
-    /// Folder of what is measured and tuned; with what an interrupted setup left in it, goes on there.
+    /// Folder of measurements and settings; an interrupted setup in it goes on.
     #[arg(long, value_name = "DIR", default_value = "knob")]
     out: PathBuf,
     /// Settings of this knob: pole pairs, encoder, currents, supply; as `touchstone config export` writes them.
     #[arg(long, value_name = "FILE.toml")]
     settings: Option<PathBuf>,
-    /// Stiffness of the wall, N·m/rad; without it, what the settings say.
+    /// Stiffness of the wall, N·m/rad; without it, that of the settings.
     #[arg(long, value_name = "N_M_PER_RAD", allow_negative_numbers = true, value_parser = number::up_to(1e5, "N·m/rad"))]
     k_desired: Option<f64>,
-    /// Writes the firmware of this board where nobody answers at the port.
+    /// Writes the firmware of this board if no device answers at the port.
     #[arg(long)]
     board: Option<BoardName>,
     /// Tunes for seconds instead of minutes.
@@ -57,7 +57,7 @@ pub struct Options {
     /// Takes the law's settings from this file, as `touchstone tune --out` writes it, instead of looking for them.
     #[arg(long, value_name = "FILE.toml", conflicts_with = "quick")]
     law: Option<PathBuf>,
-    /// Measures and tunes anew what was done before.
+    /// Measures and tunes again what was done before.
     #[arg(long)]
     again: bool,
     /// Keeps the alignment of an encoder that knows where it is, so that the next start checks it with a small motion and looks for nothing.
@@ -69,7 +69,7 @@ pub struct Options {
     cogging: bool,
 }
 
-/// Runs it. What a board does in the middle of it, its cable or its supply, costs the step that it falls into.
+/// Runs it. If board, cable or supply fail halfway, only the present step is lost.
 pub fn main(options: &Options) -> Result<()> {
     stepped(options).map_err(|error| match error {
         Error::Device {
@@ -252,7 +252,7 @@ fn write(file: &Path, text: &str) -> Result<()> {
     output::write(file, text).map_err(|error| io(file, &error))
 }
 
-/// Connects; where nobody answers, with the firmware first, if the board is known.
+/// Connects; if no device answers and the board is known, after writing its firmware.
 fn connect(options: &Options) -> Result<Client> {
     let silent = match options.port.connect() {
         Ok(client) => return Ok(client),
@@ -306,7 +306,8 @@ fn begin(client: &mut Client, kept: &mut Kept, folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// A board without current sensors has nothing to measure a motor with: what follows here would be a knob that nobody knows.
+/// The error for a board without current sensors, which cannot measure its motor: the settings that follow would be
+/// guesses.
 fn cannot_measure(client: &Client) -> Error {
     Error::device(
         client.place(),
@@ -315,7 +316,7 @@ fn cannot_measure(client: &Client) -> Error {
     )
 }
 
-/// Those of before, with what a person says of the knob.
+/// The settings before the setup, with the user's facts about the knob.
 fn settings(client: &Client, options: &Options, before: &Path) -> Result<DeviceSettings> {
     let board = client.identity().board;
     let mut settings = DeviceSettings::defaults(board);
@@ -415,7 +416,7 @@ fn tuned(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<String> 
     Ok(tune::settings::toml(&tuned))
 }
 
-/// All settings: the motor and the law as they were found.
+/// All settings, with the found motor and law.
 fn with_knob(
     settings: DeviceSettings,
     motor: &MeasuredMotor,

@@ -1,4 +1,4 @@
-//! What was measured of a knob, for people: as lines, and as a page with the settings that came of it.
+//! The measured knob for people: as lines, and as a page with the resulting settings.
 
 use super::super::device::cogging::Tried;
 use super::super::device::eccentricity;
@@ -36,7 +36,7 @@ fn rows(motor: &MeasuredMotor) -> impl Iterator<Item = [String; 3]> {
     })
 }
 
-/// A line each.
+/// A line of text for each figure.
 pub fn lines(motor: &MeasuredMotor) -> Vec<String> {
     rows(motor)
         .map(|[name, value, uncertainty]| format!("{name:<41} {value} ± {uncertainty}"))
@@ -61,7 +61,7 @@ fn of_encoder(encoder: &Eccentricity, pole_pairs: f64) -> Block {
     }
 }
 
-/// The page, in a folder of its own; its place.
+/// Writes the page into a folder of its own; returns its path.
 pub fn write(
     motor: &MeasuredMotor,
     encoder: Option<&Eccentricity>,

@@ -1,4 +1,4 @@
-//! Has a device measure its motor, and hears what it says of it and of its encoder.
+//! Lets a device measure its motor, and receives its telemetry of motor and encoder.
 
 use crate::device::calibration_limit;
 use crate::interrupt;
@@ -22,12 +22,12 @@ use touchstone_protocol::{
 };
 use touchstone_sim::error::{Error, Result};
 
-/// What a measurement takes beside the calibration: two currents, four pushes, coasts and brakes.
+/// Time that a measurement takes in addition to the calibration: two currents, four pushes, coasts and brakes.
 const MEASUREMENT_LONGEST: Duration = Duration::from_secs(45);
-/// The device switches off so long after its cable is gone.
+/// The device switches off this long after its cable is pulled.
 const HOST_SILENCE_S: Si = Si::ONE;
 
-/// What a measurement finds.
+/// Result of a measurement.
 pub struct Measured {
     /// The motor and its knob.
     pub motor: MeasuredMotor,
@@ -82,7 +82,7 @@ fn not_measured(client: &Client, why: &dyn Display) -> Error {
     )
 }
 
-/// What was told of the motor, a tick each, and what the same motion says of the encoder.
+/// The motor's telemetry, one entry a tick, and the encoder's error that the same motion shows.
 type Heard = (
     Vec<Option<MotorTick>>,
     std::result::Result<Eccentricity, NotSeen>,
@@ -132,7 +132,7 @@ fn heard(
     Ok((of_motor, Eccentricity::new(&of_encoder, &known)))
 }
 
-/// The same settings for a shaft that turns by itself: a device that hears nothing switches off.
+/// The same settings for a shaft that turns unattended: the device switches off if it hears nothing.
 pub fn watched(settings: &DeviceSettings) -> DeviceSettings {
     let mut asked = settings.clone();
     if asked.limits.host_silence_s == Si::ZERO {
@@ -141,7 +141,7 @@ pub fn watched(settings: &DeviceSettings) -> DeviceSettings {
     asked
 }
 
-/// What is told of the motor until the device is ready; nothing when a person has had enough.
+/// The motor's telemetry until the device is ready; `None` if the user interrupts.
 pub fn listen<T>(
     client: &mut Client,
     limit: Duration,

@@ -18,7 +18,7 @@ use touchstone_protocol::{
 /// What may be wrong with it.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Trouble {
-    /// It answers nothing.
+    /// The device answers no request.
     pub silent: bool,
     /// It speaks this version.
     pub version: Option<u16>,
@@ -153,7 +153,7 @@ impl Fake {
         self.both.lock().unwrap()
     }
 
-    /// A fault strikes.
+    /// Makes a fault occur.
     pub fn fault(&self, code: FaultCode, value: i32) {
         let (_, world) = &mut *self.world();
         let tick = world.tick;

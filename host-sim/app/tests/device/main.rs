@@ -24,7 +24,7 @@ mod writers;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// What the program said and how it ended.
+/// The output and exit code of the program.
 pub struct Said {
     /// Exit code.
     pub code: Option<i32>,
@@ -45,7 +45,7 @@ impl From<Output> for Said {
 }
 
 impl Said {
-    /// It ended well.
+    /// Checks that the program succeeded.
     #[track_caller]
     pub fn done(self) -> String {
         assert_eq!(
@@ -57,7 +57,7 @@ impl Said {
         self.out
     }
 
-    /// It ended with this code and one line that has all these parts.
+    /// Checks for this exit code and one line of error with all these parts.
     #[track_caller]
     pub fn failed(self, code: i32, parts: &[&str]) {
         let Said { err, .. } = &self;
@@ -85,7 +85,7 @@ pub fn run(arguments: &[&str]) -> Said {
     program(arguments).output().unwrap().into()
 }
 
-/// A folder of its own for a test, empty at the start.
+/// An empty folder for one test.
 pub fn folder(test: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("device-{test}"));
     let _ = std::fs::remove_dir_all(&folder);

@@ -29,7 +29,7 @@ fn knob(friction_n_m: f64) -> Device {
     }
 }
 
-/// A folder, and a file of a law in it.
+/// A folder with a file of a law in it.
 fn place(test: &str) -> (PathBuf, String) {
     let folder = folder(test);
     let law = folder.join("given.toml");
@@ -217,12 +217,12 @@ fn a_supply_that_is_cut_in_any_step_costs_that_step_alone() {
     assert_eq!(Phase::from(world.knob.device.state()), Phase::Ready);
 }
 
-/// New settings and calibrations so far.
+/// Numbers of new settings and calibrations so far.
 fn counted(device: &Spun) -> (u32, u32) {
     device.world().1.counted()
 }
 
-/// The motor's supply alone: a board on USB lives on, and says what is wrong.
+/// Only the motor's supply is cut: a board on USB goes on and reports the fault.
 #[test]
 fn a_motor_without_its_supply_is_refused_and_another_try_goes_on() {
     let (out, law) = place("setup-supply");

@@ -1,11 +1,11 @@
-//! A knob whose desktop is gone switches itself off, whatever became of the program that spoke to it.
+//! A knob whose desktop is gone switches itself off, however the program on the desktop ended.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_touchstone");
-/// As shipped, and what a busy machine may take to notice.
+/// Time until a silent desktop is noticed, with a margin for a busy machine.
 const SILENT: Duration = Duration::from_millis(2_000 + 1_500);
 
 /// `touchstone demo --port-only`, ended with the test.
@@ -45,7 +45,7 @@ impl Demo {
         said
     }
 
-    /// On, and with `monitor` at it for longer than a device waits.
+    /// Switches the knob on and runs `monitor` for longer than a device waits.
     fn monitored(&self) -> Child {
         self.run(&["device", "calibrate"]);
         self.run(&["device", "arm"]);

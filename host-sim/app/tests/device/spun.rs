@@ -29,7 +29,7 @@ impl Tamper for Supply {
     }
 }
 
-/// When the cable goes, and with it, if the board is not powered otherwise, its supply.
+/// The moment at which the cable is pulled, which also cuts the supply of a board on USB.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pulled {
     /// With the first tick of this part.
@@ -38,7 +38,7 @@ pub enum Pulled {
     AtSettings(u32),
     /// While they are written: the flash has what it had.
     BeforeSaved,
-    /// When they are written, before anybody hears of it.
+    /// After the settings were written and before the answer.
     AfterSaved,
     /// With so manieth calibration, which begins.
     AtCalibration(u32),
@@ -53,7 +53,7 @@ pub struct Spinning {
     pulled: bool,
     /// The motor's supply goes with the first tick of this part.
     pub supply_goes_in: Option<MeasuringPart>,
-    /// What is in the flash.
+    /// The contents of the flash.
     kept: Option<stored::Start>,
     settings: u32,
     calibrations: u32,
@@ -70,7 +70,7 @@ pub struct Spun {
 }
 
 impl Spun {
-    /// With this motor and knob, and a number of its own.
+    /// A device with this motor and knob, and this number.
     pub fn new(motor: MotorParameters, device: &Device, number: u8) -> Self {
         let settings = DeviceSettings::defaults(BOARD);
         let spinning = Spinning {
@@ -94,7 +94,7 @@ impl Spun {
         }
     }
 
-    /// Its supply is back, and the cable in: it starts with what is in the flash.
+    /// Restores supply and cable: the device starts with the contents of its flash.
     pub fn power_up(&self) {
         let (session, world) = &mut *self.world();
         let image = world.kept.clone();
@@ -143,7 +143,7 @@ fn started(
 }
 
 impl Spinning {
-    /// New settings and calibrations so far.
+    /// Numbers of new settings and calibrations so far.
     pub fn counted(&self) -> (u32, u32) {
         (self.settings, self.calibrations)
     }

@@ -1,4 +1,4 @@
-//! `touchstone device alignment` and `autostart`: what is kept for the next start.
+//! `touchstone device alignment` and `autostart`: the data kept for the next start.
 
 use crate::fake::{Fake, Trouble};
 use crate::folder;
@@ -77,7 +77,7 @@ fn an_alignment_is_kept_checked_used_and_forgotten() {
     assert_eq!(status(&device)["start"]["was_checked"], false);
 }
 
-/// Puts another offset into the place of what is kept, turns/65,536.
+/// Changes the kept offset by this much, turns/65,536.
 fn bend(device: &Spun, by: u16) {
     let (session, world) = &mut *device.world();
     let mut kept = *session.kept();
@@ -181,7 +181,7 @@ fn what_has_no_zero_of_its_own_is_refused_with_the_reason() {
         .failed(2, &["--keep-alignment", "incremental", "leave it out"]);
 }
 
-/// Its encoder could, its program has no room.
+/// Checks the message where the encoder would allow it but the program has no room.
 #[test]
 fn the_kits_board_says_that_it_has_no_room() {
     let kit = Fake::with(Trouble {
@@ -230,7 +230,7 @@ fn a_setup_keeps_it_where_it_is_asked_to() {
     assert_eq!(status(&device)["start"]["alignment_is_usable"], true);
 }
 
-/// Nothing of a kept start is lost by what else is told.
+/// Checks that other requests do not lose the kept start.
 #[test]
 fn what_is_kept_is_what_the_calibration_found() {
     let device = spun(16);

@@ -1,4 +1,4 @@
-//! What is printed: JSON, silence, completions, the manual, and one line for a mistake.
+//! The program's output: JSON, silence, completions, the manual, and one line for a mistake.
 
 use crate::{folder, names, run, run_in};
 

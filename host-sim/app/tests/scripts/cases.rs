@@ -4,15 +4,15 @@ use crate::{Said, folder, run_in};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// What is right for a case.
+/// The expected outcome of a case.
 enum Right {
-    /// It is taken, and all of this is said.
+    /// The input is accepted and the output has all these parts.
     Said(&'static [&'static str]),
-    /// It is taken without a note.
+    /// The input is accepted without a note.
     Quiet,
-    /// It is refused, with this.
+    /// The input is refused with this message.
     Refused(&'static str),
-    /// It is taken, and its verdict is none of the wall's faults.
+    /// The input is accepted and the verdict is not a fault of the wall.
     NotTheWall,
     /// Every cell of its CSV is a decimal.
     Decimals,

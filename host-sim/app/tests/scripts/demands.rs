@@ -240,7 +240,7 @@ fn what_is_no_demand_is_refused() {
     }
 }
 
-/// The same run passes; a softer wall, another verdict and another scene do not; what is better does.
+/// An equal or better run passes; a softer wall, another verdict or another scene fails.
 #[test]
 fn a_baseline_says_what_became_worse() {
     let here = folder("baseline");
@@ -284,7 +284,7 @@ fn a_baseline_says_what_became_worse() {
     );
 }
 
-/// What docs/ci.md gives to copy and paste asks for what the shipped wall does, with every grip.
+/// The demands in docs/ci.md are met by the shipped wall, with every grip.
 #[test]
 fn the_demands_of_the_documented_script_are_met() {
     let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/ci.md");

@@ -1,11 +1,11 @@
-//! Ctrl-C leaves nothing and says so; what a killed run left is removed by the next.
+//! Ctrl-C leaves no files and says so; files of a killed run are removed by the next one.
 
 use crate::{folder, names, program, run_in};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Writes for many seconds if nobody ends it.
+/// A command that runs for many seconds unless it is ended.
 const LONG: [&str; 6] = [
     "run",
     "thesis-knob",
@@ -15,7 +15,7 @@ const LONG: [&str; 6] = [
     "new/out",
 ];
 
-/// Starts a run that takes long, and waits until its hidden folder has a trace in it.
+/// Starts a long run and waits until its hidden folder has a trace in it.
 fn begun(here: &Path) -> (Child, PathBuf) {
     let mut child = program(here, &LONG)
         .stdout(Stdio::piped())

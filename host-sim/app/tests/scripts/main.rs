@@ -15,7 +15,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What the program said and how it ended.
+/// The output and exit code of the program.
 pub struct Said {
     /// Exit code.
     pub code: Option<i32>,
@@ -39,7 +39,7 @@ impl Said {
         serde_json::from_str(&self.out).unwrap_or_else(|error| panic!("{error}: {}", self.out))
     }
 
-    /// It was refused with one line that has all these parts.
+    /// Checks that the program refused with one line that has all these parts.
     #[track_caller]
     pub fn refused(self, parts: &[&str]) {
         let Said { err, .. } = self.ended(2);
@@ -51,7 +51,7 @@ impl Said {
     }
 }
 
-/// A folder of its own for a test, empty at the start.
+/// An empty folder for one test.
 pub fn folder(test: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("scripts-{test}"));
     let _ = std::fs::remove_dir_all(&folder);
@@ -71,7 +71,7 @@ pub fn run_in(folder: &Path, arguments: &[&str]) -> Said {
     run_words(folder, arguments)
 }
 
-/// The same with words that need not be text.
+/// Runs the program with arguments that need not be valid text.
 pub fn run_words<S: AsRef<OsStr>>(folder: &Path, words: &[S]) -> Said {
     let mut command = program(folder, &[]);
     let output = command.args(words).output().unwrap();

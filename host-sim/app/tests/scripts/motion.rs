@@ -1,4 +1,4 @@
-//! `--operator-motion` reads what the program itself writes.
+//! `--operator-motion` reads the files that the program itself writes.
 
 use crate::{folder, names, run_in};
 

@@ -1,5 +1,4 @@
-//! What the program writes as CSV is what other tools read: types and values of pandas, Polars, DuckDB, R and
-//! LibreOffice.
+//! CSV files of the program have the right types and values in pandas, Polars, DuckDB, R and LibreOffice.
 
 use crate::{folder, names, run_in};
 use std::path::Path;

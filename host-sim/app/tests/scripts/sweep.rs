@@ -1,4 +1,4 @@
-//! Maps: an interrupt keeps what is done, parts make the whole, and both to the byte.
+//! Maps: after an interrupt, or made in parts, the result is the same to the byte.
 
 use crate::{folder, names, program, run, run_in};
 use std::process::{Command, Stdio};

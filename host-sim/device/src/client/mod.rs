@@ -56,7 +56,7 @@ impl Client {
         Ok(client)
     }
 
-    /// Who is there.
+    /// Identity of the connected device.
     #[must_use]
     pub const fn identity(&self) -> &Identity {
         &self.identity
@@ -92,7 +92,7 @@ impl Client {
         Err(self.silent(request))
     }
 
-    /// Asks once; `None` where no answer came.
+    /// Sends a request once; `None` where no answer came.
     fn exchange(
         &mut self,
         request: &Request<'_>,
@@ -119,7 +119,7 @@ impl Client {
     /// The same, of a request whose answer is `Done`.
     ///
     /// # Errors
-    /// As [`Self::ask`].
+    /// Same as [`Self::ask`].
     pub fn tell(&mut self, request: &Request<'_>) -> Result<()> {
         match self.ask(request)? {
             Reply::Done => Ok(()),
@@ -215,7 +215,7 @@ impl Client {
     /// All settings of the device.
     ///
     /// # Errors
-    /// As [`Client::ask`].
+    /// Same as [`Client::ask`].
     pub fn settings(&mut self) -> Result<DeviceSettings> {
         match self.ask(&Request::GetAll)? {
             Reply::Settings(settings) => Ok(settings),
@@ -238,7 +238,7 @@ impl Client {
 /// The number of the answer that is waited for, and its place.
 type Wanted = Option<(u8, Option<std::result::Result<Reply, Refusal>>)>;
 
-/// Before anybody answered.
+/// An identity for the time before a device has answered.
 fn nobody() -> Identity {
     Identity {
         protocol_version: 0,

@@ -1,4 +1,4 @@
-//! What is said to the service of an Inverse3 and what it says, as JSON.
+//! The JSON messages to and from the service of an Inverse3.
 
 use crate::haptic::DeviceStanding;
 use serde_json::{Value, json};
@@ -13,7 +13,7 @@ pub enum Generation {
 }
 
 impl Generation {
-    /// Of a version's text: the first number with a point in it.
+    /// Parses a version's text: the first number with a point in it.
     #[must_use]
     pub fn of(version: &str) -> Option<Self> {
         let mut words = version.split(|letter: char| !letter.is_ascii_digit() && letter != '.');
@@ -45,11 +45,11 @@ impl Generation {
 /// A device's state, of a message.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CursorState {
-    /// Its name.
+    /// The name of the device.
     pub device: String,
     /// Where it is in its own frame, m.
     pub position_m: [f64; 3],
-    /// How it stands.
+    /// State of the device.
     pub standing: DeviceStanding,
 }
 
@@ -57,7 +57,7 @@ impl CursorState {
     /// Of a device by its name, or of the first there is.
     ///
     /// # Errors
-    /// What is wrong with the message.
+    /// The problem of the message.
     pub fn of(text: &str, device: Option<&str>) -> Result<Self, String> {
         let message: Value = serde_json::from_str(text).map_err(|why| why.to_string())?;
         let all = message["inverse3"]

@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 use timed::Timed;
 use tungstenite::{Message, WebSocket, client::client};
 
-/// Where the service listens unless it is told otherwise.
+/// Default address of the service.
 pub const SERVICE: &str = "localhost:10001";
 /// How long a connection may take, and a state may be missing.
 const PATIENCE: Duration = Duration::from_millis(300);
@@ -189,7 +189,7 @@ impl Inverse3 {
             .map_err(|why| lost("commanding the force")(why.to_string()))
     }
 
-    /// Forgets states that came while nobody asked: they are of the past.
+    /// Discards states that came while none was requested, because they are old.
     fn catch_up(&mut self) -> Result<(), HapticFault> {
         let until = Instant::now() + PATIENCE;
         loop {
@@ -237,7 +237,7 @@ impl HapticDevice for Inverse3 {
         })
     }
 
-    /// As in its last state; the service sends no other.
+    /// The state from its last message; the service sends no other.
     fn standing(&mut self) -> Result<DeviceStanding, HapticFault> {
         Ok(self.standing)
     }

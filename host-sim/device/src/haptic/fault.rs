@@ -6,9 +6,9 @@ use touchstone_sim::error::Error;
 /// Why a device switched its own motors off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SwitchOff {
-    /// Its button.
+    /// The button was pressed or released.
     Button,
-    /// It was moved faster than its own limit.
+    /// The device was moved faster than its own limit.
     Velocity,
     /// No command came in time.
     Watchdog,
@@ -16,7 +16,7 @@ pub enum SwitchOff {
     Software,
     /// The USB was lost.
     Usb,
-    /// Nobody held its handle.
+    /// The handle was not held.
     DeadMan,
     /// Something that this program does not know, by the device's number.
     Other(i32),
@@ -39,19 +39,19 @@ impl fmt::Display for SwitchOff {
 /// A reason for which no force may act any more.
 #[derive(Debug, Clone, PartialEq)]
 pub enum HapticFault {
-    /// It does not answer: which call, and what was said.
+    /// The device does not answer; holds the call and the message.
     Lost(&'static str, String),
-    /// Another program has it.
+    /// The device is in use by another program.
     HeldElsewhere,
-    /// It is there, and cannot be used: why, and how to mend it.
+    /// The device is present and cannot be used; holds the reason and how to mend it.
     Unusable(String, String),
-    /// It switched its motors off by itself.
+    /// The device switched its motors off by itself.
     SwitchedOff(SwitchOff),
-    /// No new position for so long, s.
+    /// No new position came for this time, s.
     Stale(f64),
-    /// A number that is none: of a position or of a force.
+    /// A position or a force is not a finite number.
     NotFinite(&'static str),
-    /// The motors gave less than was asked for so long, s.
+    /// The motors gave less force than commanded for this time, s.
     Saturated(f64),
     /// A tick came so late, s.
     Late(f64),
@@ -59,7 +59,7 @@ pub enum HapticFault {
     Jumped(f64),
     /// Faster than the guard answers for.
     Overspeed,
-    /// So far outside its workspace, m.
+    /// The position is this far outside the workspace, m.
     Outside(f64),
 }
 
@@ -107,7 +107,7 @@ impl HapticFault {
         }
     }
 
-    /// The same as the program's error.
+    /// Converts the fault to the program's error.
     #[must_use]
     pub fn at(&self, place: &str) -> Error {
         Error::device(place, self.to_string(), self.fix())

@@ -18,33 +18,33 @@ pub enum DeviceCall {
     Release,
 }
 
-/// What goes wrong.
+/// The kind of fault.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FaultKind {
     /// The device is gone: this call and every later one fail, and no force acts.
     Unplugged,
-    /// This call fails, and only it; what was commanded stays.
+    /// Only this call fails; the commanded force stays.
     Fails,
-    /// Another program has it.
+    /// The device is in use by another program.
     Held,
     /// From here on positions are the last one again.
     Stale,
     /// From here on the motors give half.
     Saturated,
-    /// The call takes so long.
+    /// The call takes this time.
     Slow(Duration),
     /// From here on a coordinate is 20 mm off.
     Jumps,
     /// A coordinate is no number.
     NotANumber,
-    /// Its own safety switches it off.
+    /// The device's own safety switches it off.
     SwitchedOff(super::SwitchOff),
 }
 
 /// A fault at the `at`-th call, from 0, of a kind of call.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FaultInjection {
-    /// At which call.
+    /// The call that fails.
     pub call: DeviceCall,
     /// Which of these calls.
     pub at: u64,
@@ -67,7 +67,7 @@ pub struct Injected<D> {
 }
 
 impl<D: HapticDevice> Injected<D> {
-    /// Around a device; without an injection it is that device, to the bit.
+    /// Around a device; without an injection it is that device, bit for bit.
     pub fn new(inner: D, injection: Option<FaultInjection>) -> Self {
         Self {
             inner,
@@ -87,7 +87,7 @@ impl<D: HapticDevice> Injected<D> {
         &mut self.inner
     }
 
-    /// What goes wrong at this call, and the fault that it returns by itself.
+    /// The injected fault of this call, or the error that it returns.
     fn hit(&mut self, call: DeviceCall) -> Result<Option<FaultKind>, HapticFault> {
         let count = &mut self.calls[call as usize];
         let number = *count;

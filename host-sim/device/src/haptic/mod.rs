@@ -1,7 +1,7 @@
 //! A haptic device: position in, force out, state, faults.
 //!
 //! One small trait for everything that a wall can be displayed on. Positions and forces have three axes in the device's own
-//! frame; a device of one degree of freedom uses the first and leaves the others at 0, and one axis of three is a device of
+//! frame. A device of one degree of freedom uses the first and leaves the others at 0, and one axis of three is a device of
 //! one as well, [`OneAxis`]. What a device may do wrong is a [`HapticFault`], and can be made to happen around any of them:
 //! [`Injected`].
 
@@ -19,10 +19,10 @@ pub use simulated_delta::{FALCON_RATE_HZ, SimulatedDelta};
 
 use touchstone_world::plant::Device;
 
-/// What is known of a device before it moves.
+/// Data of a device that are known before it moves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DataSheet {
-    /// For people: model, serial number, version.
+    /// Description for people: model, serial number, version.
     pub name: String,
     /// Degrees of freedom in which a force acts: 1 or 3.
     pub degrees: usize,
@@ -34,11 +34,11 @@ pub struct DataSheet {
     pub count_m: f64,
     /// Slowest and fastest control rate, Hz.
     pub rates_hz: (u32, u32),
-    /// From a position until its force acts, s; assumed, where nobody measured it.
+    /// Time from a position until its force acts, s; assumed where it was not measured.
     pub delay_s: f64,
-    /// Mass and damping of each axis, where somebody published or measured them.
+    /// Mass and damping of each axis, where published or measured.
     pub axes: Option<[Device; 3]>,
-    /// The least damping that it has anywhere in its workspace, in any direction, N·s/m; where somebody published or measured it.
+    /// Least damping in the workspace in any direction, N·s/m, where published or measured.
     pub least_damping_n_s_per_m: Option<f64>,
     /// Whether [`HapticDevice::sense`] waits for the device: its pace is then the loop's.
     pub sets_the_pace: bool,
@@ -47,7 +47,7 @@ pub struct DataSheet {
 /// An upright cylinder around the origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Workspace {
-    /// Its radius, m.
+    /// Radius of the workspace, m.
     pub radius_m: f64,
     /// Half of its height, m.
     pub half_height_m: f64,
@@ -75,20 +75,20 @@ pub struct Sensed {
 /// What became of a force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Applied {
-    /// All of it acts.
+    /// The whole force acts.
     Whole,
-    /// The motors give less, in the same direction: what acts, N, where the device says it.
+    /// The motors give less, in the same direction; holds the acting force, N, if the device reports it.
     Saturated(Option<[f64; 3]>),
 }
 
 /// Where a device stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DeviceStanding {
-    /// It has its supply.
+    /// The device has its supply.
     pub powered: bool,
-    /// It knows where it is.
+    /// The device is calibrated.
     pub calibrated: bool,
-    /// Its motors act.
+    /// The motors are on.
     pub motors_on: bool,
     /// Why they do not, where the device itself switched them off.
     pub switched_off: Option<SwitchOff>,
@@ -98,38 +98,38 @@ pub struct DeviceStanding {
 ///
 /// Every call returns: none waits without end. After a fault only [`HapticDevice::release`] may follow.
 pub trait HapticDevice {
-    /// What is known of it.
+    /// The known data of the device.
     fn sheet(&self) -> &DataSheet;
 
     /// Motors on, at no force.
     ///
     /// # Errors
-    /// It cannot be used, or not now.
+    /// The device cannot be used, or not now.
     fn engage(&mut self) -> Result<(), HapticFault>;
 
     /// The position now; a device that sets the pace waits for its next one.
     ///
     /// # Errors
-    /// None could be had.
+    /// No position could be read.
     fn sense(&mut self) -> Result<Sensed, HapticFault>;
 
     /// The force on the hand from now on, N.
     ///
     /// # Errors
-    /// It does not act.
+    /// The force does not act.
     fn command(&mut self, force_n: [f64; 3]) -> Result<Applied, HapticFault>;
 
     /// Where it stands; asks the device.
     ///
     /// # Errors
-    /// It does not answer.
+    /// The device does not answer.
     fn standing(&mut self) -> Result<DeviceStanding, HapticFault>;
 
     /// No force, motors off, and the device free for others. Tries everything a bounded number of times whatever fails, and does nothing
     /// the second time.
     ///
     /// # Errors
-    /// Something of it failed until the end; the rest was done.
+    /// A part of the release failed in every try; the rest was done.
     fn release(&mut self) -> Result<(), HapticFault>;
 }
 

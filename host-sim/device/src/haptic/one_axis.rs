@@ -1,4 +1,4 @@
-//! One axis of a device: scalar position in, scalar force out.
+//! One axis of a device, with scalar position and force.
 
 use super::{Applied, HapticDevice, HapticFault};
 
@@ -32,7 +32,7 @@ impl<D: HapticDevice> OneAxis<D> {
     /// The coordinate now, m.
     ///
     /// # Errors
-    /// As [`HapticDevice::sense`].
+    /// Same as [`HapticDevice::sense`].
     pub fn sense(&mut self) -> Result<f64, HapticFault> {
         Ok(self.device.sense()?.position_m[self.axis])
     }
@@ -40,7 +40,7 @@ impl<D: HapticDevice> OneAxis<D> {
     /// The force along the axis from now on, N.
     ///
     /// # Errors
-    /// As [`HapticDevice::command`].
+    /// Same as [`HapticDevice::command`].
     pub fn command(&mut self, force_n: f64) -> Result<Applied, HapticFault> {
         let mut force = [0.0; 3];
         force[self.axis] = force_n;

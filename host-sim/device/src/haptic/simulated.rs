@@ -8,14 +8,14 @@ use touchstone_world::plant::{
     OMEGA3_AXIS, State,
 };
 
-/// What of a device is simulated: in a hand, or with nobody at it.
+/// The simulated part of a device, with or without a hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeviceTwin {
     /// Limits.
     pub limits: Limits,
     /// Each axis, in kg and N·s/m.
     pub axes: [Device; 3],
-    /// The hand at it; without one its rest point is not asked for but at the start.
+    /// The hand that holds it; without one the hand's rest point is only used at the start.
     pub hand: Option<Hand>,
 }
 
@@ -45,7 +45,7 @@ impl DeviceTwin {
     /// Whether it can be: its plant over an interval.
     ///
     /// # Errors
-    /// [`Invalid`] for what no device or hand can have.
+    /// [`Invalid`] for settings that no device or hand can have.
     pub fn validate(&self) -> Result<(), Invalid> {
         self.simulated(1e-3, [0.0; 3]).map(|_| ())
     }
@@ -83,7 +83,7 @@ impl Simulated {
     }
 }
 
-/// Where the hand means to be after so many seconds, m.
+/// The hand's intended position after this many seconds, m.
 pub type Rest = Box<dyn FnMut(f64) -> [f64; 3] + Send>;
 
 /// A device that is simulated one control interval further at every command, under the force commanded.
@@ -101,7 +101,7 @@ impl SimulatedArm {
     /// At rest where the hand means to be.
     ///
     /// # Errors
-    /// [`HapticFault::Unusable`] for what no device or hand can have.
+    /// [`HapticFault::Unusable`] for settings that no device or hand can have.
     pub fn new(twin: DeviceTwin, rate_hz: u32, mut rest: Rest) -> Result<Self, HapticFault> {
         let interval_s = 1.0 / f64::from(rate_hz);
         let simulated = twin.simulated(interval_s, rest(0.0)).map_err(|why| {

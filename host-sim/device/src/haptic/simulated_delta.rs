@@ -32,7 +32,7 @@ const FALCON_WORKSPACE: Workspace = Workspace {
 /// The fastest rate of its loop, Hz.
 pub const FALCON_RATE_HZ: u32 = 1000;
 
-/// What came of a place that the mechanism does not have.
+/// The fault for a position that the mechanism cannot reach.
 fn left(why: Unreachable) -> HapticFault {
     HapticFault::Unusable(
         format!("its arms came to where they cannot be: {why}"),
@@ -40,7 +40,7 @@ fn left(why: Unreachable) -> HapticFault {
     )
 }
 
-/// In the direction that has the least, of places in all of its workspace; where it cannot be is none.
+/// Least damping over all directions and reachable positions of the workspace.
 fn least_damping(device: &DeltaDevice) -> f64 {
     let steps = || (-4_i32..=4).map(|step| FALCON_REACH_M * f64::from(step) / 4.0);
     let places = steps().flat_map(|x| steps().flat_map(move |y| steps().map(move |z| [x, y, z])));
@@ -58,7 +58,7 @@ impl SimulatedDelta {
     /// The Falcon's geometry, at rest where the hand means to be, or would be if there were one.
     ///
     /// # Errors
-    /// [`HapticFault::Unusable`] for what no hand can have, or a place out of reach.
+    /// [`HapticFault::Unusable`] for settings that no hand can have, or a position out of reach.
     pub fn falcon(hand: Option<&Hand>, rate_hz: u32, mut rest: Rest) -> Result<Self, HapticFault> {
         let device = FALCON;
         let interval_s = 1.0 / f64::from(rate_hz);
@@ -230,7 +230,7 @@ mod tests {
         );
     }
 
-    /// The guard counts on it, so no place may have less; a place between those that were looked at has some more or less.
+    /// The guard counts on it, so no place may have less; a place between those that were examined has some more or less.
     #[test]
     fn nowhere_in_the_workspace_has_less_damping_than_is_told() {
         let told = least_damping(&FALCON);

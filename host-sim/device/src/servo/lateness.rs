@@ -15,7 +15,7 @@ pub struct TickLateness {
 /// A class of the histogram.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LatenessClass {
-    /// Ticks in it are at most so late, µs; `None` for the last, which has no end.
+    /// Largest lateness of the class, µs; `None` for the last class, which has no upper end.
     pub up_to_us: Option<f64>,
     /// How many there were.
     pub ticks: u64,
@@ -38,7 +38,7 @@ impl TickLateness {
         self.worst_s
     }
 
-    /// All classes, earliest first.
+    /// All classes, the smallest lateness first.
     pub fn classes(&self) -> impl Iterator<Item = LatenessClass> + '_ {
         self.counts
             .iter()

@@ -24,14 +24,14 @@ pub trait ForceLaw {
     /// The force on the hand, N, for the end effector here, m.
     ///
     /// # Errors
-    /// None may act any more.
+    /// No tick may act any more.
     fn tick(&mut self, position_m: [f64; 3]) -> Result<[f64; 3], HapticFault>;
 
     /// The force that acts in the end, where something made that of [`ForceLaw::tick`] smaller.
     fn commanded(&mut self, _force_n: [f64; 3]) {}
 }
 
-/// What is kept of a device whatever the law wants.
+/// The limits that apply whatever the law commands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoLimits {
     /// Longest force, N; never more than the device's own.
@@ -42,20 +42,20 @@ pub struct ServoLimits {
     pub workspace: Workspace,
     /// Over how much the force fades out outside, m.
     pub margin_m: f64,
-    /// So far outside is no place of this device, m.
+    /// Distance outside the workspace that ends the loop, m.
     pub outside_m: f64,
     /// Faster than this is no hand, m/s, over a tick.
     pub jump_m_per_s: f64,
     /// A force that is held for longer, by a late tick or a slow call, ends the loop, s.
     pub late_s: f64,
-    /// So does a position that is as old, s.
+    /// Age of a position that ends the loop, s.
     pub stale_s: f64,
-    /// So do motors that gave less than asked for all that time, s.
+    /// Time of too little force from the motors that ends the loop, s.
     pub saturated_s: f64,
 }
 
 impl ServoLimits {
-    /// For a device, by its own sheet.
+    /// Limits for a device, from its own data sheet.
     #[must_use]
     pub fn of(sheet: &DataSheet) -> Self {
         Self {
@@ -75,13 +75,13 @@ impl ServoLimits {
 /// How a loop ended.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ending {
-    /// It was asked to.
+    /// A stop was requested.
     Asked,
     /// A fault.
     Fault(HapticFault),
 }
 
-/// What a loop did.
+/// The outcome of a loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServoReport {
     /// Control ticks that were played.
@@ -100,16 +100,16 @@ pub struct ServoReport {
     pub force_max_n: f64,
     /// Highest speed, by the loop's own estimate, m/s.
     pub speed_max_m_per_s: f64,
-    /// How it ended.
+    /// How the run ended.
     pub ending: Ending,
-    /// What of the release failed, if anything did.
+    /// The part of the release that failed, if any.
     pub release: Result<(), HapticFault>,
 }
 
-/// What is seen of a tick, after its force was commanded.
+/// The record of a tick, after its force was commanded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoTick {
-    /// Its number, from 0.
+    /// Number of the tick, from 0.
     pub number: u64,
     /// Intervals since the first, those of missed ticks among them.
     pub due: u64,
@@ -129,7 +129,7 @@ impl<D: HapticDevice> Drop for Engaged<'_, D> {
     }
 }
 
-/// How often the device is asked where it stands, s: once a millisecond.
+/// Time between requests of the device's state, s.
 const STANDING_S: f64 = 1e-3;
 
 /// Plays a law on a device until `more` says no, or something is wrong. The device is released in every case.

@@ -11,7 +11,7 @@ pub struct Waited {
     pub missed_ticks: u64,
 }
 
-/// When ticks begin.
+/// Decides when ticks begin.
 pub trait Pace {
     /// The first tick is due now.
     fn start(&mut self);
@@ -30,11 +30,11 @@ pub struct RealTime {
     first: bool,
 }
 
-/// The system wakes a thread by about so much too late; the rest of a wait is spun.
+/// Typical lateness of a thread's waking; the rest of a wait is spent polling.
 const WAKING_NS: u32 = 100_000;
 
 impl RealTime {
-    /// At this rate.
+    /// A pace at this rate.
     #[must_use]
     pub fn new(rate_hz: u32) -> Self {
         Self {
@@ -74,7 +74,7 @@ impl Pace for RealTime {
     }
 }
 
-/// Simulated time: every tick is due at once, and none is late.
+/// Simulated time: every tick is due immediately and none is late.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct SimulatedPace;
 
@@ -97,7 +97,7 @@ pub struct DevicePace {
 }
 
 impl DevicePace {
-    /// Of a device that is expected to send at this rate.
+    /// The pace of a device that is expected to send at this rate.
     #[must_use]
     pub fn new(rate_hz: u32) -> Self {
         Self {

@@ -1,6 +1,6 @@
 //! Real-time priority and locked memory, where the system permits them.
 
-/// What was got of it, and what not and why.
+/// The priority that was obtained, or why not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Priority {
     /// Whether the thread goes before all others (`SCHED_FIFO`); otherwise why not.
@@ -9,7 +9,7 @@ pub struct Priority {
     pub locked: Result<(), String>,
 }
 
-/// Asks for both for the calling thread. Nothing that is refused is an error: missed ticks are counted.
+/// Requests both for the calling thread. A refusal is not an error, since missed ticks are counted.
 #[must_use]
 pub fn real_time() -> Priority {
     Priority {

@@ -1,4 +1,4 @@
-//! The loop's own speed: the vendor's is a mean over 20 ms unless it is told otherwise, and some devices have none.
+//! The loop's own speed: the vendor's is by default a mean over 20 ms, and some devices have none.
 
 /// The window of the slope, s.
 const WINDOW_S: f64 = 4e-3;
@@ -13,7 +13,7 @@ pub struct SpeedEstimate {
 }
 
 impl SpeedEstimate {
-    /// At this rate.
+    /// A pace at this rate.
     #[must_use]
     pub fn new(rate_hz: u32) -> Self {
         let ticks = (WINDOW_S * f64::from(rate_hz)).ceil().max(2.0) as usize;

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use touchstone_device::haptic::{self, DeviceTwin, HapticDevice, SimulatedArm};
 use tungstenite::{Message, WebSocket, accept};
 
-/// What goes wrong at a state.
+/// The fault of a state message.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Wrong {
     Nothing,
@@ -26,14 +26,14 @@ pub enum Wrong {
     Uncalibrated,
 }
 
-/// What a service saw until its end.
+/// The messages that a service received until its end.
 #[derive(Debug, Default, Clone)]
 pub struct Saw {
     pub longest_n: f64,
     pub last_n: f64,
     pub commands: u32,
     pub refused: u32,
-    /// For how long a service that sends no states any more still had a client.
+    /// Time for which a service that stopped sending states still had a client.
     pub held_s: f64,
 }
 
@@ -42,7 +42,7 @@ pub struct Service {
     saw: Receiver<Saw>,
 }
 
-/// Where its own frame has the handle.
+/// Position of the handle in the device's own frame, m.
 const BASE_M: [f64; 3] = [0.05, -0.2, 0.1];
 
 impl Service {

@@ -5,7 +5,7 @@ use std::time::Instant;
 /// Seconds since the library was loaded.
 #[derive(Debug, Clone, Copy)]
 pub enum MockClock {
-    /// Of the machine.
+    /// Real time.
     Real(Instant),
     /// Moved by every call by what it costs, and by waits.
     Own(f64),
@@ -19,7 +19,7 @@ impl MockClock {
         }
     }
 
-    /// Lets time go by; in real time it goes by itself, unless something is to be slow.
+    /// Lets time pass; in real time it passes anyway, unless a call is to be slow.
     pub fn pass(&mut self, seconds: f64, slow: bool) {
         match self {
             Self::Own(now) => *now += seconds,

@@ -1,4 +1,4 @@
-//! The tests' door to a library that was loaded by the program: what is to go wrong, and what was noted.
+//! The tests' access to a library that the program loaded: sets faults, and reads what was noted.
 #![allow(unsafe_code)] // To load the library a second time, which gives the same one.
 
 use crate::machine::machine;
@@ -47,10 +47,10 @@ pub struct Door {
     path: PathBuf,
 }
 
-/// The library that was built with the tests: beside the program that runs.
+/// Path of the mock library, which cargo builds into the folder of the running test.
 ///
 /// # Panics
-/// It is not there.
+/// It does not exist.
 #[must_use]
 pub fn built() -> PathBuf {
     let name = libloading::library_filename("touchstone_mock_dhd");
@@ -66,16 +66,16 @@ impl Door {
     /// A copy in a folder, with a plan.
     ///
     /// # Panics
-    /// It cannot be copied, or the plan is not understood.
+    /// The library cannot be copied, or the plan is not understood.
     #[must_use]
     pub fn new(folder: &Path, plan: &[&str]) -> Self {
         Self::changed(folder, plan, |bytes| bytes)
     }
 
-    /// The same, changed on the way.
+    /// Same as [`Door::new`], with a changed copy of the library.
     ///
     /// # Panics
-    /// As [`Door::new`].
+    /// Same as [`Door::new`].
     #[must_use]
     pub fn changed(folder: &Path, plan: &[&str], change: impl Fn(Vec<u8>) -> Vec<u8>) -> Self {
         static NEXT: AtomicU32 = AtomicU32::new(0);
@@ -94,13 +94,13 @@ impl Door {
         door
     }
 
-    /// Where it is.
+    /// Position, m.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Asks: a number.
+    /// Sends a text, returns a number.
     ///
     /// # Panics
     /// The text is too long or not understood.

@@ -8,7 +8,7 @@ use std::ffi::{c_char, c_int, c_uchar, c_ushort};
 use std::ptr;
 use touchstone_world::plant::OMEGA3;
 
-/// A call to the open device; `does` where nothing is wrong with it.
+/// A call to the open device: runs `does` unless a fault is set.
 fn of_device(call: &'static str, does: impl FnOnce(&mut Machine, u64) -> c_int) -> c_int {
     let mut machine = machine();
     let entered = machine.enter(call);
@@ -130,7 +130,7 @@ extern "system" fn dhdGetSerialNumber(serial: Option<&mut c_ushort>, _id: c_char
     })
 }
 
-/// As much as the vendor's header of the version says, into room of which it knows nothing.
+/// Writes as many words as the vendor's header of this version has, into room of unknown size.
 #[unsafe(no_mangle)]
 extern "system" fn dhdGetStatus(status: Option<&mut [c_int; 32]>, _id: c_char) -> c_int {
     of_device("dhdGetStatus", |machine, number| {
@@ -341,7 +341,7 @@ extern "system" fn dhdGetJointAngleRange(
     })
 }
 
-/// The tests' own door: a word of text, filled up with zeros, and a number back; NaN for what is not understood.
+/// The tests' own access: takes a text, filled up with zeros, returns a number; NaN for an unknown text.
 #[unsafe(no_mangle)]
 extern "system" fn touchstone_mock(text: &[u8; crate::door::TEXT]) -> f64 {
     crate::door::answer(text)

@@ -1,4 +1,4 @@
-//! The device behind the interface: its state, its plant, and what is noted of every call.
+//! The device behind the interface: its state, its plant, and notes on every call.
 
 use crate::clock::MockClock;
 use crate::plan::{Planned, among};
@@ -13,7 +13,7 @@ use touchstone_world::plant::{
 
 /// A microframe of the USB: the plant goes on in these.
 const STEP_S: f64 = 125e-6;
-/// What a call over the USB costs on the test's own clock, and one that the library answers by itself.
+/// Times of a call on the test's clock: over USB, and answered by the library alone.
 const USB_S: f64 = 60e-6;
 const LOCAL_S: f64 = 5e-6;
 
@@ -23,7 +23,7 @@ pub const EXPERT_DISABLED: i32 = 9;
 pub const IN_USE: i32 = 20;
 
 thread_local! {
-    /// Per thread, as the vendor's; a success leaves it as it is.
+    /// The last error, one a thread as in the vendor's library; a success does not clear it.
     static LAST_ERROR: Cell<i32> = const { Cell::new(0) };
 }
 
@@ -31,18 +31,18 @@ pub fn last_error() -> i32 {
     LAST_ERROR.get()
 }
 
-/// Notes an error, and is what the call returns.
+/// Notes an error, and gives the call's return value.
 pub fn failed(error: i32) -> i32 {
     LAST_ERROR.set(error);
     -1
 }
 
-/// What is noted for the tests, s on the device's clock.
+/// Notes for the tests, s on the device's clock.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Noted {
     /// Return of the first call that something was wrong with.
     pub wrong_s: Option<f64>,
-    /// Since when no force is commanded, if none is.
+    /// Time since which no force is commanded; `None` while one is.
     pub zero_s: Option<f64>,
     /// The close of the device, tried or done.
     pub released_s: Option<f64>,
@@ -72,10 +72,10 @@ pub struct Machine {
     pub noted: Noted,
 }
 
-/// What a call is about to do.
+/// A call that begins.
 pub struct Entered {
     pub number: u64,
-    /// It fails with this error.
+    /// The error with which it fails.
     pub error: Option<i32>,
 }
 
@@ -142,12 +142,12 @@ impl Machine {
         self.plans.contains(planned)
     }
 
-    /// Something was wrong with a call that returns now.
+    /// Records that the call which returns now failed.
     pub fn wrong(&mut self) {
         self.noted.wrong_s.get_or_insert(self.clock.now_s());
     }
 
-    /// Begins a call: time goes by, and the plan is looked at.
+    /// Begins a call: time goes by, and the plan is examined.
     pub fn enter(&mut self, call: &'static str) -> Entered {
         let count = self.calls.entry(call).or_default();
         let number = *count;
@@ -261,7 +261,7 @@ impl Machine {
         true
     }
 
-    /// Gives it back; with `TOUCHSTONE_MOCK_LOG`, says so in a file.
+    /// Returns the result; with `TOUCHSTONE_MOCK_LOG`, also writes it to a file.
     pub fn give_back(&mut self, closed: bool) {
         self.noted.released_s.get_or_insert(self.clock.now_s());
         if closed {

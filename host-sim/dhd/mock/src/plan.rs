@@ -15,7 +15,7 @@
 //! own-clock                  time goes by only in calls and waits
 //! ```
 
-/// One of these.
+/// One planned fault.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Planned {
     Fail(String, u64, u64, i32),
@@ -34,7 +34,7 @@ pub enum Planned {
     OwnClock,
 }
 
-/// A line of a plan; `None` for what is none.
+/// Parses a line of a plan; `None` for any other line.
 pub fn parse(line: &str) -> Option<Planned> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let number = |i: usize| words.get(i)?.parse::<u64>().ok();

@@ -25,7 +25,7 @@ const COUNTS: f64 = 16_384.0;
 const K_V: f64 = 0.8;
 const DAMPING: f64 = 5e-4;
 
-/// What a law remembers.
+/// Memory of a law.
 #[derive(Default)]
 struct Memory {
     offset: f64,

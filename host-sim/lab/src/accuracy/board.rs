@@ -1,11 +1,11 @@
-//! What the same costs on the board, a Cortex-M4F at 170 MHz: counted in the emulator, written down here.
+//! Costs of the same laws on the board, a Cortex-M4F at 170 MHz: counted in the emulator, noted here.
 
 // Of the one list of budgets, those of the laws are for the tests here.
 #[allow(dead_code)]
 #[path = "../../../../firmware/budgets.rs"]
 mod budgets;
 
-/// By `cargo xtask thumb` and `cargo xtask cycles`.
+/// The counts written by `cargo xtask thumb` and `cargo xtask cycles`.
 const COUNTED: &str = include_str!("board.txt");
 /// The board's clock, Hz.
 const CLOCK_HZ: f64 = 170e6;
@@ -17,13 +17,13 @@ const FASTEST_HZ: u32 = 10_000;
 /// Instructions of one tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instructions {
-    /// In the mean over hostile motions, where it was taken.
+    /// Mean over hostile motions, if it was measured.
     pub mean: Option<f64>,
-    /// At worst.
+    /// Largest count.
     pub worst: u32,
 }
 
-/// Of a law in a format, where it was counted: floats are not built for the board.
+/// Instructions of a law in a format, where they were counted: floats are not built for the board.
 #[must_use]
 pub fn instructions(law: &str, number: &str) -> Option<Instructions> {
     COUNTED.lines().find_map(|line| {

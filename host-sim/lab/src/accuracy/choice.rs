@@ -8,20 +8,20 @@ use super::plant::{Diagram, Point};
 /// The cheapest that is within a count.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cheapest {
-    /// Method.
+    /// The integration method.
     pub method: &'static str,
     /// Substeps a tick; absent for the exact step.
     pub substeps: Option<u32>,
-    /// Its error, rad.
+    /// The method's error, rad.
     pub error_rad: f64,
-    /// Its least time per simulated millisecond, ns.
+    /// The method's least time per simulated millisecond, ns.
     pub least_ns: f64,
 }
 
-/// What to choose for one problem.
+/// The recommended choice for one problem.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Chosen {
-    /// Problem.
+    /// The name of the problem.
     pub problem: &'static str,
     /// Cheapest of all; absent: nothing is within a count.
     pub of_all: Option<Cheapest>,
@@ -32,7 +32,7 @@ pub struct Chosen {
 }
 
 impl Chosen {
-    /// Of a diagram.
+    /// The choice from a diagram.
     #[must_use]
     pub fn of(diagram: &Diagram) -> Self {
         let exact = diagram.points.iter().find(|point| point.substeps.is_none());

@@ -1,4 +1,5 @@
-//! Times of small pieces of work on a machine that others use too: many repeats in turn, the least and the spread told.
+//! Times of small pieces of work on a shared machine: many repeats in turn; the result is the least time and the
+//! spread.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -11,7 +12,7 @@ const STRETCH_S: f64 = 2e-4;
 /// Nanoseconds of one unit of work, over the repeats.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spread {
-    /// Least: what the work needs when nobody disturbs it.
+    /// Least time: that of an undisturbed repeat, ns.
     pub least_ns: f64,
     /// Lower quartile.
     pub lower_quartile_ns: f64,

@@ -1,4 +1,4 @@
-//! The closed loop, by what it is judged by: a path of its own says nothing below a count, for rounding alone changes it.
+//! The closed loop, judged by its measures. Its path is no measure: below a count, rounding alone changes it.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -14,19 +14,19 @@ use touchstone_world::plant::{
     spectral_radius,
 };
 
-/// By how much the device is moved at the start to see what the loop makes of nothing, rad.
+/// Displacement of the start that shows how much the loop amplifies, rad.
 pub const NUDGE_RAD: f64 = 1e-12;
 
 /// One run of the loop.
 #[derive(Debug, Clone, Serialize)]
 pub struct ClosedPoint {
-    /// Scene.
+    /// The name of the scene.
     pub scene: &'static str,
     /// Method, or `exact` with the start moved.
     pub method: String,
     /// Substeps a tick; absent for the exact step.
     pub substeps: Option<u32>,
-    /// How it ended.
+    /// How the run ended.
     pub verdict: &'static str,
     /// Displayed stiffness at rest, N·m/rad.
     pub k_displayed_n_m_per_rad: Option<f64>,
@@ -36,9 +36,10 @@ pub struct ClosedPoint {
     pub penetration_max_rad: f64,
     /// Largest difference of the path from the exact run's, rad.
     pub path_difference_rad: f64,
-    /// Least unstable stiffness of the sampled loop of the bare device under this method, N·m/rad; absent: none is stable.
+    /// Least unstable stiffness of the sampled loop of the bare device under this method, N·m/rad; `None`: the method
+    /// is stable at no stiffness.
     pub k_max_n_m_per_rad: Option<f64>,
-    /// The same over the exact step's, less 1.
+    /// Largest stable stiffness divided by that of the exact step, less 1.
     pub k_max_error: Option<f64>,
 }
 
@@ -84,7 +85,7 @@ impl<S: Stepper> LinearStepper for Linear<S> {}
 /// Least unstable stiffness of the loop of a bare device under a method, without delay.
 ///
 /// # Errors
-/// A plant that cannot be.
+/// The plant's parameters are not valid.
 pub fn k_max(
     device: &Device,
     period_s: f64,

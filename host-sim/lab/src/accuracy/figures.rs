@@ -6,7 +6,7 @@ use super::{Accuracy, COUNT_RAD, FORCE_QUANTUM_N_M};
 use crate::report::figure::{Axis, Figure, Range, Shape, Sign};
 use crate::report::standalone;
 
-/// A wall by which a force step is told as an angle, N·m/rad.
+/// A wall that converts a step of force into an angle, N·m/rad.
 const WALL_N_M_PER_RAD: f64 = 1.0;
 /// Errors below this are drawn here: rounding has no curve.
 const LEAST: f64 = 1e-17;

@@ -1,4 +1,4 @@
-//! What a number format costs and what it is off by: every law in every format on the same recorded press.
+//! Cost and error of a number format: every law in every format on the same recorded press.
 
 use serde::Serialize;
 use touchstone_control::{
@@ -31,16 +31,16 @@ pub struct LawPoint {
     pub force_error_rms_n_m: Option<f64>,
     /// Largest difference of the energy that the wall has taken so far, J.
     pub energy_error_j: Option<f64>,
-    /// The same differences where the law in `f64` is told positions that are larger by one part in 10^12: what the law itself
-    /// makes of nothing.
+    /// The same differences for the law in `f64` with positions that are larger by one part in 10^12: how much the law
+    /// itself amplifies.
     pub force_floor_n_m: f64,
-    /// J.
+    /// Lowest energy of the wall, J.
     pub energy_floor_j: f64,
     /// Time per tick.
     pub time: Option<Spread>,
     /// Instructions of a tick on the board, in the mean of hostile motions.
     pub board_instructions: Option<f64>,
-    /// The same at worst.
+    /// Instructions of the costliest tick.
     pub board_instructions_worst: Option<u32>,
 }
 
@@ -156,7 +156,7 @@ fn prepare<'a, N: Reported>(
     }
 }
 
-/// A law in `f64`, and what it makes of positions that are off by nothing.
+/// A law in `f64`, and its answer to exact positions.
 struct Reference {
     forces: Vec<f64>,
     floor: [f64; 3],

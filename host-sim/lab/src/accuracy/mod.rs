@@ -60,7 +60,7 @@ impl Options {
     }
 }
 
-/// Where it ran.
+/// The machine on which it ran.
 #[derive(Debug, Clone, Serialize)]
 pub struct Machine {
     /// Processor, as the system names it; `unknown` where it does not.
@@ -72,7 +72,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// This one.
+    /// The machine that this runs on.
     #[must_use]
     pub fn here(compiler: &str) -> Self {
         let cpu = std::fs::read_to_string("/proc/cpuinfo")
@@ -97,7 +97,7 @@ pub struct Accuracy {
     pub schema_version: u32,
     /// The program.
     pub program: ProgramVersion,
-    /// Where it ran.
+    /// The machine on which it ran.
     pub machine: Machine,
     /// The command line that makes it again.
     pub command: String,
@@ -113,7 +113,7 @@ pub struct Accuracy {
     pub force_quantum_n_m: f64,
     /// Plant: every method on every problem.
     pub plant: Vec<Diagram>,
-    /// To be within a count.
+    /// The choices that keep the error within a count.
     pub within_a_count: Vec<Chosen>,
     /// Law: every number format.
     pub law: Vec<LawPoint>,

@@ -12,7 +12,7 @@ use touchstone_world::plant::{HeldCoulomb, HeldLinear, Invalid, Kinematics as _,
 use super::clock::{Spread, Work, race};
 use super::problem::{Known, PERIOD_S, Problem};
 
-/// One method with so many substeps on one problem.
+/// One method with a number of substeps on one problem.
 #[derive(Debug, Clone, Serialize)]
 pub struct Point {
     /// Method, by its name in scenes.
@@ -23,7 +23,8 @@ pub struct Point {
     pub error_rad: Option<f64>,
     /// Root of the mean square of that error, rad.
     pub error_rms_rad: Option<f64>,
-    /// Largest gap in the energy's books so far, over what went through them; absent where the method keeps no books.
+    /// Largest gap in the energy account, over the energy that went through it; `None` where the method keeps no
+    /// account.
     pub energy_gap: Option<f64>,
     /// Time per simulated millisecond.
     pub time: Spread,
@@ -32,21 +33,21 @@ pub struct Point {
 /// One problem with every method.
 #[derive(Debug, Clone, Serialize)]
 pub struct Diagram {
-    /// Its name.
+    /// Name of the problem.
     pub problem: &'static str,
-    /// What is hard about it.
+    /// Difficulty of the problem.
     pub about: &'static str,
     /// Simulated milliseconds.
     pub ticks: usize,
     /// Stops and starts in them.
     pub events: u64,
-    /// What the reference itself may be off by, rad.
+    /// Largest error of the reference itself, rad.
     pub reference_floor_rad: f64,
     /// Every method with every number of substeps.
     pub points: Vec<Point>,
 }
 
-/// A problem by one method: angles into a slice, and the books' largest gap where they are kept.
+/// A problem by one method: angles into a slice, and the largest gap of the energy balance where they are kept.
 type March<'a> = Box<dyn Fn(&mut [f64]) -> Option<f64> + 'a>;
 
 fn march<'a, S, const N: usize>(plant: S, problem: &'a Problem) -> (March<'a>, March<'a>)
@@ -151,7 +152,7 @@ fn error(angles: &[f64], known: &Known) -> Option<(f64, f64)> {
 /// Every method on a problem.
 ///
 /// # Errors
-/// A plant that cannot be.
+/// The plant's parameters are not valid.
 pub fn diagram(
     problem: &Problem,
     substeps: &[u32],

@@ -18,11 +18,11 @@ pub const CURRENT_LOOP_HZ: f64 = 5000.0;
 pub struct Problem {
     /// Name in tables and files.
     pub name: &'static str,
-    /// What is hard about it.
+    /// Difficulty of the problem.
     pub about: &'static str,
-    /// What is moved.
+    /// The device that moves.
     pub device: Device,
-    /// Who holds it.
+    /// The hand that holds the device.
     pub hand: Option<Hand>,
     /// Bandwidth of a current loop before the device, Hz.
     pub current_loop_hz: Option<f64>,
@@ -32,7 +32,7 @@ pub struct Problem {
     pub held: Vec<[f64; 2]>,
 }
 
-/// The reference's angles, and what is known of them.
+/// The reference's angles, and their error.
 #[derive(Debug, Clone)]
 pub struct Known {
     /// Angle at the end of every tick, rad.
@@ -59,7 +59,7 @@ impl Recorder for Torques {
 }
 
 impl Problem {
-    /// All of them, of so many ticks.
+    /// All problems, each of this many ticks.
     ///
     /// # Errors
     /// A shipped scene that cannot be run.
@@ -115,7 +115,7 @@ impl Problem {
         }
     }
 
-    /// Its solution, and how far it can be trusted.
+    /// The problem's solution, and its largest error.
     #[must_use]
     pub fn solve(&self) -> Known {
         // A pole of a few thousand hertz wants short steps; the motion of a knob does not.

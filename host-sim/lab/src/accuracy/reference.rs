@@ -1,8 +1,8 @@
-//! The reference that everything is compared with: extrapolation in numbers of twice the digits, every stop and start located.
+//! The reference for all methods: extrapolation in numbers of twice the digits, with every stop and start located.
 //!
-//! Nothing in here is the plant's: other equations (absolute angles), another method (Gragg's modified midpoint rule with
-//! extrapolation of order 16: Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, II.9), other numbers. What it leaves is
-//! said by itself with twice as many steps.
+//! It shares nothing with the plant: other equations (absolute angles), another method (Gragg's modified midpoint rule
+//! with extrapolation of order 16: Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, II.9), other
+//! numbers. A second solution with twice as many steps gives its error.
 
 use super::double::Double;
 use touchstone_world::plant::{Device, Hand};
@@ -15,7 +15,7 @@ const COLUMNS: usize = 8;
 /// Stops and starts that are followed in one tick.
 const MOST_EVENTS: u32 = 1000;
 
-/// What the device is doing.
+/// The device's state of motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Mode {
     /// Turning this way, or either way without friction.
@@ -34,12 +34,12 @@ pub struct Reference {
     pole: Option<f64>,
     /// Steps in a tick.
     steps: u32,
-    /// Events so far.
+    /// Number of events.
     pub events: u64,
 }
 
 impl Reference {
-    /// A plant, crossed in so many steps a tick.
+    /// A plant that is advanced in this many steps a tick.
     #[must_use]
     pub fn new(
         device: &Device,
@@ -94,7 +94,7 @@ impl Reference {
         rate
     }
 
-    /// One extrapolated step over `h` seconds.
+    /// Makes one extrapolated step over `h` seconds.
     fn step(&self, z: &Entries, held: [f64; 2], mode: Mode, h: f64) -> Entries {
         let mut table: [Entries; COLUMNS] = [[Double::ZERO; 4]; COLUMNS];
         for row in 0..COLUMNS {
@@ -129,7 +129,7 @@ impl Reference {
         table[COLUMNS - 1]
     }
 
-    /// What acts on a device at rest, friction apart.
+    /// Torque on a device at rest, without friction.
     fn at_rest(&self, z: &Entries, u: f64) -> f64 {
         let mut resting = *z;
         resting[1] = Double::ZERO;
@@ -151,7 +151,7 @@ impl Reference {
         }
     }
 
-    /// Below zero once the mode has ended.
+    /// Falls below zero once the mode has ended.
     fn margin(&self, z: &Entries, u: f64, mode: Mode) -> f64 {
         match (self.device.friction, mode) {
             (None, _) => 1.0,
@@ -160,7 +160,7 @@ impl Reference {
         }
     }
 
-    /// One tick of `period_s` under a held torque and rest point.
+    /// Advances by one tick of `period_s` under a held torque and rest point.
     pub fn tick(&mut self, z: &mut Entries, held: [f64; 2], period_s: f64) {
         let mut mode = self.mode(z, held[0]);
         let whole = period_s / f64::from(self.steps);

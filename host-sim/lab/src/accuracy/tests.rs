@@ -21,7 +21,7 @@ fn the_documented_schema_is_this_one() {
     is_documented("accuracy.schema.json", &schema::schema());
 }
 
-/// Errors are no times: what they say holds on every machine, to the bit or nearly.
+/// Errors, unlike times, are the same on every machine, bit for bit or nearly.
 #[test]
 fn a_quick_run_says_what_is_known() {
     let found = quick();

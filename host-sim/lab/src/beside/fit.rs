@@ -1,4 +1,5 @@
-//! What of the knob would have to be another for the simulation to be like the recording: each value alone.
+//! Which property of the knob would have to differ, and by how much, to make the simulation match the recording; each
+//! alone.
 
 use super::replay::Replay;
 use super::{closest, rms};

@@ -1,8 +1,9 @@
-//! Where a hand that holds meant to be, from what the device measured and commanded.
+//! The rest point of a hand that holds, from the device's measured positions and commanded torques.
 //!
-//! Backwards through the equations of device and hand: the torque between them is what moves the device against the wall's force,
-//! the pad gives under it, and the hand's spring is stretched by it and by the hand's own motion. All of it from curves without
-//! what is faster than [`SMOOTHING_HZ`](touchstone_sim::scene::SMOOTHING_HZ): an encoder's steps are no motion.
+//! The equations of device and hand are solved backwards. The torque between them is what moves the device against the
+//! wall's force. The pad gives under it. The hand's spring is stretched by it and by the hand's own motion. All curves
+//! are smoothed to below [`SMOOTHING_HZ`](touchstone_sim::scene::SMOOTHING_HZ), so that an encoder's steps do not
+//! count as motion.
 
 use super::told::Told;
 use touchstone_sim::error::{Error, Result};
@@ -60,7 +61,7 @@ pub fn rest_point_rad(scene: &Scene, told: &Told) -> Result<Vec<f64>> {
         .collect())
 }
 
-/// By differences to both sides; at the ends it rests.
+/// The derivative by differences to both sides; 0 at the ends.
 fn derivative(values: &[f64], period: f64) -> Vec<f64> {
     let last = values.len() - 1;
     let slope = |at: usize| match at {

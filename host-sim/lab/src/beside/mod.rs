@@ -1,9 +1,9 @@
-//! A recording of a device beside its simulation: the scene is run under the hand that the recording tells of, tick by tick against
-//! what the device measured and commanded.
+//! A recording of a device compared with its simulation: the scene is run under the recorded hand, tick by tick beside
+//! the measured positions and commanded torques.
 //!
-//! Two kinds of hand can be replayed. One that let go is none: the knob flies with the speed that it had, and everything after that is
-//! its own. One that holds is the scene's grip, its rest point found from what the device did; what a hand does faster than
-//! some 20 Hz is not in it, nor that a person's grip is another than the scene's.
+//! Two kinds of hand can be replayed. A hand that let go is no hand: the knob flies with the speed that it had. A hand
+//! that holds is the scene's grip, with a rest point found from the device's motion. The replay has no motion of the
+//! hand above some 20 Hz, and does not know that a person's grip may differ from the scene's.
 
 mod fit;
 mod held;
@@ -21,12 +21,12 @@ use std::path::Path;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 
-/// What the hand did while it was recorded.
+/// How the hand held the knob while it was recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HandWas {
-    /// It held the knob all the time.
+    /// The hand held the knob all the time.
     Holding,
-    /// It let the knob go before the first tick that is compared.
+    /// The hand let the knob go before the first compared tick.
     Gone,
 }
 
@@ -35,39 +35,39 @@ pub enum HandWas {
 pub struct Difference {
     /// `position` or `force`.
     pub what: &'static str,
-    /// Its unit.
+    /// The unit of the values.
     pub unit: &'static str,
     /// Root of the mean square of the difference.
     pub rms: f64,
     /// The largest difference.
     pub worst: f64,
-    /// When that was, in the recording's time, s.
+    /// Time of the largest difference, in the recording's time, s.
     pub worst_at_s: f64,
-    /// From the lowest to the highest recorded value.
+    /// Range from the lowest to the highest recorded value.
     pub span: f64,
     /// The rms as a share of that span.
     pub share: f64,
-    /// When the difference first left [`PARTS`] of the span, in the recording's time, s; never: `None`.
+    /// Time at which the difference first left [`PARTS`] of the span, in the recording's time, s; never: `None`.
     pub parts_at_s: Option<f64>,
 }
 
 /// Share of a span from which on the two have parted.
 pub const PARTS: f64 = 0.05;
 
-/// Both, tick by tick, and what is to be said of them.
+/// Recording and simulation, tick by tick, and the findings.
 #[derive(Debug, Clone)]
 pub struct Beside {
-    /// In the recording's time, s.
+    /// Times of the samples, in the recording's time, s.
     pub time_s: Vec<f64>,
-    /// Penetration, rad: recorded, simulated. As the encoder tells it.
+    /// Penetration as the encoder measures it, rad: recorded, simulated.
     pub penetration_rad: [Vec<f64>; 2],
     /// Force commanded out of the wall, N·m: recorded, simulated.
     pub force_n_m: [Vec<f64>; 2],
     /// Position and force.
     pub differences: [Difference; 2],
-    /// What of the knob would have to be how much larger, each alone; the best first.
+    /// The factor on each property of the knob that would match best, each alone; the best first.
     pub fits: Vec<Fit>,
-    /// Ticks of the recording that were lost on the way, before and after what was compared.
+    /// Ticks missing in the recording, before and after the compared part.
     pub lost_ticks: u32,
     /// Ticks in which a limit of the device acted, which the scene knows nothing of.
     pub limited_ticks: usize,
@@ -80,7 +80,7 @@ impl Beside {
         self.differences.iter().all(|it| it.share <= share)
     }
 
-    /// For programs.
+    /// JSON for programs.
     #[must_use]
     pub fn to_json(&self) -> serde_json::Value {
         serde_json::json!({
@@ -121,7 +121,7 @@ pub fn beside(scene: &Scene, told: &Told, hand: HandWas, folder: &Path) -> Resul
     })
 }
 
-/// Of two courses over the same ticks.
+/// The difference of two courses over the same ticks.
 fn difference(
     what: &'static str,
     unit: &'static str,
@@ -154,7 +154,8 @@ fn difference(
     }
 }
 
-/// Where a cost is least, and what it is there: looked for on a grid of so many steps to both sides of 0, then closer in by halves.
+/// The place of the least cost, and that cost: first on a grid with this many steps to both sides of 0, then by
+/// halving.
 fn closest(
     mut step: f64,
     steps: i32,

@@ -1,4 +1,4 @@
-//! The scene under the hand that a recording tells of.
+//! The scene under the recorded hand.
 
 use super::held::rest_point_rad;
 use super::told::Told;
@@ -16,11 +16,11 @@ use touchstone_sim::scene::{Grip, MotionSpec, Recorded, Scene};
 /// The motion of a hand that holds, in the folder.
 pub const HAND_FILE: &str = "hand.csv";
 
-/// Over so much of its flight to the wall a released knob's speed is told, s; the comparison begins in the middle of it, where a
+/// Part of a released knob's flight from which its speed is found, s. The comparison begins in its middle, where a
 /// parabola's slope is known best.
 const FLIGHT_S: f64 = 0.04;
 
-/// Halvings of half of what the speed is unsure by: to a hundredth.
+/// Halvings of half of the speed's uncertainty: down to a hundredth.
 const SPEED_HALVINGS: u32 = 6;
 
 /// A recording and the scene that repeats it.
@@ -33,7 +33,7 @@ pub struct Replay<'a> {
     unsure_rad_per_s: f64,
 }
 
-/// What is compared of a recording.
+/// The compared part of a recording.
 pub struct Part<'a> {
     pub time_s: &'a [f64],
     pub penetration_rad: &'a [f64],
@@ -41,7 +41,7 @@ pub struct Part<'a> {
     pub limited: &'a [bool],
 }
 
-/// The same of a run.
+/// The compared part of a run.
 pub struct Simulated {
     pub penetration_rad: Vec<f64>,
     pub force_n_m: Vec<f64>,
@@ -98,7 +98,7 @@ impl<'a> Replay<'a> {
         &self.scene
     }
 
-    /// What is compared.
+    /// The compared part of the recording.
     pub fn recorded(&self) -> Part<'_> {
         let told = self.told;
         Part {
@@ -109,8 +109,8 @@ impl<'a> Replay<'a> {
         }
     }
 
-    /// Runs it, or one near it, over the same ticks; from the speed that is best for it, of those that a count more or less in the
-    /// flight would make.
+    /// Runs the scene, or one near it, over the same ticks. The starting speed is the best of those that the flight
+    /// allows, within a count.
     pub fn run(&self, scene: &Scene) -> Result<Simulated> {
         if self.unsure_rad_per_s == 0.0 {
             return self.run_from(scene, 0.0);
@@ -148,7 +148,7 @@ impl<'a> Replay<'a> {
     }
 }
 
-/// That recording and scene have one rate; its period, s.
+/// Checks that recording and scene have the same rate; returns the period, s.
 fn fits(scene: &Scene, told: &Told) -> Result<f64> {
     let period_s = scene.timing.period_s();
     let steps = (told.time_s.len() - 1) as f64;
@@ -195,7 +195,7 @@ fn surface_rad(scene: &Scene, told: &Told) -> Result<f64> {
     Ok(0.5 * (low + high))
 }
 
-/// The last of a released knob's way to the wall, of an odd number of ticks: nobody pushes it there, if anywhere.
+/// The last ticks of a released knob before the wall, an odd number: there, if anywhere, no hand pushes it.
 fn flight(told: &Told) -> Result<Range<usize>> {
     let touch = told.penetration_rad.iter().position(|it| *it > 0.0);
     let no_flight = |problem: &str| {

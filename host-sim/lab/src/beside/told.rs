@@ -1,4 +1,4 @@
-//! What a device told of its ticks: the CSV that `touchstone monitor` keeps.
+//! A device's recorded ticks: the CSV that `touchstone monitor` writes.
 
 use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
@@ -17,7 +17,7 @@ const COLUMNS: [&str; 7] = [
 /// The longest stretch without a gap in which the wall was on.
 #[derive(Debug, Clone)]
 pub struct Told {
-    /// For messages.
+    /// The file's path, for messages.
     pub file: PathBuf,
     /// Time of the recording, s.
     pub time_s: Vec<f64>,
@@ -42,10 +42,11 @@ struct Row {
 }
 
 impl Told {
-    /// Reads it, between two times of the recording.
+    /// Reads the part of a recording between two times.
     ///
     /// # Errors
-    /// A file that cannot be read or is none of `monitor`'s; one in which the wall was never on for a tenth of a second.
+    /// A file that cannot be read or was not written by `monitor`; one in which the wall was never on for a tenth of a
+    /// second.
     pub fn read(file: &Path, from_s: f64, to_s: f64) -> Result<Self> {
         let rows = rows(file)?;
         let mut told = Self {
@@ -91,7 +92,7 @@ impl Told {
         Ok(told)
     }
 
-    /// Something that is wrong with it.
+    /// An error about this recording.
     pub fn wrong(&self, problem: impl Into<String>, fix: &str) -> Error {
         Error::Io {
             path: self.file.clone(),

@@ -42,7 +42,7 @@ fn edges(values: &[f64]) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// One panel a delay.
+/// The figures: one panel for each delay.
 #[must_use]
 pub fn figures(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<Figure> {
     let (columns, rows) = (edges(&plan.dampings), edges(&plan.stiffnesses));
@@ -166,7 +166,7 @@ pub fn words(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<String> {
         .collect()
 }
 
-/// Walls that were called stable and do not rest, with the cause; nothing where there are none.
+/// Walls that were certified stable and do not rest, with the cause; `None` where there are none.
 fn wrongly_stable(cells: &[BoundaryCell]) -> Option<String> {
     let wrong: Vec<String> = cells
         .iter()

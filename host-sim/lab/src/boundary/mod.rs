@@ -3,7 +3,7 @@
 //! A sampled wall has two measures of its own: `T sqrt(k_de/J)`, the angle by which a free device on the wall turns in a tick, and
 //! `b T/J`, the share of its speed that the device loses in one. Damping limits a spring at `k_c = b/(T/2 + t_d)`, which is a line of
 //! slope one half over these two; what inertia limits is a level one. Each cell of the plane is a device and a wall. Its law has the settings
-//! at which the matrices are best or, where these do not hold, settings that a search by runs finds; its press and its moving hand are run,
+//! at which the matrices are best or, where these do not hold, settings that a search by runs finds. Its press and its moving hand are run,
 //! and [`certify`] is asked beside. [`map`] draws it.
 
 pub mod map;
@@ -28,12 +28,12 @@ use touchstone_sim::scene::{Encoder, MotionSpec, Scene};
 pub const DAMPINGS: [f64; 2] = [1e-4, 1.0];
 /// Least and largest `T sqrt(k_de/J)`.
 pub const STIFFNESSES: [f64; 2] = [0.1, 2.0];
-/// A press goes so many counts deep at least: shallower, nothing can be told from rounding.
+/// Least depth of a press in counts: of a shallower one nothing but rounding is seen.
 const DEEP_COUNTS: f64 = 20.0;
 /// Cells between two writes.
 const CELLS_A_WRITE: usize = 8;
 
-/// What is drawn.
+/// The plane to compute.
 #[derive(Debug, Clone)]
 pub struct BoundaryPlan {
     /// Inertia, rate, encoder, friction and press; damping, delay and stiffness are those of the cells.
@@ -57,7 +57,7 @@ pub struct BoundaryPlan {
 pub struct BoundaryPlace {
     /// Delay, ticks.
     pub delay_ticks: f64,
-    /// `b T/J`.
+    /// Damping per tick: `b T/J`.
     pub damping_per_tick: f64,
     /// `T sqrt(k_de/J)`.
     pub stiffness_per_tick: f64,
@@ -73,14 +73,14 @@ pub enum TunedEnding {
     Rests,
     /// Rests at another stiffness.
     RestsElsewhere,
-    /// Does not come to rest.
+    /// The wall does not come to rest.
     DoesNotRest,
-    /// The law takes no settings for such a wall.
+    /// The law has no settings for such a wall.
     Refused,
 }
 
 impl TunedEnding {
-    /// All.
+    /// All endings.
     pub const ALL: [TunedEnding; 5] = [
         TunedEnding::Holds,
         TunedEnding::Rests,
@@ -102,11 +102,11 @@ impl TunedEnding {
 /// One cell that was computed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BoundaryCell {
-    /// What the cell is of: a digest of scene, law, budget and seed.
+    /// A digest of scene, law, budget and seed, to which the cell belongs.
     pub plan: String,
     /// Delay, ticks.
     pub delay_ticks: f64,
-    /// `b T/J`.
+    /// Damping per tick: `b T/J`.
     pub damping_per_tick: f64,
     /// `T sqrt(k_de/J)`.
     pub stiffness_per_tick: f64,
@@ -116,7 +116,7 @@ pub struct BoundaryCell {
     pub k_desired: f64,
     /// `k_de` over `b/(T/2 + t_d)`, which the device's own damping makes passive.
     pub times_critical: f64,
-    /// How it ended.
+    /// How the run ended.
     pub ended: TunedEnding,
     /// Largest deviation at rest, share; `NaN` in the table where a press does not rest.
     #[serde(with = "crate::journal::or_nan")]
@@ -124,7 +124,7 @@ pub struct BoundaryCell {
     /// Deviation of the modulus of a hand that moves, share; `NaN` where the wall was left.
     #[serde(with = "crate::journal::or_nan")]
     pub modulus_error: Option<f64>,
-    /// Its phase, degrees.
+    /// Phase of the moving hand, degrees.
     #[serde(with = "crate::journal::or_nan")]
     pub phase_deg: Option<f64>,
     /// What `certify` says of the three grips.
@@ -138,7 +138,7 @@ pub struct BoundaryCell {
 }
 
 impl BoundaryCell {
-    /// Whether `certify` says stable of it.
+    /// Whether the certificate of the cell is "stable".
     #[must_use]
     pub fn is_certified(&self) -> bool {
         self.certificate == Some(certify::Verdict::Stable)
@@ -151,7 +151,8 @@ impl BoundaryCell {
     }
 }
 
-/// So many values from `from` to `to` in even ratios, to four digits: what is run is what is written down.
+/// This many values from `from` to `to` in even ratios, rounded to four digits, so that the written values are those
+/// that run.
 fn even_ratios([from, to]: [f64; 2], count: usize) -> Vec<f64> {
     (0..count)
         .map(|index| {
@@ -162,7 +163,7 @@ fn even_ratios([from, to]: [f64; 2], count: usize) -> Vec<f64> {
 }
 
 impl BoundaryPlan {
-    /// A plane of so many columns and rows.
+    /// A plane of this many columns and rows.
     #[must_use]
     pub fn new(base: Scene, rival: &'static Rival, [columns, rows]: [usize; 2]) -> Self {
         Self {
@@ -196,8 +197,8 @@ impl BoundaryPlan {
         places
     }
 
-    /// Device and wall of a place. The press is the scene's, or as strong as twenty counts of depth ask; the limits of torque and force
-    /// grow with it, since they are not what is looked at.
+    /// Device and wall of a place. The press is the scene's, or strong enough for twenty counts of depth. The limits
+    /// of torque and force grow with it, since the map is not about them.
     #[must_use]
     pub fn scene(&self, place: BoundaryPlace) -> Scene {
         let mut scene = self.base.clone();
@@ -287,10 +288,10 @@ impl BoundaryPlan {
         sha256(of.as_bytes())[..12].to_owned()
     }
 
-    /// Computes every cell that a file does not have yet; tells how many are done.
+    /// Computes every cell that a file does not have yet; `told` gets the number of finished cells.
     ///
     /// # Errors
-    /// A file that holds the cells of something else, or cannot be written.
+    /// A file that holds the cells of another plane, or cannot be written.
     pub fn fill(&self, file: &Path, mut told: impl FnMut(u64)) -> Result<Vec<BoundaryCell>> {
         let (mut journal, mut cells) = Journal::open::<BoundaryCell>(file)?;
         let digest = self.digest();
@@ -336,17 +337,17 @@ impl BoundaryPlan {
 pub struct ColumnLimits {
     /// Delay, ticks.
     pub delay_ticks: f64,
-    /// `b T/J`.
+    /// Damping per tick: `b T/J`.
     pub damping_per_tick: f64,
     /// Largest `T sqrt(k_de/J)` up to which every wall rests within 5 %; absent where the softest does not.
     pub rests_up_to: Option<f64>,
     /// The largest at which one does.
     pub highest_at_rest: Option<f64>,
-    /// The same as the first with a moving hand.
+    /// The limit of stiffness with a moving hand as well.
     pub holds_up_to: Option<f64>,
     /// The largest at or below the first of which `certify` says stable.
     pub certified_up_to: Option<f64>,
-    /// `k_de` at the first over what the device's own damping makes passive.
+    /// `k_de` at the first limit, over the stiffness that the device's own damping makes passive.
     pub times_critical: Option<f64>,
 }
 

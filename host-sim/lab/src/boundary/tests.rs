@@ -1,4 +1,4 @@
-//! A spring ends where damping does, a tuned wall where inertia does; what was computed stays.
+//! A spring ends where damping does, a tuned wall where inertia does; computed cells are kept.
 
 use super::map::{figures, picture, words};
 use super::*;

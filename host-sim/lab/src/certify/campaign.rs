@@ -6,7 +6,7 @@
 //! the shipped settings in proportion or with a stiff coupling, its loan 4 to 32 times `F²/(2 k_f)` of the press. TDPA, FBA and
 //! the original augmentation are not drawn.
 //!
-//! Seeds 81 to 84 on estimated and 85 to 87 on measured states, 14,007 runs, which nobody had looked at when the limits were set
+//! Seeds 81 to 84 on estimated and 85 to 87 on measured states, 14,007 runs, which nobody had examined when the limits were set
 //! (certificate of each run's own hand; other seeds are in `docs/tuning.md`):
 //!
 //! | said | rests | limit cycle | unstable |
@@ -29,8 +29,8 @@ use touchstone_sim::scene::{Encoder, Grip, MotionSpec, Number, RampAndHold, Scen
 /// Least `k_v` that the settings take, N·m/rad: a soft wall's share may be below it.
 const SOFTEST_N_M_PER_RAD: f64 = 0.01;
 
-/// The scene of a number: device, wall and law are drawn for every three, which differ in the grip. With estimated states what the estimator
-/// supposes of the device is drawn too, half to twice of what is true.
+/// The scene of a number. Device, wall and law are drawn anew for every three numbers, which differ in the grip. With
+/// estimated states the estimator's assumed device is drawn too: half to twice the true values.
 #[must_use]
 pub fn scene(seed: u64, index: u64, states: StatesKind) -> Scene {
     let mut random = Random::new(seed ^ (index / 3).wrapping_mul(0xd1b5_4a32_d192_ed03));
@@ -132,11 +132,11 @@ fn law(scene: &mut Scene, random: &mut Random, c_i: f64, k_c: f64, stiffness: f6
     }
 }
 
-/// How a run ended, as far as a certificate speaks of it.
+/// How a run ended, in the classes of a certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ended {
-    /// At rest, up to four counts peak to peak.
+    /// The hand rests, up to four counts peak to peak.
     Rest,
     /// Oscillating.
     LimitCycle,
@@ -168,7 +168,7 @@ pub struct Row {
     pub stiff_coupling: bool,
     /// The grip.
     pub grip: String,
-    /// What the certificate says of this hand.
+    /// The certificate's verdict for this hand.
     pub said: Verdict,
     /// Why, where it is not stable.
     pub cause: String,
@@ -184,13 +184,13 @@ pub struct Row {
     pub radius: f64,
     /// How fast the slowest motion dies out, 1/s.
     pub decay_per_s: f64,
-    /// The same with dry friction.
+    /// The decay with dry friction.
     pub decay_with_friction_per_s: Option<f64>,
     /// Frequency of that motion, Hz.
     pub frequency_hz: f64,
     /// Largest speed of a bounce's return over that of its touch.
     pub bounce: f64,
-    /// What the press borrows at most, of the loan.
+    /// The most that the press borrows, as a share of the loan.
     pub loan_used: Option<f64>,
     /// Largest radius while a reading is taken as rounding may take it.
     pub radius_rounded: f64,
@@ -264,19 +264,19 @@ pub fn row(seed: u64, index: u64, states: StatesKind) -> Result<Row> {
     })
 }
 
-/// What was said beside what happened.
+/// Counts of verdicts by outcomes.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tally {
-    /// For each verdict: runs that came to rest, kept oscillating, were unstable.
+    /// Numbers of runs by verdict: came to rest, kept oscillating, were unstable.
     counts: [[u32; 3]; 3],
-    /// The same by decades of a tenth of `T sqrt(k_de/J)`.
+    /// The counts by classes of `T sqrt(k_de/J)`, a tenth wide.
     by_stiffness: std::collections::BTreeMap<u32, [[u32; 3]; 3]>,
     /// Rows in which a wall was called stable that was not.
     wrong: Vec<u64>,
 }
 
 impl Tally {
-    /// Takes a row.
+    /// Adds a row.
     pub fn add(&mut self, row: &Row) {
         let outcome = row.outcome as usize;
         let tenth = (10.0 * row.stiffness_per_tick).floor() as u32;
@@ -287,25 +287,25 @@ impl Tally {
         }
     }
 
-    /// All rows.
+    /// Number of rows.
     #[must_use]
     pub fn total(&self) -> u32 {
         self.counts.iter().flatten().sum()
     }
 
-    /// Rows that were called stable.
+    /// Number of rows that were certified stable.
     #[must_use]
     pub fn stable(&self) -> u32 {
         self.counts[Verdict::Stable as usize].iter().sum()
     }
 
-    /// Rows that were not decided.
+    /// Number of rows whose certificate was undecided.
     #[must_use]
     pub fn undecided(&self) -> u32 {
         self.counts[Verdict::Undecided as usize].iter().sum()
     }
 
-    /// Rows that were called stable and were not.
+    /// Rows that were certified stable and were not.
     #[must_use]
     pub fn wrong(&self) -> &[u64] {
         &self.wrong

@@ -1,4 +1,4 @@
-//! A scene's law against a hand: the loop's matrix for each phase, and what the matrix alone does not say.
+//! A scene's law against a hand: the loop's matrix for each phase, and the quantities that are not in the matrix.
 
 use super::estimator::Estimator;
 use super::law::{Phases, Switching};
@@ -166,7 +166,7 @@ impl Contact {
             .fold(0.0, f64::max)
     }
 
-    /// The same with another inertia, as a factor; the estimator keeps what it assumes.
+    /// The same contact with the inertia times a factor; the estimator keeps its assumption.
     #[must_use]
     pub fn with_inertia(&self, factor: f64) -> Self {
         let mut other = self.clone();
@@ -174,7 +174,7 @@ impl Contact {
         other
     }
 
-    /// The same with additional delay, s.
+    /// The same contact with additional delay, s.
     #[must_use]
     pub fn with_delay(&self, more_s: f64) -> Self {
         let mut other = self.clone();
@@ -182,7 +182,7 @@ impl Contact {
         other
     }
 
-    /// The same with additional viscous damping of the device, N·m·s/rad.
+    /// The same contact with additional viscous damping of the device, N·m·s/rad.
     #[must_use]
     pub fn with_damping(&self, more: f64) -> Self {
         let mut other = self.clone();

@@ -60,7 +60,7 @@ mod tests {
         AnyLaw, Controller, LawKind, Position, Settings, StatesKind, VelocityKind,
     };
 
-    /// Force by force, the matrices say what the law says, around a point of rest inside.
+    /// The matrices give the law's forces, around a point of rest inside.
     #[test]
     fn the_matrices_say_what_the_law_says() {
         let all = [

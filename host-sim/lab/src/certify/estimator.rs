@@ -29,7 +29,7 @@ impl Estimator {
         })
     }
 
-    /// Takes a measured penetration; gives what the law is told. The law's answer must follow by [`Estimator::command`].
+    /// Takes a measured penetration, returns the law's input. The law's force must follow by [`Estimator::command`].
     pub fn update(&self, state: &mut [f64], measured: f64) -> Sample<f64> {
         let (estimate, commands) = state.split_at_mut(3);
         let commands = [commands[0], commands[1], commands[2]];

@@ -1,4 +1,4 @@
-//! What is known of a loop in one hand: its phases, and what the matrices alone do not say.
+//! Findings on a loop in one hand: its phases, and what the matrices alone do not show.
 
 use super::contact::Contact;
 use super::contact::SWING;
@@ -9,16 +9,16 @@ use super::state_space::Mode;
 use super::{Verdict, hands, sector};
 use touchstone_world::plant::Hand;
 
-/// What is played because no matrix says it: see [`super::touch`].
+/// Results of simulated touches and presses, which no matrix describes: see [`super::touch`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Played {
     /// Largest speed of a bounce's return over that of its touch.
     pub bounce: f64,
-    /// What the press borrows at most, of the loan.
+    /// The most that the press borrows, as a share of the loan.
     pub loan_used: Option<f64>,
 }
 
-/// What is said of one hand.
+/// The report on one hand.
 #[must_use]
 pub fn report(contact: &Contact, name: &str, hand: Option<&Hand>, played: Played) -> HandReport {
     let rate_hz = 1.0 / contact.clock.period_s;

@@ -13,11 +13,11 @@ use touchstone_world::plant::{self, Hand};
 /// Square of the grip's radius, m²: N/m to N·m/rad, kg to kg·m².
 const RADIUS_SQUARED_M2: f64 = 2.25e-4;
 
-/// Which hands.
+/// The family of hands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Family {
-    /// The scene's own hand; nobody where it has none.
+    /// The scene's own hand; no hand where it has none.
     Own,
     /// The scene's own hand, if it has one, and the three grips.
     Grips,
@@ -67,7 +67,7 @@ pub const GRIPS: [(&str, Hand); 3] = [
     ("firm", plant::FIRM),
 ];
 
-/// The name of the worst hand in the ranges, whom nobody has met.
+/// Name of the worst hand in the ranges, which is hypothetical.
 pub const HYPOTHETICAL: &str = "worst of all";
 
 /// A place in the ranges, each coordinate from 0 to 1: geometric but for the stiffness, which may be zero.
@@ -82,8 +82,8 @@ fn at(place: [f64; 5]) -> Hand {
     }))
 }
 
-/// The hand in the ranges for which `badness` is greatest: all corners and the middle, then from the worst of them along each
-/// coordinate with steps that halve.
+/// The hand in the ranges with the greatest `badness`. All corners and the middle are tried; then the search goes from
+/// the worst of them along each coordinate with steps that halve.
 pub fn worst(badness: impl Fn(&Hand) -> f64) -> (Hand, f64) {
     let corner = |bits: usize| std::array::from_fn(|index| f64::from((bits >> index & 1) as u8));
     let mut place = [0.5; 5];

@@ -1,4 +1,4 @@
-//! The limits around the matrices, and what is said of a hand by them.
+//! Limits for the matrices' results, and the verdict on a hand by them.
 
 use super::Verdict;
 use super::contact::Contact;
@@ -22,17 +22,17 @@ pub const ROUNDING_RMS_COUNTS: f64 = 0.45;
 /// Largest speed of a bounce's return over that of its touch, over all phases of the tick, that is called stable: bounces, which meet
 /// every phase, die away.
 pub const BOUNCE: f64 = 1.0;
-/// The same from which on it is called unstable.
+/// Growth of bounces from which on a wall is called unstable.
 pub const BOUNCE_GROWS: f64 = 1.7;
-/// Largest `T sqrt(k_de/J)` of a wall that is called stable: campaigns draw walls up to it, and beyond a touch that is hard enough may keep
-/// a device bouncing that comes to rest from every touch that is played.
+/// Largest `T sqrt(k_de/J)` of a wall that is called stable. The campaigns draw walls up to it. Beyond it, a device
+/// may come to rest from every simulated touch and yet go on bouncing after a harder one.
 pub const STIFFEST_PER_TICK: f64 = 1.0;
 /// Amplitude of a motion that still is rest, counts.
 pub const LEFT_COUNTS: f64 = 1.5;
 
 /// Largest motion at the end of everything that is played, over a limit cycle's, that is called rest.
 pub const RESTS: f64 = 0.5;
-/// The same where the matrices have called it stable by themselves.
+/// The limit that applies where the matrices alone have called it stable.
 pub const RESTS_AS_SAID: f64 = 0.75;
 /// Least motion at the end of every such touch, over a limit cycle's, that is called none.
 pub const MOVES: f64 = 1.5;
@@ -40,24 +40,24 @@ pub const MOVES: f64 = 1.5;
 /// A phase of the law in one hand.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PhaseReport {
-    /// Its name.
+    /// Name of the phase.
     pub phase: &'static str,
     /// Largest magnitude of an eigenvalue.
     pub radius: f64,
     /// How fast its slowest motion dies out, 1/s.
     pub decay_per_s: f64,
-    /// That motion's frequency, Hz.
+    /// Frequency of the slowest motion, Hz.
     pub frequency_hz: f64,
 }
 
-/// One hand.
+/// The report on one hand.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HandReport {
     /// `scene`, a grip, `worst of all`, or `nobody`.
     pub name: String,
     /// Inertia, damping, stiffness, pad's damping, pad's stiffness, SI; absent: nobody holds the device.
     pub parameters: Option<[f64; 5]>,
-    /// What is said of it.
+    /// The verdict.
     pub verdict: Verdict,
     /// Why not stable.
     pub causes: Vec<String>,
@@ -67,9 +67,10 @@ pub struct HandReport {
     pub radius: f64,
     /// How fast the slowest motion dies out, 1/s.
     pub decay_per_s: f64,
-    /// The same with what dry friction takes from a swing of [`SWING`](super::contact::SWING) times the press' depth, as damping; absent without either.
+    /// The same decay with dry friction as damping: what friction takes from a swing of
+    /// [`SWING`](super::contact::SWING) times the press' depth; `None` without either.
     pub decay_with_friction_per_s: Option<f64>,
-    /// That motion's frequency, Hz.
+    /// Frequency of the slowest motion, Hz.
     pub frequency_hz: f64,
     /// Largest radius while a reading is taken 1 to [`ROUNDING_GAIN`] times.
     pub radius_rounded: f64,
@@ -83,11 +84,11 @@ pub struct HandReport {
     pub switching: Option<f64>,
     /// Largest speed of a bounce's return over that of its touch.
     pub bounce: f64,
-    /// What the press borrows at most, of the loan; absent without a loan or a press.
+    /// The most that the press borrows, as a share of the loan; `None` without a loan or a press.
     pub loan_used: Option<f64>,
     /// Least and largest motion at the end of the touches that were played, over what counts as a limit cycle.
     pub ends: Option<[f64; 2]>,
-    /// The same of slow presses, where an offset dies out too slowly or a press borrows more than the loan.
+    /// The same for slow presses, where an offset dies out too slowly or a press borrows more than the loan.
     pub presses: Option<[f64; 2]>,
     /// Amplitude below which dry friction stops a motion that would grow without it, rad; 0 without friction.
     pub friction_holds_rad: f64,
@@ -195,7 +196,7 @@ pub(super) fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
     report.causes = found.into_iter().map(|(_, cause)| cause).collect();
 }
 
-/// Takes back what was called stable of a wall that is stiffer than certificates were held against.
+/// Withdraws "stable" for a wall that is stiffer than the certificates were validated for.
 pub(super) fn within_reach(report: &mut HandReport, stiffness_per_tick: f64) {
     if report.verdict == Verdict::Stable && stiffness_per_tick > STIFFEST_PER_TICK {
         report.verdict = Verdict::Undecided;
@@ -205,13 +206,13 @@ pub(super) fn within_reach(report: &mut HandReport, stiffness_per_tick: f64) {
     }
 }
 
-/// Whether a press that comes slowly does what no touch shows.
+/// Whether slow presses have to be simulated, since they do what no touch shows.
 pub(super) fn asks_for_presses(report: &HandReport) -> bool {
     report.stirred_by_ramp || report.loan_used.is_some_and(|used| used > LOAN_USED)
 }
 
-/// Decides what the matrices left open by how touches end, and slow presses where they were played, and holds what they called stable
-/// against it; where some rest and some do not, it is open.
+/// Decides what the matrices left open, by how simulated touches and slow presses end, and checks what the matrices
+/// called stable against them. Where some come to rest and some do not, the verdict is undecided.
 pub(super) fn settle(report: &mut HandReport, touches: [f64; 2], presses: Option<[f64; 2]>) {
     (report.ends, report.presses) = (Some(touches), presses);
     let [mut least, mut most] = touches;

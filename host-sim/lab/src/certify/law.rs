@@ -57,7 +57,7 @@ pub struct Phases {
     pub loan_covers_n_m: Option<f64>,
     /// The spring of the first contact, N·m/rad, for a law that leaves it when the motion turns.
     pub first_contact: Option<f64>,
-    /// Whether the law holds its force back where its books of energy ask for it: it may come to rest where its phases do not.
+    /// Whether the law reduces its force when its energy account demands it: it may then rest where its phases do not.
     pub clamps: Option<Clamp>,
 }
 

@@ -1,4 +1,4 @@
-//! A law where it is linear, as matrices: what every certificate of a law is made of.
+//! A law's linear part as matrices, from which every certificate is computed.
 
 use super::estimator::Estimator;
 use super::state_space::StateSpace;
@@ -106,7 +106,7 @@ impl LinearLaw {
 /// Phases of a law between which it changes, each linear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Phase {
-    /// What it is called in a certificate.
+    /// Name of the phase in a certificate.
     pub name: &'static str,
     /// The phase.
     pub law: LinearLaw,

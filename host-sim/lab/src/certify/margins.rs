@@ -8,11 +8,11 @@ use touchstone_world::plant::Hand;
 /// Margins of all hands together: where the largest eigenvalue of any phase in any hand reaches 1.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Margins {
-    /// Additional delay, s; 0 where the loop is not stable as it is.
+    /// Additional delay, s; 0 where the loop itself is not stable.
     pub delay_s: f64,
-    /// Whether the search for it ended before an edge was met.
+    /// Whether the search ended before it found the edge.
     pub delay_beyond: bool,
-    /// Smallest factor on the inertia; absent where the loop is not stable as it is. `1/64` where no edge was met.
+    /// Smallest factor on the inertia; `None` where the loop itself is not stable. `1/64` where no edge was found.
     pub inertia_down: Option<f64>,
     /// Largest factor on the inertia; 64 where no edge was met.
     pub inertia_up: Option<f64>,
@@ -20,7 +20,7 @@ pub struct Margins {
     pub k_desired: Vec<[f64; 2]>,
 }
 
-/// Longest additional delay that is looked at, ticks.
+/// Longest additional delay that is examined, ticks.
 const LONGEST_TICKS: f64 = 16.0;
 /// Points of the scan over `k_de`.
 const POINTS: i32 = 60;

@@ -8,11 +8,11 @@
 //! where the scene has one (with the damping that dry friction is to a swing of the press) and is stable while a reading is taken up to [`judge::ROUNDING_GAIN`] times,
 //! where rounding moves the rest by less than [`judge::ROUNDING_RMS_COUNTS`], every gain between the phases is stable, bounces die away and the
 //! press borrows less than the loan. The gains between the phases are tried one by one
-//! where the law's bounds change them with the amplitude; where a law changes its gain with the direction of the motion, (16) must
+//! where the law's bounds change them with the amplitude. Where a law changes its gain with the direction of the motion, (16) must
 //! hold. **Unstable** where a phase in which the law stays grows by more than [`judge::FASTEST_GROWTH_PER_S`], and dry friction could not hold most
 //! of the depth of the press, or where bounces grow. Of everything else, and of what
 //! would be called stable, touches are played to
-//! their end, as a matrix knows neither what comes between two phases nor a device that leaves the wall and comes back: **stable** where all come to rest, **unstable** where none does, **undecided** where some do; the certificate gives the cause. The
+//! their end, as a matrix knows neither what comes between two phases nor a device that leaves the wall and comes back: **stable** where all come to rest, **unstable** where none does, **undecided** where some do. The certificate gives the cause. The
 //! matrices are exact. Bounces, loan and ends are no matrices: [`touch`] plays them. The limits around it all are judgement, set on random runs of
 //! [`campaign`].
 
@@ -45,13 +45,13 @@ use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 use touchstone_world::plant::Hand;
 
-/// What a certificate says. The order is from good to bad.
+/// Verdict of a certificate, from good to bad.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, serde::Deserialize,
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// Comes to rest.
+    /// The wall comes to rest.
     Stable,
     /// The matrix does not decide.
     Undecided,
@@ -60,7 +60,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// In lower case.
+    /// The verdict in lower case.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -71,10 +71,10 @@ impl Verdict {
     }
 }
 
-/// What is to be certified.
+/// Options of a certificate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// For which hands.
+    /// The hands for which it is stable.
     pub family: Family,
     /// Whether margins are looked for, which takes most of the time.
     pub margins: bool,
@@ -97,9 +97,9 @@ impl Default for Options {
 pub struct Certificate {
     /// The scene.
     pub scene: String,
-    /// The worst over the scene's hand and the grips; without either, of a device that nobody holds.
+    /// The worst verdict over the scene's hand and the grips; without any hand, that of the free device.
     pub verdict: Verdict,
-    /// Of the hypothetical hand that is worst in the whole family; absent where none was looked for.
+    /// The verdict for the hypothetical hand that is worst in the whole family; `None` where it was not searched.
     pub every_hand: Option<Verdict>,
     /// `k_de`, N·m/rad.
     pub k_desired: f64,
@@ -111,7 +111,7 @@ pub struct Certificate {
     pub worst: usize,
     /// Margins over the scene's hand and the grips.
     pub margins: Option<Margins>,
-    /// What the certificate says nothing of.
+    /// Effects that the certificate does not cover.
     pub not_covered: Vec<String>,
 }
 

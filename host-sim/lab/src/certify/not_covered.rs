@@ -1,4 +1,4 @@
-//! What a certificate says nothing about.
+//! The effects that a certificate does not cover.
 
 use touchstone_sim::run::effects::EFFECTS;
 use touchstone_sim::scene::Scene;
@@ -7,7 +7,7 @@ use super::contact::Contact;
 use super::law::Clamp;
 use super::press::RAMPS_S;
 
-/// Effects of a scene that the certificate knows, or says something of by itself.
+/// Effects of a scene that the certificate covers, or mentions elsewhere.
 const COVERED: [&str; 9] = [
     "encoder",
     "delay",
@@ -20,7 +20,7 @@ const COVERED: [&str; 9] = [
     "velocity-kalman-acceleration",
 ];
 
-/// All of it, a line each.
+/// Everything that is not covered, a line each.
 pub(super) fn list(scene: &Scene, contact: &Contact) -> Vec<String> {
     let mut list = vec![
         "hands outside the family, and hands that push back on purpose".to_owned(),

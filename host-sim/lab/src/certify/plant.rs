@@ -13,7 +13,7 @@ use super::state_space::StateSpace;
 use nalgebra::{DMatrix, DVector};
 use touchstone_world::plant::{Device, Hand, Invalid};
 
-/// What the loop's mechanical and electrical side is made of.
+/// Parameters of the loop's mechanical and electrical side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mechanics {
     /// The device; its dry friction is left out.
@@ -24,7 +24,7 @@ pub struct Mechanics {
     pub current_loop_hz: Option<f64>,
 }
 
-/// When the law is asked and when its answer acts.
+/// The times at which the law runs and its force acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clock {
     /// Control period `T`, s.
@@ -47,7 +47,7 @@ impl Clock {
     }
 }
 
-/// Rates of the states `[x, v, x_h, v_h, τ]`, as far as there are such, under a command.
+/// Derivatives of the states `[x, v, x_h, v_h, τ]`, as far as the loop has them, under a command.
 fn rates(mechanics: &Mechanics) -> (DMatrix<f64>, DVector<f64>) {
     let device = &mechanics.device;
     let motion = if mechanics.hand.is_some() { 4 } else { 2 };

@@ -1,5 +1,5 @@
-//! Presses that are played where touches do not say enough: an offset that dies out slowly is stirred by a press that comes slowly, and
-//! such a press borrows more of a loan than a touch does.
+//! Slow presses, which are simulated where touches do not show enough. A slow press stirs an offset that dies out
+//! slowly, and borrows more of a loan than a touch does.
 
 use super::contact::Contact;
 use super::touch::{hold_s, of_plant};

@@ -13,7 +13,7 @@
 use super::state_space::eigenvalues;
 use nalgebra::{Complex, DMatrix};
 
-/// Angles on the unit circle that are looked at between the lowest and half the sampling rate.
+/// Angles on the unit circle that are examined between the lowest and half the sampling rate.
 const ANGLES: i32 = 400;
 
 /// Least cosine of the angle of `1 + P` (16) on the unit circle; above 0 where the criterion holds. `None` where one of the two

@@ -54,7 +54,7 @@ impl StateSpace {
         self.b.len()
     }
 
-    /// One tick: changes the state, returns the output.
+    /// Runs one tick: changes the state, returns the output.
     pub fn advance(&self, state: &mut DVector<f64>, input: f64) -> f64 {
         let output = self.c.dot(state) + self.d * input;
         *state = &self.a * &*state + &self.b * input;
@@ -102,7 +102,7 @@ pub fn eigenvalues(matrix: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
 pub struct Mode {
     /// Magnitude of the largest eigenvalue.
     pub radius: f64,
-    /// Its angle a tick, rad, 0 to π; NaN where only the magnitude could be found.
+    /// The eigenvalue's angle a tick, rad, 0 to π; NaN where only the magnitude could be found.
     pub angle_rad: f64,
 }
 
@@ -139,7 +139,7 @@ impl Mode {
         -self.radius.ln() * rate_hz
     }
 
-    /// Its frequency, Hz.
+    /// Frequency of the motion, Hz.
     #[must_use]
     pub fn frequency_hz(&self, rate_hz: f64) -> f64 {
         self.angle_rad * rate_hz / std::f64::consts::TAU

@@ -396,7 +396,7 @@ fn every_draw_of_a_campaign_is_a_wall_that_the_law_takes() {
     }
 }
 
-/// Of the campaign's scenes.
+/// Seed of the campaign's scenes.
 const SEED: u64 = 1;
 /// Runs: some seconds.
 const SAMPLE: u64 = 48;

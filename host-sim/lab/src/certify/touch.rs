@@ -1,7 +1,7 @@
-//! What becomes of a device that bounces between a wall and the hand.
+//! The motion of a device that bounces between a wall and the hand.
 //!
 //! Several laws meet a touch with the spring `k_de` until the motion turns, and only then with what the matrices describe. So
-//! bounces are played instead: the device is pressed against the wall by the pad of a hand at rest, meets it at
+//! bounces are played instead. The device is pressed against the wall by the pad of a hand at rest, meets it at
 //! every phase of the tick, comes out, and is pressed back. It is thrown out of the wall at all only where it moves by more than the
 //! press' depth; where from such speeds on it returns slower and slower, bounces die away and the lasting phases decide.
 //!
@@ -71,7 +71,7 @@ struct Bounce {
     inside: bool,
     was_inside: bool,
     returns: u32,
-    /// Speed of the last return to the wall; of the exit where nobody brings the device back.
+    /// Speed of the last return to the wall; the exit speed where no hand brings the device back.
     speed: Option<f64>,
 }
 
@@ -128,8 +128,8 @@ impl Touched {
         }
     }
 
-    /// Meets the wall at a share of that speed, a share of a tick's way before it, and is played in pieces, as most bounces are out after
-    /// a few ticks, for so many ticks or until `done`.
+    /// Simulates contact from a share of that speed and a share of a tick's way before the wall. It runs in pieces, as
+    /// most bounces are out after a few ticks, for this many ticks or until `done`.
     fn play<R: Recorder>(
         &self,
         (share, before): (f64, f64),
@@ -165,16 +165,16 @@ impl Touched {
     }
 }
 
-/// Phases of the tick, as shares of it, at which the surface is crossed.
+/// Moments within a tick, as shares of it, at which the surface is crossed.
 fn phases(count: u32) -> impl Iterator<Item = f64> {
     (0..count).map(move |phase| (f64::from(phase) + 0.5) / f64::from(count))
 }
 
-/// Largest speed of a return over that of the touch before, on the mean of `RETURNS`; 0 where the device stays inside or outside. Infinite where a run leaves all
-/// numbers. For nobody's device: the speed with which it is thrown out.
+/// Largest speed of a return over that of the touch before, on the mean of `RETURNS`; 0 where the device stays inside
+/// or outside; infinite where a run diverges. Without a hand: the exit speed.
 ///
 /// # Errors
-/// Settings that the law cannot take.
+/// Settings that the law cannot have.
 pub fn bounce(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Result<f64> {
     let push_n_m = contact.played_press_n_m;
     let touched = Touched::of(scene, contact, hand, push_n_m);
@@ -208,12 +208,14 @@ pub fn bounce(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Result<f
     Ok(most)
 }
 
-/// How the touches of a hand end that presses on: the least and the largest motion that is left of them, peak to peak, over what counts as
-/// a limit cycle. Each is played to the end of a hold as long as the scene's, of which the last quarter is looked at, as in a run. A press
-/// that begins with a light touch is held there too: the less a hand pushes, the less keeps the device in the wall.
+/// How touches of a hand that presses on end: the least and the largest remaining motion, peak to peak, over what
+/// counts as a limit cycle.
+///
+/// Each is simulated to the end of a hold as long as the scene's, of which the last quarter counts, as in a run. A
+/// press that begins with a light touch is held there too: a hand that pushes less keeps the device in the wall less.
 ///
 /// # Errors
-/// Settings that the law cannot take.
+/// Settings that the law cannot have.
 pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
     let ticks = (hold_s(contact) / contact.clock.period_s).ceil().max(TICKS) as u64;
     let limit_rad = Terms::of(scene).limit_cycle_rad;
@@ -242,11 +244,11 @@ pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
     Ok(found)
 }
 
-/// What a press borrows of a loan without end, over the loan that there is: the scene's press is played with it. Absent without a loan or
-/// a press.
+/// How much a press borrows if the loan is unlimited, over the real loan: the scene's press is simulated with it.
+/// `None` without a loan or a press.
 ///
 /// # Errors
-/// Settings that the law cannot take.
+/// Settings that the law cannot have.
 pub fn loan_used(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Result<Option<f64>> {
     let loan_j = scene.law.energy_credit_j;
     if contact.phases.loan_covers_n_m.is_none() || contact.press_n_m.is_none() || hand.is_none() {
@@ -262,13 +264,13 @@ pub fn loan_used(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Resul
     Ok(least.map(|least| (-least).max(0.0) / loan_j))
 }
 
-/// More than any press borrows.
+/// An energy larger than any press borrows.
 const ENDLESS_J: f64 = 1e3;
 
 /// A hand that holds no place pushes through a spring so soft, N·m/rad, that it is a force.
 const LEAST_STIFFNESS: f64 = 2e-3;
 
-/// A plant's hand as a scene writes it.
+/// The hand of a plant in the form in which a scene writes it.
 #[must_use]
 pub fn of_plant(hand: &Hand) -> scene::Hand {
     scene::Hand {

@@ -28,7 +28,7 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-/// Where one step of a tick's torque leads in so many ticks.
+/// The position after this many ticks, with one step a tick under a constant torque.
 fn pushed<M: Method<3>>(model: &Model<3>, ticks: u32) -> f64 {
     let Ok(plant) = Substepped::<M, 3>::new(model, PERIOD_S, 16) else {
         return f64::NAN;

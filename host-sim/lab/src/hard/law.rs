@@ -1,4 +1,4 @@
-//! Cases of every law in every number format, by itself.
+//! Hard cases of each law alone, in every number format.
 
 use super::random::Random;
 use super::{Case, Effort, Finding};
@@ -74,7 +74,7 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-/// A finding for every law in every format: by itself as the thesis builds it, and on estimated states behind the guard.
+/// A finding for every law in every format: alone as the thesis has it, and on estimated states behind the guard.
 macro_rules! every_law {
     ($check:ident) => {{
         let mut found = Vec::new();
@@ -119,7 +119,7 @@ fn subject<N: Reported>(
     }
 }
 
-/// A law, as it is before its first tick.
+/// A law in the state before its first tick.
 struct Subject<N: Reported> {
     fresh: Controller<N>,
     limit: Force<N>,
@@ -127,7 +127,7 @@ struct Subject<N: Reported> {
 }
 
 impl<N: Reported> Subject<N> {
-    /// Comparisons with what is no number are false.
+    /// Whether a force is within the limit; false for a force that is no number.
     fn is_within(&self, force: Force<N>) -> bool {
         force <= self.limit && force >= -self.limit
     }
@@ -136,8 +136,8 @@ impl<N: Reported> Subject<N> {
         CountScale::new(40_000, Si::ZERO)
     }
 
-    /// Whether the law is told what was measured and its force is what it gives: estimator and guard have memories of their own,
-    /// which go on outside of the wall.
+    /// Whether the law runs on measured states and without a guard. Estimator and guard have memories of their own,
+    /// which go on outside the wall.
     fn is_alone(&self) -> bool {
         self.settings.states == StatesKind::Measured && !self.settings.guard.on
     }
@@ -146,12 +146,12 @@ impl<N: Reported> Subject<N> {
         self.settings.law == LawKind::Spring && self.is_alone()
     }
 
-    /// Leaves the wall for good: an augmented surface may lie far outside of it.
+    /// Moves far out of the wall, because an augmented surface may lie far outside of it.
     fn leave(&self, law: &mut Controller<N>) {
         law.tick(Position::from_f64(-1e9));
     }
 
-    /// A press of some counts in so many ticks, as a fresh law answers it; then out.
+    /// A press of some counts in a number of ticks, answered by a fresh law; then out.
     fn press(&self, law: &mut Controller<N>, counts: f64) -> Vec<Force<N>> {
         let Some(scale) = self.scale() else {
             return Vec::new();

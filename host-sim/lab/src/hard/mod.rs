@@ -1,7 +1,7 @@
-//! Hard cases, by name: what breaks simulators and control laws, each with something that knows what must come out.
+//! Hard cases, by name: what breaks simulators and control laws, each with a source of the right answer.
 //!
-//! A case measures something of each of its subjects (a plant, an integrator, a law in a number format) and has a bound for it. What
-//! is known to fail is expected by name, with the boundary computed: there it would be a surprise if it held.
+//! A case measures each of its subjects (a plant, an integrator, a law in a number format) and has a bound for the
+//! value. A known failure is expected by name, with its boundary computed: it would be a surprise if it held.
 
 mod closed;
 mod integrators;
@@ -26,14 +26,14 @@ pub struct Effort {
     pub long: bool,
 }
 
-/// What was found of one subject.
+/// The finding for one subject.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
     /// Plant, integrator, or law with its number format.
     pub subject: String,
-    /// What was measured, in the case's unit.
+    /// The measured value, in the case's unit.
     pub value: f64,
-    /// What it may be at most.
+    /// Largest allowed value.
     pub bound: f64,
     /// Why it is known to be more; absent: it must hold.
     pub fails_because: Option<String>,
@@ -49,7 +49,7 @@ impl Finding {
         }
     }
 
-    /// The same, known to fail.
+    /// The finding as a known failure.
     fn failing(self, because: impl Into<String>) -> Self {
         Finding {
             fails_because: Some(because.into()),
@@ -85,9 +85,9 @@ impl Finding {
 /// A case.
 #[derive(Clone, Copy)]
 pub struct Case {
-    /// Its name.
+    /// Name of the case.
     pub name: &'static str,
-    /// What is hard.
+    /// The difficulty that the case tests.
     pub about: &'static str,
     /// What knows the answer.
     pub oracle: &'static str,
@@ -100,9 +100,9 @@ pub struct Case {
 /// One case's outcome.
 #[derive(Debug, Clone, Serialize)]
 pub struct Outcome {
-    /// Its name.
+    /// Name of the case.
     pub name: &'static str,
-    /// What is hard.
+    /// The difficulty that the case tests.
     pub about: &'static str,
     /// What knows the answer.
     pub oracle: &'static str,
@@ -149,7 +149,7 @@ pub struct Hard {
     pub cases: Vec<Outcome>,
 }
 
-/// All cases, in the order in which they are told.
+/// All cases, in the order of the table.
 #[must_use]
 pub fn cases() -> Vec<Case> {
     [

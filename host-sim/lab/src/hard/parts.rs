@@ -1,4 +1,4 @@
-//! Cases of what stands around a law, each by itself: the encoder's counter, and the virtual mass.
+//! Hard cases of the parts around a law: the encoder's counter, and the virtual mass.
 
 use super::random::Random;
 use super::{Case, Effort, Finding};
@@ -65,7 +65,7 @@ fn wrap(_: Effort) -> Result<Vec<Finding>> {
     Ok(found)
 }
 
-/// Shakes the mass and adds up what the HIP's port takes; the least of it over all that went through.
+/// Shakes the mass, and adds up the energy that the HIP's port takes; returns the least sum over the total throughput.
 fn shaken(inertia: f64, stiffness: f64, damping: f64, ground: f64) -> f64 {
     let gain = |value: f64| Stiffness::<f64>(value);
     let total = gain(inertia + stiffness + damping + ground);

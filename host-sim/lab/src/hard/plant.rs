@@ -85,7 +85,8 @@ pub(super) fn torque(random: &mut Random) -> [f64; 2] {
     [0.05 * random.uniform(), 0.3 * random.uniform()]
 }
 
-/// Worst gap of the books over so many ticks of random torques, as a share of what went through them in that tick.
+/// Worst gap of the energy account over this many ticks of random torques, as a share of the energy that moved in that
+/// tick.
 fn audit<const N: usize, S: Stepper<State = State<N>>>(plant: &S, ticks: u32, seed: u64) -> f64 {
     let mut random = Random::new(seed);
     let mut state = State::<N>::at_rest(0.1);

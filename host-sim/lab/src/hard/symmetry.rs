@@ -141,7 +141,8 @@ fn mirror(_: Effort) -> Result<Vec<Finding>> {
     }))
 }
 
-/// Ticks at which the plant does not do `factor` times what the other does under a `factor`th of everything.
+/// Number of ticks at which the scaled plant does not move `factor` times as far as the other does under inputs
+/// smaller by `factor`.
 fn scaled<const N: usize, S: Stepper<State = State<N>>>(plant: &S, scaled: &S, factor: f64) -> f64 {
     let mut random = Random::new(17);
     let (mut state, mut other) = (State::<N>::at_rest(0.0), State::<N>::at_rest(0.0));

@@ -32,7 +32,7 @@ pub fn line(outcome: &Outcome) -> String {
     )
 }
 
-/// Everything, with what is expected to fail and what should not have.
+/// The whole table, with the expected failures and the unexpected ones.
 #[must_use]
 pub fn render(hard: &Hard) -> String {
     let mut out = String::new();

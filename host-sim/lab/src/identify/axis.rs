@@ -12,7 +12,7 @@
 use super::Estimate;
 use nalgebra::{Matrix4, Vector4};
 
-/// What an axis has, SI.
+/// Properties of an axis, SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisMechanics {
     /// Mass that it moves, kg.
@@ -23,20 +23,21 @@ pub struct AxisMechanics {
     pub friction_n: Estimate,
     /// Force that is always there, N.
     pub offset_n: Estimate,
-    /// What is left of an equation, rms, over the rms of its force: how much of the force mass, damping and friction do not explain.
+    /// Share of the force that mass, damping and friction do not explain: rms residual of the equations over the rms
+    /// of their forces.
     pub unexplained: f64,
 }
 
 /// Why nothing was found.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Unidentified {
-    /// Less than a bump of motion.
+    /// The record is too short: it holds less than one swing.
     #[error("{0:.2} s of motion are too short")]
     TooShort(f64),
-    /// Nothing moved, or in a way that tells mass and damping not apart.
+    /// The axis did not move, or not in a way that separates mass from damping.
     #[error("it moved by {0:.3} mm alone, too little to tell mass and damping")]
     Still(f64),
-    /// What moved it is not what was commanded: somebody holds it, or ticks were missed.
+    /// The motion does not follow from the commands: a hand holds the device, or ticks were missed.
     #[error(
         "its forces do not explain its motion: a mass of {mass_kg:.3} ± {uncertainty_kg:.3} kg"
     )]
@@ -48,11 +49,11 @@ pub enum Unidentified {
     },
 }
 
-/// Length of a bump, s: a few of the slowest motions that are told from an offset.
+/// Length of a bump, s: a few periods of the slowest motions that can be distinguished from an offset.
 const BUMP_S: f64 = 0.4;
 /// Bumps a second.
 const BUMPS_PER_S: f64 = 40.0;
-/// A position is compared with that so long before and after it for the direction of its motion, s.
+/// Time before and after a position that is used for the direction of its motion, s.
 const AROUND_S: f64 = 3e-3;
 /// Least travel, counts.
 const LEAST_COUNTS: f64 = 50.0;
@@ -63,10 +64,11 @@ fn bump(s: f64) -> [f64; 3] {
     [p * p * p, 3.0 * p * p * d, 6.0 * p * (d * d - p)]
 }
 
-/// Of positions at ticks, m, and the force from each to the next, N. `count_m` is the step of a position.
+/// Identifies an axis from positions at ticks, m, and the force from each to the next, N. `count_m` is the step of a
+/// position.
 ///
 /// # Errors
-/// There is too little of it.
+/// Too little data.
 pub fn mechanics(
     position_m: &[f64],
     force_n: &[f64],

@@ -13,7 +13,7 @@ use touchstone_sim::error::Result;
 use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::Scene;
 
-/// What is identified with.
+/// Settings of the identification.
 #[derive(Debug, Clone, Copy)]
 pub struct Search {
     /// Lower end of the interval, N·m·s/rad.
@@ -24,10 +24,10 @@ pub struct Search {
     pub steps: u32,
 }
 
-/// One bisection.
+/// One step of the bisection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trial {
-    /// Damping that FBA was told, N·m·s/rad.
+    /// Damping that FBA counted on, N·m·s/rad.
     pub damping: f64,
     /// Motion in the second quarter of the hold, peak to peak, rad.
     pub early_rad: f64,
@@ -91,7 +91,7 @@ impl Recorder for Windows {
 /// How the verdict changes over the interval that was given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bracket {
-    /// Settles at the lower end, grows at the upper one: what is sought lies between.
+    /// The press settles at the lower end and grows at the upper one: the limit lies between.
     Holds,
     /// Settles at the upper end too: the device damps more than that.
     TooLow,
@@ -99,13 +99,13 @@ pub enum Bracket {
     TooHigh,
 }
 
-/// What was found.
+/// Result of the identification.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identified {
     /// Damping that FBA may count on, N·m·s/rad: the mean over the presses.
     pub damping: f64,
-    /// What is not known of it, N·m·s/rad: the largest of half the last interval, the spread between the presses, and what dry
-    /// friction adds.
+    /// Uncertainty of the damping, N·m·s/rad: the largest of half the last interval, the spread between the presses,
+    /// and what dry friction adds.
     pub uncertainty: f64,
     /// What dry friction adds at the amplitude by which it was judged, N·m·s/rad: `4 F_k/(π A ω)` takes as much out of a cycle.
     pub friction_share: f64,
@@ -115,18 +115,18 @@ pub struct Identified {
     pub presses: Vec<(f64, f64)>,
     /// The bisections of all presses, in order.
     pub trials: Vec<Trial>,
-    /// What the simulated plant has: device and, behind a hand, its pad, N·m·s/rad.
+    /// True damping of the simulated plant: the device and, with a hand, its pad, N·m·s/rad.
     pub plant: f64,
 }
 
 /// The presses, as shares of the scene's push.
 pub const PRESSES: [f64; 3] = [1.0, 0.6, 1.4];
 
-/// Bisects. The scene's own law and stiffness are replaced by FBA against a wall of four times what it can show.
+/// Bisects. FBA against a wall of four times what it can show replaces the scene's law and stiffness.
 ///
-/// With what [`super::swing`] has found, dry friction's part is told apart.
+/// With the result of [`super::swing`], dry friction's part is separated.
 ///
-/// `Ok(Err(bracket))`: the verdict does not change within the interval, so nothing can be said.
+/// `Ok(Err(bracket))`: the verdict does not change within the interval, so nothing can be concluded.
 ///
 /// # Errors
 /// A scene that cannot run.

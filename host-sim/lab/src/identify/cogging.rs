@@ -1,6 +1,6 @@
 //! The cogging of a real knob, from the current that a slow and even turn takes at each place, and what is left of it when a map is played.
 //!
-//! What is looked at is what the device sends while it sweeps (`touchstone_drive::sweep`): two turns each way, with the position from the
+//! What is examined is what the device sends while it sweeps (`touchstone_drive::sweep`): two turns each way, with the position from the
 //! encoder's own zero. In a turn forward `J a = k_t i + T(x) - F`, in one back `J a = k_t i + T(x) + F`: the mean of both is without the
 //! friction `F`, and the current that holds the cogging is `-T/k_t = i - J a/k_t`. What the acceleration takes follows from the motion itself:
 //! a ripple `δ` of `n` periods a turn is `a = -(n ω)² δ`. Two such means, of other turns, say how well it repeats.
@@ -12,12 +12,12 @@ use touchstone_protocol::settings::cogging::{
     CURRENT_BITS, CoggingHarmonic, CoggingMap, HARMONICS,
 };
 
-/// What a device says of one control tick of a sweep.
+/// A device's data of one control tick of a sweep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SweepTick {
-    /// Its number.
+    /// Number of the tick.
     pub tick: u32,
-    /// Which way.
+    /// The direction of the turn.
     pub part: MeasuringPart,
     /// Position from the encoder's own zero, counts.
     pub count: i32,
@@ -25,7 +25,7 @@ pub struct SweepTick {
     pub current_a: f64,
 }
 
-/// What is known beforehand.
+/// Known properties of the knob.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownKnob {
     /// Control rate, Hz.
@@ -34,7 +34,7 @@ pub struct KnownKnob {
     pub counts_per_rev: f64,
     /// N·m/A.
     pub torque_constant_n_m_per_a: f64,
-    /// Of rotor and knob, kg·m².
+    /// Inertia of rotor and knob, kg·m².
     pub inertia_kg_m2: f64,
     /// The electrical angle falls when the count rises.
     pub against: bool,
@@ -47,7 +47,7 @@ pub struct KnownKnob {
 pub struct Swept {
     /// The current that holds the cogging, by orders from 1, A: `re cos(n θ) - im sin(n θ)`.
     current_a: Vec<Complex<f64>>,
-    /// Half of what the two pairs of turns differ by.
+    /// Half of the difference of the two pairs of turns.
     apart_a: Vec<Complex<f64>>,
     /// The shaft's ripple around an even motion, rad.
     ripple_rad: Vec<Complex<f64>>,
@@ -58,17 +58,17 @@ pub struct Swept {
 /// A map, and how good it is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredCogging {
-    /// What the device may keep.
+    /// The map for the device to keep.
     pub map: CoggingMap,
     /// Effective value of its torque, N·m.
     pub rms_n_m: f64,
-    /// Its largest, N·m.
+    /// The map's largest torque, N·m.
     pub peak_n_m: f64,
     /// What does not repeat between turns, as an effective value, in parts of the map's.
     pub unrepeated: f64,
 }
 
-/// Why there is nothing to be made of it.
+/// Why no map can be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoMap {
     /// The sweep is not whole.
@@ -86,40 +86,40 @@ pub enum NoMap {
     /// The turns disagree.
     #[error("the turns disagree by {percent:.0} % of what they have in common")]
     DoesNotRepeat {
-        /// By how much.
+        /// Difference, % of the common part.
         percent: f64,
     },
-    /// More than the device plays.
+    /// The map is larger than the device can play.
     #[error(
         "the cogging takes {ampere:.3} A, more than the {most:.3} A of a map (a quarter of motor.current_limit_a)"
     )]
     TooLarge {
-        /// What it takes.
+        /// Current that the cogging takes.
         ampere: f64,
-        /// What a map may have.
+        /// The most that a map may have.
         most: f64,
     },
 }
 
-/// Orders that are looked at.
+/// Orders that are examined.
 const ORDERS: usize = 255;
 /// Turns of each way.
 const TURNS: usize = 2;
-/// Longest gap in what was told, ticks.
+/// Longest gap in the telemetry, ticks.
 const LOST_MOST: u32 = 50;
-/// An order stands out if it is so many times what the turns differ by in the middle of all orders. Noise alone would make one of twenty
-/// sweeps have one: `255 · 2^-(3.5²)`.
+/// An order stands out if it is this many times the median difference of the turns over all orders. With noise alone,
+/// one sweep of twenty would have one: `255 · 2^-(3.5²)`.
 const OUTSTANDING: f64 = 3.5;
-/// And so many times its own difference.
+/// The amplitude must also be this many times the difference between the two directions.
 const ITS_OWN: f64 = 2.0;
 /// Orders up to this are slow.
 const SLOW: usize = 12;
-/// Slow ones may differ so many times as much as the one in the middle, or by this part of the map.
+/// Slow orders may differ by this many times the median difference, or by this share of the map.
 const SLOW_MOST: f64 = 5.0;
 const UNREPEATED_MOST: f64 = 0.2;
 
 impl Swept {
-    /// What a device told.
+    /// Sorts a device's telemetry.
     ///
     /// # Errors
     /// [`NoMap::Incomplete`].
@@ -151,7 +151,7 @@ impl Swept {
         })
     }
 
-    /// The map of it.
+    /// The map from these turns.
     ///
     /// # Errors
     /// [`NoMap`].
@@ -239,7 +239,7 @@ fn rms(harmonics: &[Complex<f64>]) -> f64 {
     (0.5 * squares).sqrt()
 }
 
-/// One turn of one way.
+/// One turn in one direction.
 struct Turn {
     current_a: Vec<Complex<f64>>,
     ripple_rad: Vec<Complex<f64>>,

@@ -1,4 +1,4 @@
-//! An axis of a translational device as a knob on a lever, and a knob's law back along the axis: so that what knows knobs, `touchstone tune`
+//! An axis of a translational device as a knob on a lever, and a knob's law back along the axis. So that what knows knobs, `touchstone tune`
 //! above all, serves such axes.
 //!
 //! On a lever of a length `r` a mass is an inertia `M r²`, and so are damping and stiffness; a force is a moment `F r`, a length an angle `x/r`. Times and
@@ -11,14 +11,14 @@ use touchstone_control::{EstimatorSettings, Settings, Si};
 /// A lever.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lever {
-    /// Its length, m.
+    /// Length of the lever, m.
     pub length_m: f64,
 }
 
-/// What is known of an axis, SI.
+/// Known properties of an axis, SI.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisOfDevice {
-    /// For people.
+    /// Text for people.
     pub name: String,
     /// Mass that it moves, kg.
     pub mass_kg: f64,
@@ -30,7 +30,7 @@ pub struct AxisOfDevice {
     pub force_n: f64,
     /// Step of a position, m.
     pub count_m: f64,
-    /// From a position until its force acts, s.
+    /// Time from a position until its force acts, s.
     pub delay_s: f64,
     /// Control rate, Hz.
     pub rate_hz: u32,
@@ -40,11 +40,11 @@ pub struct AxisOfDevice {
 
 /// The inertia of the thesis' knob, for which the hands of one axis are made, kg·m².
 const KNOB_KG_M2: f64 = 1e-4;
-/// Of the longest force, what a wall is pressed with.
+/// Share of the longest force with which a wall is pressed.
 pub const PRESS_SHARE: f64 = 2.0 / 3.0;
 
 impl Lever {
-    /// On which a mass has the thesis knob's inertia.
+    /// A lever on which this mass has the thesis knob's inertia.
     #[must_use]
     pub fn of(mass_kg: f64) -> Self {
         Self {
@@ -114,7 +114,7 @@ impl Lever {
         }
     }
 
-    /// What a knob's estimator is told, along the axis.
+    /// A knob's estimator settings, converted to the axis.
     #[must_use]
     pub fn estimator(&self, knob: &EstimatorSettings) -> EstimatorSettings {
         EstimatorSettings {
@@ -124,7 +124,7 @@ impl Lever {
         }
     }
 
-    /// Of an inertia, a damping or a stiffness.
+    /// Converts an inertia, a damping or a stiffness.
     fn linear(&self, knob: Si) -> Si {
         Si::saturating_from_num(knob.to_num::<f64>() / (self.length_m * self.length_m))
     }

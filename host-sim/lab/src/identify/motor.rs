@@ -1,7 +1,7 @@
 //! The motor of a real knob: resistance, inductance and flux from the voltages of its current loop, then inertia, damping and friction
 //! from [`super::swing`], the torque being what the flux makes of the current.
 //!
-//! What is looked at is what the device sends while it measures (`touchstone_drive::measurement`): a current that turns far faster than
+//! What is examined is what the device sends while it measures (`touchstone_drive::measurement`): a current that turns far faster than
 //! the rotor can follow, at two sizes; pushes both ways to two speeds, each of which ends in a coast.
 
 use super::swing::{self, Estimate, Mechanics, Swing, Torques};
@@ -10,12 +10,12 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use touchstone_protocol::MeasuringPart;
 
-/// What a device says of one control tick.
+/// A device's data of one control tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorTick {
-    /// Its number.
+    /// Number of the tick.
     pub tick: u32,
-    /// What the measurement is about.
+    /// The part of the measurement.
     pub part: MeasuringPart,
     /// Position, counts.
     pub count: i32,
@@ -25,7 +25,7 @@ pub struct MotorTick {
     pub voltage_v: Complex<f64>,
 }
 
-/// What is known beforehand.
+/// Known properties of the motor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownMotor {
     /// Control rate, Hz.
@@ -53,13 +53,13 @@ pub struct MeasuredMotor {
     pub mechanics: Mechanics,
 }
 
-/// Why there is nothing to be made of it.
+/// Why the motor cannot be identified.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotMeasured {
     /// The measurement is not whole.
     #[error("the measurement is not whole: {part} is missing")]
     Incomplete {
-        /// What is missing.
+        /// The missing part.
         part: &'static str,
     },
     /// Too many records were lost on the way.
@@ -68,27 +68,27 @@ pub enum NotMeasured {
         /// How many.
         lost: u32,
     },
-    /// A push that reached its speed before there was much to see.
+    /// A push was too short: it reached its speed after too few samples.
     #[error("a push lasted {ticks} ticks, too short for the voltage to be seen to rise")]
     ShortPush {
-        /// How long.
+        /// Duration, ticks.
         ticks: usize,
     },
     /// A value that no motor has.
     #[error("the {what} comes out as {value:.3e}, which no motor has")]
     Absurd {
-        /// Which.
+        /// The quantity that is wrong.
         what: &'static str,
         /// The value.
         value: f64,
     },
-    /// The motion is none of a free knob.
+    /// The motion is not that of a free knob.
     #[error("the motion is none of a free knob: {0}")]
     Motion(#[from] swing::NotFound),
     /// Ways and speeds disagree about the inertia.
     #[error("the swings disagree about the inertia by {percent:.0} %")]
     Disagree {
-        /// Four standard uncertainties of it.
+        /// Four standard uncertainties, %.
         percent: f64,
     },
 }
@@ -97,10 +97,10 @@ pub enum NotMeasured {
 const LOST_MOST: u32 = 5;
 /// Half of the ticks over which a speed is taken.
 const HALF_WINDOW: usize = 4;
-/// Four standard uncertainties of the inertia may be this part of it: a hand at the knob makes more.
+/// Largest allowed share of four standard uncertainties in the inertia; a hand at the knob exceeds it.
 const DISAGREEMENT_MOST: f64 = 0.1;
 
-/// The motor behind what a device said.
+/// Identifies the motor from a device's data.
 ///
 /// # Errors
 /// [`NotMeasured`].
@@ -171,7 +171,7 @@ pub fn motor(
     })
 }
 
-/// A value and two of its parts, whose difference says what it is worth.
+/// A value with an uncertainty from the difference of two parts of the data.
 fn positive(
     what: &'static str,
     [value, first, second]: [f64; 3],
@@ -185,7 +185,7 @@ fn positive(
     })
 }
 
-/// One entry a tick.
+/// The data with one entry for every tick.
 fn filled(ticks: &[MotorTick]) -> std::result::Result<Vec<MotorTick>, NotMeasured> {
     let mut all: Vec<MotorTick> = Vec::with_capacity(ticks.len());
     for tick in ticks {
@@ -251,8 +251,8 @@ fn impedance(
     })
 }
 
-/// The slope of `v_q - R i_q` over the electrical speed, with a level of its own for each push (what dead time takes), in Wb; negative
-/// where the electrical angle falls when the count rises.
+/// The slope of `v_q - R i_q` over the electrical speed, in Wb, with a separate level for each push (the dead time's
+/// part); negative where the electrical angle falls when the count rises.
 fn flux(
     ticks: &[MotorTick],
     pushes: &[&Range<usize>],

@@ -10,7 +10,7 @@ use touchstone_sim::run::plan;
 use touchstone_sim::scene::Scene;
 use touchstone_world::plant::{BareCoulomb, Coulomb, Device, Kinematics as _, State, Stepper as _};
 
-/// What was commanded and read in one swing, one entry a tick.
+/// Commanded torque and counts of one swing, one entry a tick.
 #[derive(Debug, Clone, Default)]
 pub struct Swing {
     /// Torque that was held from this sample to the next, N·m.
@@ -26,7 +26,7 @@ pub struct Swings {
     pub torque_n_m: f64,
     /// Angles over which the pushes last, rad: each is one speed, both ways.
     pub pushes_rad: [f64; 3],
-    /// Longest push, s: a device that has not moved so far by then is held, or too weakly pushed.
+    /// Longest push, s: a device that has not moved by then is held, or pushed too weakly.
     pub longest_push_s: f64,
     /// Time in which a device must have come to rest, s; one that has not is pushed again while it moves.
     pub coast_s: f64,
@@ -43,16 +43,16 @@ impl Default for Swings {
     }
 }
 
-/// A value with what is not known of it.
+/// A value with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
     /// The value.
     pub value: f64,
-    /// Standard uncertainty: the larger of what the fit leaves and of the spread between swings.
+    /// Standard uncertainty: the larger of the fit's residual and the spread between swings.
     pub uncertainty: f64,
 }
 
-/// What the swings showed.
+/// Properties that the swings show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mechanics {
     /// Inertia, kg·m².
@@ -61,8 +61,8 @@ pub struct Mechanics {
     pub damping_n_m_s_per_rad: Estimate,
     /// Dry friction while sliding, N·m.
     pub friction_n_m: Estimate,
-    /// What is left between model and reading, rms, rad. More than some encoder steps: the device has something that inertia,
-    /// damping and friction do not explain.
+    /// Residual between model and reading, rms, rad. More than some encoder steps: the device has a property that
+    /// inertia, damping and friction do not explain.
     pub residual_rms_rad: f64,
 }
 
@@ -74,11 +74,11 @@ pub enum NotFound {
         "a push of {torque_n_m} N·m did not turn the device by {wanted_rad} rad within {within_s} s"
     )]
     DidNotMove {
-        /// Its torque, N·m.
+        /// The push's torque, N·m.
         torque_n_m: f64,
         /// How far it should have gone, rad.
         wanted_rad: f64,
-        /// In which time, s.
+        /// Time available for it, s.
         within_s: f64,
     },
     /// The fit did not converge.
@@ -86,12 +86,12 @@ pub enum NotFound {
         "no inertia, damping and friction explain the motion: {residual_rad:.2e} rad rms are left"
     )]
     NoFit {
-        /// What is left, rms, rad.
+        /// Residual, rms, rad.
         residual_rad: f64,
     },
 }
 
-/// Swings the device of a scene, which nobody holds, and reads it by the scene's encoder.
+/// Swings the device of a scene, without a hand, and reads it through the scene's encoder.
 ///
 /// # Errors
 /// A plant that cannot be built.
@@ -151,8 +151,8 @@ fn tick(
     plant.step(state, torque, 0.0);
 }
 
-/// The angles that a device with these parameters goes through in a swing from rest, less their mean; its torque is so many times the
-/// one that was told.
+/// The angles of a device with these parameters in a swing from rest, less their mean; its torque is the commanded one
+/// times a factor.
 fn predicted(
     parameters: &DVector<f64>,
     swing: &Swing,
@@ -187,16 +187,16 @@ fn centre(angles: &mut [f64]) {
 /// A fit by Gauss–Newton steps, halved while they make things worse.
 struct Fit {
     parameters: Vector3<f64>,
-    /// Of the parameters' own variances.
+    /// Variances of the parameters.
     variance: Vector3<f64>,
     residual_rms: f64,
-    /// By which share the torques differ from what was told, rms.
+    /// Share by which the torques differ from the commanded ones, rms.
     torques_apart: f64,
 }
 
-/// Inertia, damping, friction; where the torques are unsure, behind them by how many times each swing's was another than was told, but for
-/// the last: their mean is 1. The pushes' mean is then the scale of all, and their differences do not bend the coasts, which alone tell
-/// damping from friction.
+/// Fits inertia, damping and friction. Where the torques are uncertain, it also fits a factor for each swing's torque
+/// but the last; the mean of the factors is 1. So the pushes' mean sets the scale, and their differences do not
+/// distort the coasts, which alone separate damping from friction.
 fn fit(swings: &[Swing], period_s: f64, start: Vector3<f64>, torques: Torques) -> Option<Fit> {
     let measured: Vec<Vec<f64>> = swings
         .iter()
@@ -275,7 +275,7 @@ fn fit(swings: &[Swing], period_s: f64, start: Vector3<f64>, torques: Torques) -
     })
 }
 
-/// By how many times the torque of a swing is another than was told, of a fit's parameters.
+/// The factor on a swing's torque, from a fit's parameters.
 fn times(parameters: &DVector<f64>, index: usize) -> f64 {
     let own = parameters.len() - 3;
     match parameters.get(3 + index) {
@@ -288,9 +288,9 @@ fn times(parameters: &DVector<f64>, index: usize) -> f64 {
 /// How well the torques of swings are known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Torques {
-    /// As they are told.
+    /// The torques are as commanded.
     Exact,
-    /// In the mean over all swings; each alone may be another by some percent.
+    /// Known only as the mean over all swings; a single swing may differ by some percent.
     Unsure,
 }
 

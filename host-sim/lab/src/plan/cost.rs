@@ -1,4 +1,4 @@
-//! What a tick costs: by the ladder of counted instructions, and by the clock.
+//! Cost of a tick: by counted instructions, and by the clock.
 
 use std::collections::BTreeMap;
 
@@ -35,7 +35,7 @@ impl Ladder {
         Some(self.counted.get(name)? - self.counted.get("bare")?)
     }
 
-    /// What an effect adds alone.
+    /// Instructions that an effect adds when it is the only one.
     pub fn alone(&self, name: &str) -> Option<f64> {
         self.beyond_bare(&format!("with:{name}"))
     }
@@ -71,10 +71,10 @@ impl Ladder {
     }
 }
 
-/// Time of a tick, and what it is shorter by without each effect, ns.
+/// Time of a tick, and the time saved without each effect, ns.
 ///
 /// # Errors
-/// What a run of the scene would be refused for.
+/// A scene that cannot be run.
 pub fn times(scene: &Scene, named: &[&Effect]) -> Result<(Spread, Vec<Option<f64>>)> {
     run::simulate(scene, None)?;
     let without: Vec<Option<Scene>> = named

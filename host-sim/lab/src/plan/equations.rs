@@ -69,7 +69,7 @@ fn matrix(links: &Links) -> std::result::Result<DMatrix<f64>, Invalid> {
 /// Eigenvalues of the linear part, the slowest first.
 ///
 /// # Errors
-/// A plant that cannot be.
+/// The plant's parameters are not valid.
 pub fn eigenvalues(scene: &Scene) -> Result<Vec<Eigenvalue>> {
     let matrix = matrix(&train::links(scene)).map_err(|invalid| {
         scene.error("device", invalid.to_string(), "give a plant that can be")

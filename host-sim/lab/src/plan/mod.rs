@@ -1,5 +1,5 @@
-//! What a scene's run is made of: states, eigenvalues, how the plant crosses a tick and why, what every effect costs, and which
-//! effects that the scene does not name would change what it shows.
+//! How a scene's run is built: states, eigenvalues, how the plant crosses a tick and why, the cost of every effect,
+//! and which omitted effects would change the result.
 
 mod cost;
 mod equations;
@@ -22,10 +22,10 @@ use crate::report::ProgramVersion;
 pub use equations::Eigenvalue;
 pub use omitted::{Moved, Omitted};
 
-/// What is asked.
+/// Options of a plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Asked {
-    /// Share by which an output may move before it is told.
+    /// Share by which an output may move before an effect is listed.
     pub tolerance: f64,
     /// Whether runs are timed.
     pub times: bool,
@@ -46,14 +46,14 @@ impl Default for Asked {
 /// An effect that a scene names.
 #[derive(Debug, Clone, Serialize)]
 pub struct Named {
-    /// Its name.
+    /// Name of the effect.
     pub name: &'static str,
     /// Where it stands in the loop.
     pub place: &'static str,
     /// Instructions a tick that it adds alone at its typical magnitude, of the ladder.
     pub instructions: Option<f64>,
-    /// Time of a tick of this scene with it less that without it, least of the repeats, ns; `None` where it was not measured, or the
-    /// scene cannot be without it.
+    /// Time of this scene's tick with the effect less that without it, least of the repeats, ns; `None` where it was
+    /// not measured, or the scene needs the effect.
     pub ns: Option<f64>,
 }
 
@@ -68,30 +68,30 @@ pub struct Planned {
     pub scene: String,
     /// What changes between two ticks.
     pub states: Vec<String>,
-    /// Of the linear part.
+    /// Eigenvalues of the linear part.
     pub eigenvalues: Vec<Eigenvalue>,
     /// How the plant crosses a tick.
     pub tier: String,
     /// Substeps of a tick; 1 for an exact step.
     pub substeps: u32,
-    /// Why.
+    /// The code of the fault.
     pub reasons: Vec<String>,
     /// Effects that the scene names.
     pub effects: Vec<Named>,
     /// Instructions a tick by the ladder: the bare loop, the law, each effect and what each pair adds beyond both, at typical magnitudes.
     pub predicted_instructions: Option<f64>,
-    /// Measured time of a tick with nobody looking.
+    /// Measured time of a tick without a recorder.
     pub measured: Option<Spread>,
     /// Effects that it does not name, tried one by one.
     pub omitted: Vec<Omitted>,
-    /// Share by which an output may move before it is told.
+    /// Share by which an output may move before an effect is listed.
     pub tolerance: f64,
 }
 
-/// Plans a scene, and measures what is asked for.
+/// Plans a scene, and measures what the options want.
 ///
 /// # Errors
-/// What a run of the scene would be refused for.
+/// A scene that cannot be run.
 pub fn plan(scene: &Scene, asked: Asked, program: ProgramVersion) -> Result<Planned> {
     // What a run would be refused for is refused here.
     Plan::of(scene)?;

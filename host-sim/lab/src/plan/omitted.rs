@@ -11,26 +11,26 @@ use touchstone_sim::scene::Scene;
 /// An output that an effect moves.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Moved {
-    /// The output, as it is named in the results.
+    /// The output's name in the results.
     pub output: &'static str,
-    /// Without the effect; `None` where the run has none.
+    /// The value without the effect; `None` where the run has none.
     pub without: Option<f64>,
-    /// With it.
+    /// The output with the effect.
     pub with: Option<f64>,
 }
 
 /// An effect that the scene does not name.
 #[derive(Debug, Clone, Serialize)]
 pub struct Omitted {
-    /// Its name.
+    /// Name of the effect.
     pub name: &'static str,
     /// The field or table that would name it.
     pub field: &'static str,
     /// The magnitude at which it was tried.
     pub typical: &'static str,
-    /// Who says that this is typical.
+    /// The source of the typical value.
     pub source: &'static str,
-    /// Verdict with it, where that is another.
+    /// Verdict with the effect, where it differs.
     pub verdict: Option<&'static str>,
     /// Outputs that it moves by more than the tolerance.
     pub moves: Vec<Moved>,
@@ -38,17 +38,18 @@ pub struct Omitted {
     pub not_tried: Option<String>,
 }
 
-/// An output, and a change of it that nobody would care for.
+/// An output, and a change of it too small to matter.
 struct Output {
     name: &'static str,
     of: fn(&Summary) -> Option<f64>,
-    /// In the output's unit, for a count of so many radians.
+    /// The negligible change in the output's unit, for a count of this many radians.
     floor: fn(f64) -> f64,
 }
 
 /// Torques below a thousandth of the thesis' press, N·m.
 const TORQUE_N_M: f64 = 1e-4;
-/// Energies that lift a grain of a milligram by a hundredth of a millimetre, and what a sum of many ticks rounds to, J.
+/// A negligible energy: it lifts a grain of a milligram by a hundredth of a millimetre, and is what a sum of many
+/// ticks rounds to, J.
 const ENERGY_J: f64 = 1e-7;
 
 const OUTPUTS: &[Output] = &[
@@ -99,13 +100,13 @@ const OUTPUTS: &[Output] = &[
     },
 ];
 
-/// How far the start is moved to see what of an output is the loop's own sensitivity, rad: far below everything that a scene is about.
+/// Displacement of the start that shows the loop's own sensitivity, rad: far below anything a scene is about.
 const NUDGE_RAD: f64 = 1e-9;
 
 /// Tries every effect that the scene does not name.
 ///
 /// # Errors
-/// What a run of the scene would be refused for.
+/// A scene that cannot be run.
 pub fn all(scene: &Scene, tolerance: f64) -> Result<Vec<Omitted>> {
     let plain = run::run(scene, false)?.summary;
     let nudged = scene.with(|scene| {
@@ -169,8 +170,8 @@ pub fn all(scene: &Scene, tolerance: f64) -> Result<Vec<Omitted>> {
         .collect())
 }
 
-/// The output, if the effect moves it: by more than the tolerance, by more than anybody would care for, and by more than three times
-/// what a hair's nudge of the start does.
+/// The output, if the effect moves it: by more than the tolerance, by more than a negligible change, and by more than
+/// three times what a tiny displacement of the start does.
 fn moved(
     output: &Output,
     [plain, nudged, with]: [&Summary; 3],

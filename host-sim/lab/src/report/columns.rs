@@ -6,11 +6,11 @@ use touchstone_sim::run::record::Trace;
 pub struct Column {
     /// Name in CSV and Parquet: the field of [`Trace`], whose ending spells the unit.
     pub name: &'static str,
-    /// Unit as it is written in metadata.
+    /// Unit in the form used in metadata.
     pub unit: &'static str,
     /// Meaning in a few words.
     pub meaning: &'static str,
-    /// Its numbers.
+    /// The column's numbers in a trace.
     pub values: fn(&Trace) -> &[f64],
 }
 

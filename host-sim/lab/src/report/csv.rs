@@ -6,10 +6,11 @@ use super::columns::{self, COLUMNS};
 use std::fmt::Display;
 use touchstone_sim::run::record::Trace;
 
-/// Writes every `every`th tick of `trace`, from the first on. Every number has as many digits as it takes to read the very same `f64` back; what does not exist is `NaN`.
+/// Writes every `every`th tick of `trace`, from the first on. Every number has enough digits to read the very same
+/// `f64` back; a value that does not exist is `NaN`.
 ///
 /// # Errors
-/// What the system said when writing failed.
+/// The system's message when writing failed.
 pub fn write(out: impl Write, trace: &Trace, every: usize) -> io::Result<()> {
     let mut csv = ::csv::Writer::from_writer(out);
     csv.write_record(COLUMNS.iter().map(|column| column.name))?;

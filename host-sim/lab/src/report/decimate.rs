@@ -68,7 +68,7 @@ pub fn series(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<Point>> {
 
 /// A path that may turn back on itself: points that do not move the pen visibly are dropped, then Douglas–Peucker.
 ///
-/// An oscillation draws the same lines over and over; where that would need too many points, each line of a grid is drawn
+/// An oscillation draws the same lines over and over. Where that would need too many points, each line of a grid is drawn
 /// once and the grid is made coarser, from a tenth of a pixel up to three pixels.
 pub fn path(stretches: Vec<Vec<(f64, f64)>>) -> Vec<Vec<Point>> {
     let snap = |stretch: &Vec<(f64, f64)>, grid: f64| {

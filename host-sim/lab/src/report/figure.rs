@@ -1,15 +1,15 @@
-//! A figure as data: axes with units, lines with what they stand for. Whoever draws chooses colours, dashes and pixels.
+//! A figure as data: axes with units, lines with their meaning. The renderer chooses colours, dashes and pixels.
 //!
-//! All numbers are SI. `svg.rs` is one renderer; the page's script, which reads the same lines as JSON, another.
+//! All numbers are SI. `svg.rs` is one renderer; the page's script, which reads the same lines as JSON, is another.
 
 use serde::Serialize;
 
 /// A figure.
 #[derive(Debug, Clone, Serialize)]
 pub struct Figure {
-    /// What it shows.
+    /// The title above the figure.
     pub title: String,
-    /// What can be read off it, in a sentence or two, computed from what was run.
+    /// What the figure shows, in a sentence or two, computed from the runs.
     pub description: String,
     /// Horizontal axis.
     pub x: Axis,
@@ -26,7 +26,7 @@ pub struct Figure {
 pub enum Wall {
     /// Right of this place.
     RightOf(f64),
-    /// Above this place.
+    /// The wall is above this coordinate.
     Above(f64),
 }
 
@@ -95,7 +95,7 @@ impl Axis {
 /// One line of a figure.
 #[derive(Debug, Clone, Serialize)]
 pub struct Line {
-    /// What it stands for, as a style's name: `hip`, `surf`, `force`, …
+    /// Role of the line, used as the name of its style: `hip`, `surf`, `force`, …
     pub role: &'static str,
     /// Name for legend and read-out; empty: it needs none.
     pub name: String,
@@ -120,7 +120,7 @@ pub enum Shape {
     Signs(Vec<(f64, f64, Sign)>),
 }
 
-/// A sign at a place, after a verdict: shape tells as much as colour.
+/// A sign at a place, for a verdict: distinguished by shape as well as by colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Sign {
     /// A full dot.
@@ -158,7 +158,7 @@ impl Figure {
     }
 }
 
-/// An interval that grows by what it is shown. Empty until the first finite value.
+/// An interval that grows to include values. Empty until the first finite value.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Range {
     /// Lower end.
@@ -168,7 +168,7 @@ pub struct Range {
 }
 
 impl Range {
-    /// Nothing yet.
+    /// An empty range.
     pub const EMPTY: Range = Range {
         min: f64::INFINITY,
         max: f64::NEG_INFINITY,
@@ -179,7 +179,7 @@ impl Range {
         values.into_iter().fold(Range::EMPTY, Range::with)
     }
 
-    /// Also with `value`, if it is finite.
+    /// The interval that also includes `value`, if it is finite.
     pub fn with(self, value: f64) -> Self {
         if value.is_finite() {
             Range {
@@ -191,7 +191,7 @@ impl Range {
         }
     }
 
-    /// Both.
+    /// The smallest interval that includes both.
     pub fn union(self, other: Range) -> Self {
         Range {
             min: self.min.min(other.min),

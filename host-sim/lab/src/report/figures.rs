@@ -5,7 +5,7 @@ use super::label;
 use super::quantity::with_unit;
 use super::view::{Ranges, View};
 
-/// Which figure.
+/// The kind of figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Force against position, thesis Figs. 5.2–5.5.
@@ -23,7 +23,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// All of a run, in the order of the page.
+    /// All figures of a run, in the order of the page.
     pub const ALL: [Kind; 6] = [
         Kind::PositionForce,
         Kind::Force,
@@ -33,7 +33,7 @@ impl Kind {
         Kind::Energy,
     ];
 
-    /// Those that are drawn for all laws side by side: what differs between laws at a glance.
+    /// Figures that are drawn for all laws side by side: those in which laws differ at a glance.
     pub const SIDE_BY_SIDE: [Kind; 4] = [
         Kind::PositionForce,
         Kind::Trajectory,

@@ -12,8 +12,8 @@ use super::try_cell;
 use super::view::View;
 use super::{Block, PARQUET, ProgramVersion, ReportInput, Section, anchor, compare, runs, summary};
 
-/// The whole page: heading, words, picture and one table first; everything else is folded below. `origin` tells the files
-/// that lie beside the page; with the default, nothing leads to any.
+/// The whole page: heading, picture, words and one table first; everything else is folded below. `origin` lists the
+/// files beside the page; with the default the page has no links to files.
 pub fn render(input: &ReportInput, origin: &Origin) -> String {
     let matrices = matrices(input.runs);
     let rows: Vec<(usize, usize)> = matrices
@@ -42,7 +42,6 @@ pub fn render(input: &ReportInput, origin: &Origin) -> String {
     );
     head(&mut page, input, &matrices);
     page.push_str("<main>\n");
-    summary::picture(&mut page, input);
     if several {
         summary::tables(&mut page, input, origin, &matrices);
     }
@@ -73,10 +72,14 @@ pub fn render(input: &ReportInput, origin: &Origin) -> String {
 
 fn head(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     let _ = writeln!(page, "<header>\n<h1>{}</h1>", escape(input.title));
+    if !input.intro.is_empty() {
+        let _ = writeln!(page, "<p>{}</p>", escape(input.intro));
+    }
+    // The first screen is a picture, also on a phone: words and notes come after it.
+    summary::picture(page, input);
     let _ = writeln!(
         page,
-        "<p>{} {}</p>",
-        escape(input.intro),
+        "<p>{}</p>",
         typeset(&summary::compared(input, matrices))
     );
     for note in input.notes {

@@ -25,7 +25,7 @@ struct Results<'a> {
     program: ProgramVersion,
     command: &'a str,
     inputs: &'a [Input],
-    /// Only where files were written.
+    /// The spacing of trace rows in ticks, if files were written.
     #[serde(skip_serializing_if = "Option::is_none")]
     trace_every: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -38,6 +38,7 @@ struct Results<'a> {
 struct Entry<'a> {
     #[serde(flatten)]
     summary: &'a Summary,
+    name: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     scene_file: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -78,6 +79,7 @@ fn text(input: &ReportInput, origin: &Origin, files: Option<&[String]>) -> Strin
                 let files = origin.runs.get(index).unwrap_or(&none);
                 Entry {
                     summary: &run.summary,
+                    name: run.summary.word(),
                     scene_file: files.scene.as_ref().map(|scene| scene.path.as_str()),
                     scene_sha256: files.scene.as_ref().map(|scene| scene.sha256.as_str()),
                     trace_csv: files.csv.as_deref(),
@@ -92,7 +94,7 @@ fn text(input: &ReportInput, origin: &Origin, files: Option<&[String]>) -> Strin
     text
 }
 
-/// What a trace's file says of where it is from: keys and values.
+/// The origin of a trace for its file: keys and values.
 pub fn trace_origin(
     input: &ReportInput,
     inputs: &[Input],
@@ -247,7 +249,17 @@ mod tests {
             assert!(run.contains_key(field), "{field}");
         }
         assert_eq!(run["law"], "enhanced-sfa");
+        assert_eq!(run["name"], "enhanced-sfa");
         assert_eq!(run["k_desired"], 2.5);
+    }
+
+    #[test]
+    fn what_ships_has_a_name_of_its_own_beside_its_law() {
+        let mut run = complete();
+        run.summary.shown_as = Some("Shipped");
+        let run = &parse(&render(&input(&[run])))["runs"][0];
+        assert_eq!(run["name"], "shipped");
+        assert_eq!(run["law"], "enhanced-sfa");
     }
 
     #[test]

@@ -2,14 +2,14 @@
 
 use super::figure::Sign;
 use super::quantity::{grouped, plain};
-use touchstone_control::{Choice, LawKind};
+use touchstone_control::LawKind;
 use touchstone_sim::run::record::{Summary, Verdict};
 
-/// What is said of a law.
+/// Name and explanation of a law.
 pub struct LawWords {
     /// Short name for people.
     pub name: &'static str,
-    /// What it does, in a clause.
+    /// The meaning of the label in a clause.
     pub meaning: &'static str,
 }
 
@@ -57,9 +57,9 @@ pub fn law_order(law: LawKind) -> usize {
     law as usize
 }
 
-/// What is said of a verdict, and how it is shown.
+/// Name, explanation and style of a verdict.
 pub struct VerdictWords {
-    /// In a word.
+    /// The name in one word.
     pub name: &'static str,
     /// Name in results and of its style.
     pub key: &'static str,
@@ -69,7 +69,7 @@ pub struct VerdictWords {
     pub mark: Sign,
     /// Colour in a terminal, ANSI.
     pub ansi: &'static str,
-    /// What it means.
+    /// The meaning of the setting.
     pub meaning: &'static str,
 }
 
@@ -98,7 +98,7 @@ pub fn verdict(verdict: Verdict) -> &'static str {
     verdict_words(verdict).name
 }
 
-/// What a run was made under, apart from the law and the desired stiffness. Runs of one table share it.
+/// The conditions of a run apart from the law and the desired stiffness. Runs of one table share them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Condition {
     /// Each part in words, always in the same order: scene, grip, encoder, rate, number format.
@@ -137,17 +137,14 @@ impl Condition {
     }
 }
 
-/// A file name without ending for a run's trace; tells apart what a report usually varies.
+/// A file name without ending for a run's trace; it has everything that usually varies within a report.
 pub fn file_stem(summary: &Summary) -> String {
     let counts = summary
         .encoder_counts_per_rev
         .map_or("exact".to_owned(), |c| format!("{}cpr", plain(c)));
     let parts = [
         summary.scene.clone(),
-        match summary.shown_as {
-            Some(name) => name.to_lowercase(),
-            None => summary.law.word().to_owned(),
-        },
+        summary.word(),
         format!("k{}", plain(summary.k_desired)),
         summary.grip.clone(),
         counts,
@@ -161,7 +158,8 @@ pub fn file_stem(summary: &Summary) -> String {
         .to_owned()
 }
 
-/// `text` without what a file name cannot hold: a scene's name comes from a file and may hold anything, a path separator too.
+/// `text` with every character replaced that a file name may not have: a scene's name comes from a file and may hold
+/// anything, even a path separator.
 pub fn safe(text: &str) -> String {
     let safe = |c: char| {
         if c.is_ascii_alphanumeric() || c == '.' || c == '-' || c == '_' {

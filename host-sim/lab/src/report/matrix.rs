@@ -7,7 +7,7 @@ use touchstone_sim::run::record::{Run, Summary};
 /// A column: a law, or one of its settings that the report names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Column {
-    /// A name in place of the law's own. First, so that what has one stands last.
+    /// A name in place of the law's own. It is the first field, so that named columns are sorted last.
     shown_as: Option<&'static str>,
     /// The law.
     pub law: LawKind,
@@ -27,7 +27,7 @@ impl Column {
         self.shown_as.is_some()
     }
 
-    /// Its head.
+    /// The column's heading.
     pub fn name(self) -> &'static str {
         self.shown_as.unwrap_or(label::law(self.law))
     }
@@ -35,7 +35,7 @@ impl Column {
 
 /// Runs under the same conditions as a table of `k_de` × law.
 pub struct Matrix {
-    /// What the runs share.
+    /// The conditions that the runs share.
     pub condition: Condition,
     /// The parts of `condition` that are not the same throughout the report; empty if there is one table only.
     pub distinction: String,

@@ -1,4 +1,4 @@
-//! What is measured of a run, named once for table, page, `results.json` and its schema. A measure more is one row more.
+//! The measures of a run, defined once for table, page, `results.json` and its schema. A new measure is one new row.
 
 use super::quantity::{grouped, significant, with_unit};
 use touchstone_sim::run::record::Summary;
@@ -13,7 +13,7 @@ pub struct Measure {
     pub unit: &'static str,
     /// Meaning, in the schema.
     pub meaning: &'static str,
-    /// Its number; `None` where it does not apply.
+    /// The measure's value; `None` where it does not apply.
     pub value: fn(&Summary) -> Option<f64>,
     /// The number as people read it.
     pub shown: fn(&Summary, f64) -> String,
@@ -120,7 +120,7 @@ pub const SETTINGS: &[(&str, &str, &str)] = &[
     ("ticks", "1", "ticks that were simulated"),
 ];
 
-/// What a run came to, in words and rounded numbers; `results.json` has all digits.
+/// A run's results in words and rounded numbers; `results.json` has all digits.
 pub fn facts(s: &Summary) -> Vec<(&'static str, String)> {
     let fact = |m: &Measure| (m.value)(s).map(|value| (m.words, (m.shown)(s, value)));
     let why = s.not_judged.as_ref().map(|why| ("why", why.clone()));

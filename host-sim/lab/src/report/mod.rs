@@ -1,8 +1,9 @@
-//! What a person or a script reads after a run: terminal table, `index.html`, `summary.svg`, `results.json`, traces as CSV and
-//! Parquet, scenes with every value.
+//! Results for people and scripts after a run: terminal table, `index.html`, `summary.svg`, `results.json`, traces as
+//! CSV and Parquet, scenes with every value.
 //!
-//! [`ReportInput`] goes in; [`write::write`] makes the whole folder, from which every run can be made again, [`table::render`] what the terminal shows, and
-//! [`json::render`] what `--json` prints. All numbers are in SI units; only what people read is scaled by prefixes.
+//! [`ReportInput`] goes in; [`write::write`] makes the whole folder, from which every run can be made again,
+//! [`table::render`] the terminal's table, and [`json::render`] the output of `--json`. All numbers are in SI units;
+//! only texts for people use prefixes.
 
 mod anchor;
 pub mod columns;
@@ -30,6 +31,8 @@ pub mod quantity;
 mod runs;
 pub mod schema;
 pub mod space;
+mod space_picture;
+mod space_results;
 pub mod space_schema;
 pub mod staging;
 mod summary;
@@ -63,17 +66,17 @@ use touchstone_sim::scene::Scene;
 pub struct ReportInput<'a> {
     /// Heading of the page.
     pub title: &'a str,
-    /// What was run, in a sentence or two.
+    /// A description of the runs, in a sentence or two.
     pub intro: &'a str,
     /// The command line that makes this report again.
     pub command: &'a str,
     /// The program that ran.
     pub program: ProgramVersion,
-    /// The scene of each run, in their order; empty where there is none to write out.
+    /// The scene of each run, in their order; empty if no scenes are to be written.
     pub scenes: &'a [Scene],
     /// Files that the scenes were read from; recordings are found in the scenes.
     pub inputs: &'a [PathBuf],
-    /// What is written.
+    /// The files to write.
     pub files: FileOptions,
     /// Critical stiffness `k_c` of device and rate, N·m/rad, drawn beside the displayed stiffness.
     pub k_critical: Option<f64>,
@@ -96,7 +99,7 @@ pub struct Section {
     pub title: String,
     /// Content, from top to bottom.
     pub body: Vec<Block>,
-    /// Whether it is folded at first, on a page of sections alone; a report of runs decides by itself.
+    /// Whether the section is folded at first, on a page of sections alone; a report of runs decides for itself.
     pub folded: bool,
 }
 
@@ -107,7 +110,7 @@ pub enum Block {
     Text(String),
     /// A table with a heading row.
     Table {
-        /// What the table shows.
+        /// Caption of the table.
         caption: String,
         /// Names of the columns, with units.
         header: Vec<String>,
@@ -126,7 +129,7 @@ pub const PARQUET: bool = cfg!(feature = "parquet");
 pub struct FileOptions {
     /// Parquet alone, where there is [`PARQUET`].
     pub no_csv: bool,
-    /// Of the ticks, each so-manieth is written into traces; 0 and 1 both mean all.
+    /// Traces have one tick of this many; 0 and 1 both mean all.
     pub every: usize,
     /// Replaces what another command left in the folder.
     pub force: bool,

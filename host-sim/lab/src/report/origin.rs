@@ -1,4 +1,5 @@
-//! What a report was made from, so that it can be made again: program, command, scenes with every value, inputs with their hashes.
+//! The origin of a report, so that it can be made again: program, command, scenes with every value, inputs with their
+//! hashes.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -17,9 +18,9 @@ pub const SCHEMA_VERSION: u32 = 1;
 /// The program that ran.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct ProgramVersion {
-    /// Its name.
+    /// The program's name.
     pub name: &'static str,
-    /// Its version.
+    /// The program's version.
     pub version: &'static str,
     /// Commit that it was built from; `None` where it was not built in a checkout.
     pub commit: Option<&'static str>,
@@ -41,15 +42,15 @@ impl Default for ProgramVersion {
 /// A file that was read.
 #[derive(Debug, Clone, Serialize)]
 pub struct Input {
-    /// As the user named it.
+    /// The path as the user gave it.
     pub path: PathBuf,
     /// Hash of its bytes, hexadecimal.
     pub sha256: String,
-    /// Its length.
+    /// The file's length.
     pub bytes: usize,
     /// Where a copy lies, relative to the report's folder; a scene needs none, it is written out.
     pub copy: Option<String>,
-    /// Its bytes, where they are to be copied.
+    /// The file's bytes, where they are to be copied.
     #[serde(skip)]
     pub content: Vec<u8>,
 }
@@ -57,7 +58,7 @@ pub struct Input {
 /// The files that belong to one run, relative to the report's folder.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RunFiles {
-    /// Tells the run from the others of the report, and from runs of other scenes.
+    /// A name that distinguishes the run from the others of the report, and from runs of other scenes.
     pub name: String,
     /// The scene with every value.
     pub scene: Option<SceneFile>,
@@ -72,7 +73,7 @@ pub struct RunFiles {
 pub struct SceneFile {
     /// Path, relative to the report's folder.
     pub path: String,
-    /// Its text.
+    /// The scene's text.
     pub text: String,
     /// Hash of its text, hexadecimal.
     pub sha256: String,

@@ -11,12 +11,12 @@ use super::svg::escape;
 use super::{ProgramVersion, Section, Written, html, previous};
 use touchstone_sim::error::Result;
 
-/// What goes into the folder.
+/// Content of the folder.
 #[derive(Debug, Clone, Copy)]
 pub struct Page<'a> {
     /// Heading.
     pub title: &'a str,
-    /// What was done, in a sentence or two.
+    /// A description of the work, in a sentence or two.
     pub intro: &'a str,
     /// The command line that makes it again.
     pub command: &'a str,
@@ -24,7 +24,7 @@ pub struct Page<'a> {
     pub program: ProgramVersion,
     /// The page, from top to bottom.
     pub sections: &'a [Section],
-    /// What `results.json` has of it, under the name given.
+    /// The entry in `results.json`: its name and its value.
     pub results: (&'a str, &'a Value),
     /// Further files: their names and texts.
     pub files: &'a [(String, String)],
@@ -59,7 +59,7 @@ fn html(input: &Page) -> String {
 /// Writes it: complete or not at all, like a report of runs.
 ///
 /// # Errors
-/// As [`super::write()`].
+/// Same as [`super::write()`].
 pub fn write(page: &Page, folder: &Path) -> Result<Written> {
     let mut names: Vec<String> = page.files.iter().map(|(name, _)| name.clone()).collect();
     names.extend(["results.json", "index.html"].map(str::to_owned));

@@ -21,12 +21,12 @@ const GROUP: usize = 60_000;
 
 /// Writes the trace of `run`.
 ///
-/// File metadata: `scene`, `law`, `summary` (the run of `results.json`), `units` (column to unit), `columns` (column to
-/// meaning), then `more`; `summary`, `units` and `columns` are JSON. What does not exist is NaN, not null: columns stay plain
-/// vectors. Of the ticks, every `every`th is written, from the first on.
+/// File metadata: `scene`, `law`, `summary` (the run of `results.json`), `units` (column to unit), `columns` (column
+/// to meaning), then `more`; `summary`, `units` and `columns` are JSON. A value that does not exist is NaN, not null:
+/// columns stay plain vectors. Every `every`th tick is written, from the first on.
 ///
 /// # Errors
-/// What the system said when writing failed.
+/// The system's message when writing failed.
 pub fn write(
     out: impl Write + Send,
     run: &Run,

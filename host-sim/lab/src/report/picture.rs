@@ -1,4 +1,5 @@
-//! The picture that a report leads with: what each law shows of the stiffness that is asked for, and two runs over each other.
+//! The picture at the head of a report: how much of the desired stiffness each law displays, and two runs over each
+//! other.
 
 use std::fmt::Write;
 
@@ -24,7 +25,7 @@ pub fn has(input: &ReportInput) -> bool {
     !figures(input).is_empty()
 }
 
-/// Its figures, one or two.
+/// The picture's figures, one or two.
 pub fn figures(input: &ReportInput) -> Vec<Figure> {
     if let [run] = input.runs {
         return View::new(run, input.k_critical).map_or(Vec::new(), |view| {
@@ -129,7 +130,7 @@ fn shown(runs: &[Run], table: &Matrix) -> Option<Figure> {
     Some(figure)
 }
 
-/// What the signs stand for, of those that occur.
+/// The meaning of those signs that occur.
 fn signs(runs: &[Run], members: &[usize]) -> String {
     let mut verdicts: Vec<Verdict> = members.iter().map(|&i| runs[i].summary.verdict).collect();
     verdicts.sort();
@@ -147,8 +148,8 @@ fn signs(runs: &[Run], members: &[usize]) -> String {
     format!(" {}.", names.join(", "))
 }
 
-/// Two runs of the leading table that tell most: the worst law and the one nearest to what was asked for, at the highest
-/// stiffness that more than one law ran at.
+/// The two most telling runs of the leading table. The worst law and the one nearest to the desired stiffness, at the
+/// highest stiffness that more than one law ran at.
 pub fn pair(runs: &[Run], table: &Matrix) -> Option<(usize, usize)> {
     let traced = |row: usize| -> Vec<usize> {
         let members = table.row(row);
@@ -238,18 +239,18 @@ fn over_each_other(input: &ReportInput, table: &Matrix) -> Option<Figure> {
     Some(figure)
 }
 
-/// The picture as a file of its own, in the reader's light or dark theme.
+/// The picture as a separate file, in the reader's light or dark theme.
 pub fn alone(input: &ReportInput) -> Option<String> {
     let figures = figures(input);
     (!figures.is_empty()).then(|| standalone(input.title, &figures))
 }
 
-/// Figures side by side as a file of its own, in the reader's light or dark theme.
+/// Figures side by side as a separate file, in the reader's light or dark theme.
 pub fn standalone(title: &str, figures: &[Figure]) -> String {
     drawn(title, figures, SIZE)
 }
 
-/// As [`standalone`], each figure of this size.
+/// Same as [`standalone`], each figure of this size.
 pub fn drawn(title: &str, figures: &[Figure], size: Size) -> String {
     let css = include_str!("page.css");
     let variables = css.split("* {").next().unwrap_or_default();

@@ -62,7 +62,7 @@ pub fn document(title: &str, description: &str, mut object: Value) -> Value {
     object
 }
 
-/// What of a value does not fit a schema of this module, as a path; for tests.
+/// The path of the first part of a value that does not fit a schema of this module; for tests.
 pub fn misfit(schema: &Value, value: &Value, path: &str) -> Option<String> {
     let types: Vec<&str> = match &schema["type"] {
         Value::String(one) => vec![one],

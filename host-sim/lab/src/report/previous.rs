@@ -11,7 +11,8 @@ struct Previous {
     files: Vec<String>,
 }
 
-/// Refuses a folder that holds the results of another command than `command`, unless forced. To be asked before a long run.
+/// Refuses a folder that holds the results of another command than `command`, unless forced. Call it before a long
+/// run.
 ///
 /// # Errors
 /// [`Error::Io`] that names the folder, the other command and the remedy.
@@ -22,7 +23,7 @@ pub fn check(folder: &Path, command: &str, force: bool) -> Result<()> {
 /// The files of the earlier report that are none of `names`, relative to `folder`.
 ///
 /// # Errors
-/// As [`check`]; also where one of `names` is there and no report listed it.
+/// Same as [`check`]; also where one of `names` is there and no report listed it.
 pub fn stale(folder: &Path, command: &str, force: bool, names: &[String]) -> Result<Vec<PathBuf>> {
     let previous = read(folder);
     if !force {

@@ -3,7 +3,7 @@
 /// A unit with an SI prefix: `shown = si / factor`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scale {
-    /// What one shown unit is in the SI unit.
+    /// One shown unit in the SI unit.
     pub factor: f64,
     /// The unit with its prefix, e.g. `mN·m`.
     pub unit: String,

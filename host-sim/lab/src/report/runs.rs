@@ -1,4 +1,4 @@
-//! The part of the page below the tables: for each stiffness the laws side by side, then each run by itself.
+//! The part of the page below the tables: for each stiffness the laws side by side, then each run.
 
 use std::fmt::Write;
 
@@ -53,7 +53,7 @@ pub fn alone(input: &ReportInput, origin: &Origin) -> String {
     page + "</section>\n"
 }
 
-/// Everything about one stiffness, folded; empty where no run of it kept a trace.
+/// The section of one stiffness, folded; empty where no run of it kept a trace.
 pub fn row(
     input: &ReportInput,
     origin: &Origin,
@@ -125,7 +125,7 @@ pub fn row(
     page
 }
 
-/// What was found at one stiffness, in words, from its runs.
+/// The findings at one stiffness, in words, from its runs.
 fn found(views: &[(usize, View)]) -> String {
     let mut text = String::new();
     let mut verdicts: Vec<Verdict> = views.iter().map(|(_, v)| v.run.summary.verdict).collect();

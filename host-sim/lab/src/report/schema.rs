@@ -32,6 +32,10 @@ fn schema() -> Value {
     run.insert("scene".into(), words("name of the scene"));
     run.insert("number".into(), words("number format of the law"));
     run.insert("grip".into(), words("how the hand holds the device"));
+    run.insert(
+        "name".into(),
+        words("name of the run: its law's word, or \"shipped\" for the wall that ships"),
+    );
     let laws: Vec<&str> = LawKind::WORDS.to_vec();
     run.insert("law".into(), json!({"enum": laws}));
     let verdicts: Vec<Value> = VERDICTS

@@ -1,4 +1,4 @@
-//! The page of the comparison in three degrees of freedom: claims, a table, and the figures of every run, folded.
+//! The page of the comparison in three degrees of freedom: a picture, tables, claims, and the figures of every run, folded.
 
 use std::fmt::Write;
 use std::fs;
@@ -9,17 +9,19 @@ use rayon::prelude::*;
 use touchstone_sim::error::Result;
 
 use super::html::table;
+pub use super::space_results::{numbers, results};
 use super::staging::{Staging, io_error};
 use super::svg::{self, Size, escape};
 use super::write::Written;
-use super::{FileOptions, ProgramVersion, previous};
+use super::{FileOptions, ProgramVersion, previous, space_picture};
 use crate::scorecard::measure::Measure;
 use crate::thesis::claims::Claim;
-use crate::thesis::space::held_out::{HeldOut, HeldOutCell};
+use crate::thesis::space::claims::AT_REST_MM;
+use crate::thesis::space::held_out::HeldOut;
 use crate::thesis::space::held_out_cause::HeldOutCause;
 use crate::thesis::space::tuned::DirectionCard;
 use crate::thesis::space::tuned_wall::TunedWall;
-use crate::thesis::space::{Mechanism, Phase, RATE_HZ, Record, figures};
+use crate::thesis::space::{Mechanism, Object, Phase, RATE_HZ, Record, figures};
 
 const SIZE: Size = Size {
     width: 460,
@@ -27,158 +29,31 @@ const SIZE: Size = Size {
 };
 const PAGE: &str = "index.html";
 const RESULTS: &str = "results.json";
+/// Names of the files in the folder.
+pub(super) const FILES: [&str; 2] = [RESULTS, PAGE];
 
-/// What the page is made of.
+/// Content of the page.
 #[derive(Debug, Clone, Copy)]
 pub struct Input<'a> {
     /// The command line that makes it again.
     pub command: &'a str,
     /// The program that ran.
     pub program: ProgramVersion,
-    /// What is written over what.
+    /// The files to write, and whether they may replace others.
     pub files: FileOptions,
-    /// What was played on.
+    /// The mechanism of the runs.
     pub mechanism: Mechanism,
-    /// The tuned law where its setting was not chosen.
+    /// Results of the tuned law on walls that were not used to choose its settings.
     pub held_out: Option<&'a HeldOut>,
     /// The runs.
     pub runs: &'a [Record],
-    /// What was claimed, and how it fared.
+    /// The claims, with their outcomes.
     pub claims: &'a [Claim],
     /// The tuned law's scorecards, a direction each.
     pub cards: &'a [DirectionCard],
 }
 
-/// The numbers of a run, for people and programs: names with units, and values.
-#[must_use]
-pub fn numbers(run: &Record) -> [(&'static str, f64); 7] {
-    let hold = run.late(Phase::Hold, 0.25);
-    let slide = run.late(Phase::Slide, 0.9);
-    [
-        (
-            "displayed_at_rest_n_per_mm",
-            run.displayed_n_per_mm(hold.clone()),
-        ),
-        ("ripple_at_rest_mm", run.ripple_mm(hold)),
-        (
-            "displayed_sliding_n_per_mm",
-            run.displayed_n_per_mm(slide.clone()),
-        ),
-        ("slide_mm_per_s", run.speed_mm_per_s(slide.clone())),
-        (
-            "most_tangential_over_normal",
-            run.most_tangential(slide.clone()),
-        ),
-        (
-            "largest_tangential_step_over_normal",
-            run.largest_jump(slide),
-        ),
-        ("books_off_j", run.audit_j),
-    ]
-}
-
-/// `results.json`.
-#[must_use]
-pub fn results(input: &Input) -> serde_json::Value {
-    let runs: Vec<_> = input
-        .runs
-        .iter()
-        .map(|run| {
-            let mut value = serde_json::json!({
-                "object": run.cell.object.name(),
-                "approach": run.cell.approach.name(),
-                "k_desired_n_per_mm": run.cell.k_desired_n_per_mm,
-                "stopped": run.stopped,
-            });
-            for (name, number) in numbers(run) {
-                value[name] = number.into();
-            }
-            value
-        })
-        .collect();
-    let claims: Vec<_> = input
-        .claims
-        .iter()
-        .map(|claim| {
-            serde_json::json!({
-                "name": claim.name,
-                "source": claim.source,
-                "statement": claim.statement,
-                "outcome": claim.outcome.name(),
-                "measured": claim.measured,
-            })
-        })
-        .collect();
-    serde_json::json!({
-        "command": input.command,
-        "program": input.program.version,
-        "files": [RESULTS, PAGE],
-        "dof": 3,
-        "mechanism": input.mechanism.word(),
-        "held_out": input.held_out.map(held_out_value),
-        "runs": runs,
-        "claims": claims,
-        "directions": directions(input.cards),
-    })
-}
-
-/// Every direction, with its worst figures, and every device in it.
-fn directions(cards: &[DirectionCard]) -> Vec<serde_json::Value> {
-    let cells = |card: &DirectionCard| -> Vec<_> {
-        let cells = card.cells.iter();
-        cells
-            .map(|(device, found, _)| {
-                serde_json::json!({
-                    "device": device,
-                    "figures": found.figures,
-                    "settle_from_ramp_end_s": found.settle_s,
-                })
-            })
-            .collect()
-    };
-    cards
-        .iter()
-        .map(|card| {
-            let worst = card.worst();
-            serde_json::json!({
-                "direction": card.at.name,
-                "normal": card.at.normal,
-                "worst": worst.figures,
-                "settle_from_ramp_end_s": worst.settle_s,
-                "devices": cells(card),
-            })
-        })
-        .collect()
-}
-
-/// A wall with a figure beyond its limit, for programs.
-fn beyond_wall(cell: &HeldOutCell) -> Option<serde_json::Value> {
-    let fails = cell.fails();
-    let names = || fails.iter().map(|(it, _)| it.heading().0);
-    cell.cause.map(|cause| {
-        serde_json::json!({
-            "wall": cell.drawn.text(),
-            "figures": names().collect::<Vec<_>>(),
-            "longest_n": cell.longest_n,
-            "cause": cause,
-        })
-    })
-}
-
-/// A check on walls that a setting was not chosen on, for programs.
-fn held_out_value(found: &HeldOut) -> serde_json::Value {
-    serde_json::json!({
-        "seed": found.seed,
-        "walls": found.cells.len(),
-        "beyond": found.failed(),
-        "beyond_at_the_motors_limit": found.failed_by(HeldOutCause::MotorsLimit),
-        "beyond_walls": found.cells.iter().filter_map(beyond_wall).collect::<Vec<_>>(),
-        "settle_from_ramp_end_s": found.settle_s(),
-        "worst": found.worst(),
-    })
-}
-
-/// The rows of such a check: figure, worst, median, how many walls are beyond, and the worst's wall.
+/// The rows of a check on walls that a setting was not chosen on: figure, worst, median, how many walls are beyond, and the worst's wall.
 fn held_out_rows(found: &HeldOut) -> Vec<[String; 5]> {
     let rows = found.worst().into_iter().map(|it| {
         let (heading, factor) = match it.measure {
@@ -200,7 +75,7 @@ fn held_out_rows(found: &HeldOut) -> Vec<[String; 5]> {
     rows.collect()
 }
 
-/// The same as text.
+/// The check's result as text.
 #[must_use]
 pub fn held_out_text(found: &HeldOut) -> String {
     let mut text = format!(
@@ -238,9 +113,9 @@ pub fn held_out_text(found: &HeldOut) -> String {
 /// Writes the page and `results.json` into a folder, complete or not at all.
 ///
 /// # Errors
-/// As [`super::write::write`].
+/// Same as [`super::write::write`].
 pub fn write(input: &Input, folder: &Path) -> Result<Written> {
-    let names = [RESULTS, PAGE].map(str::to_owned);
+    let names = FILES.map(str::to_owned);
     let stale = previous::stale(folder, input.command, input.files.force, &names)?;
     let files: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
     let page = page(input);
@@ -260,7 +135,7 @@ pub fn write(input: &Input, folder: &Path) -> Result<Written> {
     })
 }
 
-/// What the thesis claims.
+/// The section on the thesis' claims.
 fn claims_section(page: &mut String, claims: &[Claim]) {
     page.push_str(
         "<section>\n<h2 id=\"claims\">What the thesis claims, and what the simulation shows</h2>\n",
@@ -323,31 +198,57 @@ fn directions_section(page: &mut String, mechanism: Mechanism, cards: &[Directio
     page.push_str("</section>\n");
 }
 
-/// The page, one file without network.
-#[must_use]
-pub fn page(input: &Input) -> String {
-    let title = match input.mechanism {
-        Mechanism::Cartesian => {
-            "Stiff virtual objects on an omega.3: five approaches in three degrees of freedom"
+fn title(mechanism: Mechanism, compares: bool) -> &'static str {
+    match (compares, mechanism) {
+        (false, Mechanism::Cartesian) => "A stiff virtual object on an omega.3",
+        (false, Mechanism::Delta) => "A stiff virtual object on a delta mechanism",
+        (true, Mechanism::Cartesian) => {
+            "Stiff virtual objects on an omega.3: five approaches, and what ships"
         }
-        Mechanism::Delta => {
-            "Stiff virtual objects on a delta mechanism: five approaches in three degrees of freedom"
+        (true, Mechanism::Delta) => {
+            "Stiff virtual objects on a delta mechanism: five approaches, and what ships"
         }
-    };
-    let mut page = format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{}</style>\n</head>\n<body>\n\
-         <header>\n<h1>{title}</h1>\n<p>The thesis' comparison (§5.2), simulated on {}: each object is probed, held, slid along and let go.</p>\n</header>\n<main>\n",
-        include_str!("page.css"),
-        escape(input.mechanism.about())
-    );
-    if !input.claims.is_empty() {
-        claims_section(&mut page, input.claims);
     }
+}
+
+const ABOUT_ALL: &str = "Each object is probed, held, slid along and let go. The five approaches have the thesis' settings (§5.2). \
+    \"Shipped\" is the wall that touchstone device run plays on such a device: tuned for it, on estimated states, behind the energy guard.";
+const ABOUT_ONE: &str = "The object is probed, held, slid along and let go.";
+
+/// Displayed stiffness at rest, for a terminal: a row an approach and stiffness, a column an object.
+#[must_use]
+pub fn runs_text(runs: &[Record]) -> String {
+    let mut text = String::from(
+        "Displayed stiffness at rest, N/mm (\"rings\": it never came to rest; \"shipped\": the tuned wall behind the energy guard)\n",
+    );
+    let _ = write!(text, "  {:16} {:>5}", "approach", "k_de");
+    for object in Object::ALL {
+        let _ = write!(text, " {:>17}", object.name());
+    }
+    let first = runs.iter().filter(|run| run.cell.object == Object::ALL[0]);
+    for row in first {
+        let (approach, k) = (row.cell.approach, row.cell.k_desired_n_per_mm);
+        let _ = write!(text, "\n  {:16} {k:>5}", approach.name());
+        let same =
+            |run: &&Record| run.cell.approach == approach && run.cell.k_desired_n_per_mm == k;
+        for run in runs.iter().filter(same) {
+            let hold = run.late(Phase::Hold, 0.25);
+            let shown = if run.ripple_mm(hold.clone()) < AT_REST_MM {
+                format!("{:.2}", run.displayed_n_per_mm(hold))
+            } else {
+                "rings".to_owned()
+            };
+            let _ = write!(text, " {shown:>17}");
+        }
+    }
+    text + "\n"
+}
+
+/// The figures of the runs as a table.
+fn runs_section(page: &mut String, runs: &[Record]) {
     page.push_str("<section>\n<h2 id=\"runs\">Runs</h2>\n");
     table(
-        &mut page,
+        page,
         "At rest and sliding",
         &[
             "Object",
@@ -360,15 +261,23 @@ pub fn page(input: &Input) -> String {
             "Tangential/normal",
             "Its largest step",
         ],
-        input.runs.iter().map(|run| {
+        runs.iter().map(|run| {
             let [rest, ripple, sliding, speed, tangential, step, _] = numbers(run).map(|n| n.1);
+            let rests = ripple < AT_REST_MM;
+            let displayed = |stiffness: f64| {
+                if rests {
+                    format!("{stiffness:.2}")
+                } else {
+                    "rings".to_owned()
+                }
+            };
             [
                 run.cell.object.name().to_owned(),
                 run.cell.approach.name().to_owned(),
                 format!("{}", run.cell.k_desired_n_per_mm),
-                format!("{rest:.2}"),
+                displayed(rest),
                 format!("{ripple:.4}"),
-                format!("{sliding:.2}"),
+                displayed(sliding),
                 format!("{speed:.1}"),
                 format!("{tangential:.4}"),
                 format!("{step:.4}"),
@@ -376,6 +285,31 @@ pub fn page(input: &Input) -> String {
         }),
     );
     page.push_str("</section>\n");
+}
+
+/// The page, one file without network. A picture comes first; a single run shows its figures at once.
+#[must_use]
+pub fn page(input: &Input) -> String {
+    let compares = input.runs.len() > 1;
+    let title = title(input.mechanism, compares);
+    let about = if compares { ABOUT_ALL } else { ABOUT_ONE };
+    let mut page = format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{}</style>\n</head>\n<body>\n\
+         <header>\n<h1>{title}</h1>\n<p>Simulated on {}. {}</p>\n</header>\n<main>\n",
+        include_str!("page.css"),
+        escape(input.mechanism.about()),
+        escape(about)
+    );
+    page.push_str(&space_picture::section(input.runs));
+    if let ([run], false) = (input.runs, compares) {
+        page.push_str(&figures_of(run, 0, true));
+    }
+    runs_section(&mut page, input.runs);
+    if !input.claims.is_empty() {
+        claims_section(&mut page, input.claims);
+    }
     if !input.cards.is_empty() {
         directions_section(&mut page, input.mechanism, input.cards);
     }
@@ -401,11 +335,11 @@ pub fn page(input: &Input) -> String {
         );
         page.push_str("</section>\n");
     }
-    let drawn: Vec<String> = input
-        .runs
+    let further = if compares { input.runs } else { &[] };
+    let drawn: Vec<String> = further
         .par_iter()
         .enumerate()
-        .map(|(i, run)| figures_of(run, i))
+        .map(|(i, run)| figures_of(run, i, false))
         .collect();
     drawn.iter().for_each(|part| page.push_str(part));
     let _ = write!(
@@ -417,15 +351,17 @@ pub fn page(input: &Input) -> String {
     page
 }
 
-fn figures_of(run: &Record, index: usize) -> String {
+fn figures_of(run: &Record, index: usize, open: bool) -> String {
     let cell = &run.cell;
+    let open = if open { " open" } else { "" };
     let mut part = format!(
-        "<details id=\"run-{index}\"><summary><h2>{}, {} N/mm, {} ({})</h2></summary>\n",
+        "<details id=\"run-{index}\"{open}><summary><h2>{}, {} N/mm, {} ({})</h2></summary>\n",
         cell.object.name(),
         cell.k_desired_n_per_mm,
         cell.approach.name(),
         figures::reference(cell.object, cell.approach)
     );
+    part.push_str("<div class=\"plots\">\n");
     for (number, figure) in figures::of(run).iter().enumerate() {
         let _ = writeln!(
             part,
@@ -436,6 +372,6 @@ fn figures_of(run: &Record, index: usize) -> String {
             escape(&figure.description)
         );
     }
-    part.push_str("</details>\n");
+    part.push_str("</div>\n</details>\n");
     part
 }

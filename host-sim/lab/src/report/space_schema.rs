@@ -4,7 +4,7 @@ use super::plain_schema::{array, document, object};
 use crate::scorecard::measure::Measure;
 use serde_json::{Value, json};
 
-/// As a value, or null.
+/// The schema of a value that may be null.
 fn optional(mut schema: Value) -> Value {
     schema["type"] = json!([schema["type"], "null"]);
     schema
@@ -84,7 +84,7 @@ fn held_out() -> Value {
     ))
 }
 
-/// Of `touchstone thesis --dof 3`.
+/// Schema of the results of `touchstone thesis --dof 3`.
 #[must_use]
 pub fn comparison() -> Value {
     let run = object(
@@ -219,7 +219,7 @@ fn device_card() -> Value {
     ))
 }
 
-/// Of `touchstone device run --out`.
+/// Schema of the results of `touchstone device run --out`.
 #[must_use]
 pub fn device_run() -> Value {
     let wall = object(

@@ -13,17 +13,17 @@ use touchstone_sim::error::Error;
 
 /// How the folders' names begin; the number of the process follows.
 const PREFIX: &str = ".touchstone-report-";
-/// The locked file in it.
+/// Name of the locked file in the folder.
 const LOCK: &str = ".lock";
 /// Ending of the name while the folder is taken away.
 const GOING: &str = ".going";
 /// A lock younger than this may not be locked yet.
 const SETTLED: Duration = Duration::from_secs(10);
 
-/// Folders of this process that are there now, each with the parents that were made for it, innermost first.
+/// The present staging folders of this process, each with the parents that were made for it, innermost first.
 static PRESENT: Mutex<Vec<(PathBuf, Vec<PathBuf>)>> = Mutex::new(Vec::new());
 
-/// A panic while it was held has nothing half-done in it: entries are put in and taken out whole.
+/// The list, locked. A panic under the lock leaves nothing half-done: entries are added and removed whole.
 fn present() -> MutexGuard<'static, Vec<(PathBuf, Vec<PathBuf>)>> {
     PRESENT.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -157,7 +157,7 @@ fn parent(folder: &Path) -> &Path {
     }
 }
 
-/// Takes a folder away, with the empty parents that were made for it.
+/// Removes a folder, with the empty parents that were made for it.
 fn remove(path: &Path, made: &[PathBuf]) {
     // By another name first: whoever still writes into it by its name then fails, and cannot keep it from becoming empty. Where
     // it cannot be renamed (open files on some systems) it is removed as it stands. Nothing more can be done about a failure.
@@ -176,8 +176,8 @@ fn remove_empty(made: &[PathBuf]) {
     }
 }
 
-/// For a process that is told to end: takes away every folder that a report is being prepared in, then runs `last`, which ends the
-/// process. Reports that others are about to begin or to put in place wait until then, and so never come.
+/// For a process that is to end: removes every staging folder, then runs `last`, which ends the process. Other threads
+/// that are about to begin or publish a report wait until then, and so never do.
 pub fn abandon(last: impl FnOnce(&[PathBuf])) {
     let mut present = present();
     let folders: Vec<(PathBuf, Vec<PathBuf>)> = present.drain(..).collect();
@@ -193,12 +193,12 @@ pub fn abandon(last: impl FnOnce(&[PathBuf])) {
 pub struct Stale {
     /// The folder.
     pub path: PathBuf,
-    /// Whether it was removed; otherwise nobody can tell whether its run is still alive.
+    /// Whether it was removed; if not, it is unknown whether its run is still alive.
     pub removed: bool,
 }
 
-/// Looks for folders of ended runs in and beside `target`, where reports were to be written, and removes them. One of which it
-/// cannot be told is named and left.
+/// Finds staging folders of ended runs in and beside `target`, and removes them. A folder whose run may be alive is
+/// named and left.
 #[must_use]
 pub fn sweep(target: &Path) -> Vec<Stale> {
     let mut found: Vec<Stale> = Vec::new();
@@ -231,7 +231,7 @@ pub fn sweep(target: &Path) -> Vec<Stale> {
     found
 }
 
-/// Whether the run of a folder has ended; `None` where that cannot be told.
+/// Whether a folder's run has ended; `None` where that is unknown.
 fn ended(path: &Path) -> Option<bool> {
     let lock = File::open(path.join(LOCK)).ok()?;
     match lock.try_lock() {

@@ -1,4 +1,5 @@
-//! What a reader meets first: what was compared, the words, the picture, one table; then the other conditions, folded.
+//! The first part of a report: the picture, what was compared, the words, one table; then the other conditions,
+//! folded.
 
 use std::fmt::Write;
 

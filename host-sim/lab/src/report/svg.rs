@@ -1,7 +1,7 @@
 //! Draws a [`Figure`] as inline SVG.
 //!
 //! Why not a plotting library: the drawing must follow the reader's light or dark theme, so every mark needs a CSS class instead
-//! of a colour; strokes and dashes must keep their width when a plot is scaled to a phone or a wide screen; and a page of 160
+//! of a colour. Strokes and dashes must keep their width when a plot is scaled to a phone or a wide screen; and a page of 160
 //! plots must stay small, so coordinates are short integers relative to each other. `plotters` writes fixed colours and one
 //! absolute decimal coordinate after another. What is needed here is little: two linear axes, lines, a band.
 
@@ -100,7 +100,7 @@ fn axis_title(axis: &Axis, scale: &Scale) -> String {
     }
 }
 
-/// Ends in the shown unit, and the unit, for the read-out script.
+/// Ends of the axis in the shown unit, and the unit, for the read-out script.
 fn attributes(axis: &Axis, scale: &Scale, name: char) -> String {
     let (min, max) = (axis.range.min / scale.factor, axis.range.max / scale.factor);
     format!(r#"data-{name}="{min:.6} {max:.6} {}""#, scale.unit)

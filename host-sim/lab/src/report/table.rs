@@ -1,4 +1,4 @@
-//! What the terminal shows: `k_de` × law for several runs, a list of numbers for one.
+//! The terminal's output: `k_de` × law for several runs, a list of numbers for one.
 
 use std::io::IsTerminal;
 

@@ -32,7 +32,7 @@ pub fn button(input: &ReportInput, origin: &Origin, index: usize) -> String {
     }
 }
 
-/// A scene without what is written for people.
+/// A scene without its texts for people.
 fn bare(text: &str) -> String {
     let mut bare = String::with_capacity(text.len() / 2);
     for line in text.lines() {

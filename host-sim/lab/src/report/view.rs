@@ -1,4 +1,4 @@
-//! What the plots show of one run: where it touches the wall, its displayed stiffness, its path, and axes that suit it.
+//! The plotted view of one run: where it touches the wall, its displayed stiffness, its path, and suitable axes.
 
 use super::figure::Range;
 use touchstone_sim::run::record::{Run, Trace};
@@ -10,7 +10,7 @@ pub type Strokes = Vec<Vec<(f64, f64)>>;
 pub struct View<'a> {
     /// The run.
     pub run: &'a Run,
-    /// Its trace.
+    /// The run's trace.
     pub trace: &'a Trace,
     /// Critical stiffness, N·m/rad.
     pub k_critical: Option<f64>,
@@ -93,7 +93,7 @@ impl<'a> View<'a> {
         self.trace.surface_rad[self.contact.start]
     }
 
-    /// Measured penetration, what the law acts on, rad.
+    /// Measured penetration, which the law gets, rad.
     fn penetration(&self, index: usize) -> f64 {
         self.trace.angle_measured_rad[index] - self.trace.surface_rad[index]
     }
@@ -109,7 +109,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Axes that show this run well by itself.
+    /// Axes that suit this run alone.
     pub fn ranges(&self) -> Ranges {
         let trace = self.trace;
         let k_de = self.run.summary.k_desired;

@@ -13,14 +13,14 @@ use super::staging::{Staging, io_error};
 use super::{ReportInput, csv, html, json, picture, previous};
 use touchstone_sim::error::Result;
 
-/// What was written.
+/// The written report.
 #[derive(Debug, Clone)]
 pub struct Written {
     /// The page, as a path the user can open.
     pub page: PathBuf,
     /// All files, relative to the folder.
     pub files: Vec<PathBuf>,
-    /// Their bytes.
+    /// Length of the instruction, bytes.
     pub bytes: u64,
 }
 
@@ -79,12 +79,12 @@ const PICTURE: &str = "summary.svg";
 const RESULTS: &str = "results.json";
 const PAGE: &str = "index.html";
 
-/// What stands beside a CSV file.
+/// Name of the metadata file beside a CSV file.
 fn sidecar(csv: &str) -> String {
     format!("{csv}-metadata.json")
 }
 
-/// All files of the report, the page last: it is what the others belong to.
+/// All files of the report, the page last, since it refers to the others.
 fn names(input: &ReportInput, origin: &Origin) -> Vec<String> {
     let mut names = Vec::new();
     for run in &origin.runs {

@@ -1,32 +1,32 @@
-//! The device as it is and as it may also be, and what a hand does to it.
+//! The nominal device and varied ones, and the hand's actions.
 
 use serde::Serialize;
 use touchstone_sim::scene::{Grip, MotionSpec, PressWiggleRelease, Scene, TouchAndPress};
 
-/// The hands of a scorecard; of every figure the worst of them counts.
+/// The hands of a scorecard; of every figure the worst over them counts.
 pub const GRIPS: [Grip; 3] = [Grip::Light, Grip::Medium, Grip::Firm];
 
-/// How a device differs from what its law was told.
+/// How a device differs from the one that its law assumes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
-    /// Not at all.
+    /// The device is nominal.
     Nothing,
-    /// So many times the counts.
+    /// The counts times this factor.
     Counts(f64),
-    /// So many times the inertia.
+    /// The inertia times this factor.
     Inertia(f64),
-    /// So many times the damping.
+    /// The damping times this factor.
     Damping(f64),
-    /// A command acts so many ticks after its sample.
+    /// A command acts this many ticks after its sample.
     Delay(f64),
 }
 
 /// One device that a setting must serve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Case {
-    /// Its name; that of the encoder is for 40,000 counts.
+    /// Name of the device; that of the encoder's case is for 40,000 counts.
     pub name: &'static str,
-    /// How it differs.
+    /// The change that makes it differ from the nominal device.
     pub change: Change,
 }
 
@@ -34,7 +34,7 @@ const fn case(name: &'static str, change: Change) -> Case {
     Case { name, change }
 }
 
-/// All of them, the nominal device first.
+/// All devices, the nominal one first.
 pub const CASES: [Case; 9] = [
     case("nominal", Change::Nothing),
     // 16,384 of 40,000: a magnetic sensor of 14 bits in place of an optical disc.
@@ -48,13 +48,13 @@ pub const CASES: [Case; 9] = [
     case("double damping", Change::Damping(2.0)),
 ];
 
-/// `T sqrt(k_de/J)` above which half the inertia or a whole tick of delay is not asked for: sampling ends near 1.
+/// `T sqrt(k_de/J)` above which a wall need not hold half the inertia or a whole tick of delay: sampling ends near 1.
 pub const STIFFEST_FOR_ALL: f64 = 0.5;
 /// Delay from which on a press may go deeper, ticks.
 pub const LATE_TICKS: f64 = 0.5;
 
 impl Case {
-    /// Whether a wall of this `T sqrt(k_de/J)` is asked to hold it.
+    /// Whether a wall of this `T sqrt(k_de/J)` must hold on the device.
     #[must_use]
     pub fn is_asked(&self, stiffness_per_tick: f64) -> bool {
         let always = match self.change {
@@ -71,7 +71,7 @@ impl Case {
         matches!(self.change, Change::Delay(ticks) if ticks >= LATE_TICKS)
     }
 
-    /// The scene with this device. What its law is told stays.
+    /// The scene with this device. The settings of its law do not change.
     #[must_use]
     pub fn of(&self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
@@ -92,13 +92,13 @@ impl Case {
     }
 }
 
-/// What a hand does.
+/// An action of the hand.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Deed {
     /// Touches lightly, presses, holds, lets go.
     Press,
-    /// Presses, then pushes harder and softer at so many hertz.
+    /// Presses, then pushes harder and softer at this frequency, Hz.
     Move(f64),
 }
 
@@ -115,7 +115,7 @@ pub fn most_torque_n_m(scene: &Scene) -> f64 {
     motor.min(scene.law.force_limit_n_m)
 }
 
-/// What is done to every device.
+/// The actions of the hand on every device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Programme {
     /// Touch, press and release.
@@ -125,8 +125,8 @@ pub struct Programme {
 }
 
 impl Programme {
-    /// The scene's own press, where it has one, with a touch before it; and a hand that moves at 1, 2 and 4 Hz. A press is at most
-    /// [`MOST_OF_THE_TORQUE`] of what the wall can give, and its touch is less in proportion.
+    /// The scene's own press, where it has one, with a touch before it; then a hand that moves at 1, 2 and 4 Hz. A
+    /// press is at most [`MOST_OF_THE_TORQUE`] of the wall's largest force, and its touch is smaller in proportion.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let mut press = match &scene.operator.motion {
@@ -150,14 +150,14 @@ impl Programme {
         }
     }
 
-    /// Only the slowest and the fastest motion.
+    /// Keeps only the slowest and the fastest motion.
     #[must_use]
     pub fn with_fewer_motions(mut self) -> Self {
         self.frequencies_hz = vec![1.0, 4.0];
         self
     }
 
-    /// The same with a shorter touch and hold.
+    /// Shortens the touch and the hold of every action.
     #[must_use]
     pub fn shortened(mut self) -> Self {
         self.press.touch_s = self.press.touch_s.min(0.3);
@@ -165,12 +165,12 @@ impl Programme {
         self.with_fewer_motions()
     }
 
-    /// Press and motions.
+    /// The press and the motions.
     pub fn deeds(&self) -> impl Iterator<Item = Deed> + '_ {
         std::iter::once(Deed::Press).chain(self.frequencies_hz.iter().copied().map(Deed::Move))
     }
 
-    /// The scene with this grip and deed.
+    /// The scene with this grip and action.
     #[must_use]
     pub fn scene(&self, scene: &Scene, grip: Grip, deed: Deed) -> Scene {
         let mut scene = scene.clone();

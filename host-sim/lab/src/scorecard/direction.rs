@@ -1,4 +1,5 @@
-//! The scorecard's figures along one direction of space: what a hand does along a normal, and what is read off depth and force.
+//! The scorecard's figures along one direction of space: the hand's actions along a normal, and the figures from depth
+//! and force.
 
 use super::cases::Deed;
 use super::measure::Figures;
@@ -11,9 +12,9 @@ use touchstone_world::plant::Hand;
 pub struct Approach {
     /// Desired stiffness, N/m.
     pub k_desired_n_per_m: f64,
-    /// What the hand pushes with in the end, N.
+    /// The hand's final push, N.
     pub push_n: f64,
-    /// What it touches with before, N.
+    /// Force of the touch before the press, N.
     pub touch_n: f64,
     /// Step of a measured position, m.
     pub count_m: f64,
@@ -31,12 +32,12 @@ const TOUCH_S: f64 = 0.5;
 const RAMP_S: f64 = 0.3;
 const HOLD_S: f64 = 0.8;
 const RELEASE_S: f64 = 0.4;
-/// Of the push, up and down, while the hand moves.
+/// Amplitude of the moving hand as a share of the push.
 const MOVE_SHARE: f64 = 0.3;
-/// From the end of the ramp until a press counts as settled, it is within this share of `F/k_de`, after what a count is.
+/// A press counts as settled when it stays within this share of `F/k_de`, beyond a count.
 const SETTLED: f64 = 0.05;
 
-/// From 0 to 1 without a jump of speed or acceleration, as hands move.
+/// A rise from 0 to 1 without a jump of speed or acceleration, as hands move.
 pub(super) fn smooth(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * t * (10.0 - 15.0 * t + 6.0 * t * t)
@@ -57,7 +58,7 @@ impl Approach {
         (from, from + frequency_hz.ceil().max(1.0) * period_s)
     }
 
-    /// How long a deed takes, s.
+    /// How long an action takes, s.
     #[must_use]
     pub fn seconds(&self, deed: Deed) -> f64 {
         match deed {
@@ -66,7 +67,7 @@ impl Approach {
         }
     }
 
-    /// How many ticks a deed takes.
+    /// How many ticks an action takes.
     #[must_use]
     pub fn ticks(&self, deed: Deed) -> u64 {
         self.tick_of(self.seconds(deed))
@@ -101,7 +102,7 @@ impl Approach {
         out - OUTSIDE_M
     }
 
-    /// The stiffness that is asked for.
+    /// The desired stiffness.
     #[must_use]
     pub fn stiffness(&self) -> DesiredStiffness {
         DesiredStiffness {
@@ -117,7 +118,7 @@ impl Approach {
         self.tick_of(Self::ramp_start_s(Deed::Press) + RAMP_S + HOLD_S)
     }
 
-    /// Watches a deed.
+    /// Watches an action.
     #[must_use]
     pub fn watch(&self, deed: Deed) -> DirectionWatch {
         let ramp_end_s = Self::ramp_start_s(deed) + RAMP_S;
@@ -152,7 +153,7 @@ impl Approach {
     }
 }
 
-/// Takes depth and force of a deed, tick by tick.
+/// Takes depth and force of an action, tick by tick.
 #[derive(Debug, Clone)]
 pub struct DirectionWatch {
     press: Option<PressFigures>,
@@ -165,17 +166,17 @@ pub struct DirectionWatch {
     k_desired_n_per_m: f64,
 }
 
-/// What a direction's deeds came to: the worst of them.
+/// The worst figures of all actions along a direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DirectionFigures {
-    /// Those of the scorecard; of energy only where somebody counted it, ripple in N.
+    /// The scorecard's figures; energy only where it was counted, ripple in N.
     pub figures: Figures,
     /// From the end of the ramp until the press stays within 5 %, s; `None` where it never did.
     pub settle_s: Option<f64>,
 }
 
 impl DirectionFigures {
-    /// Nothing seen yet.
+    /// A memory that has seen no tick yet.
     pub const NONE: Self = Self {
         figures: Figures::NONE,
         settle_s: Some(0.0),
@@ -210,13 +211,13 @@ impl DirectionWatch {
         }
     }
 
-    /// What a moving hand met so far.
+    /// Response of the wall to the moving hand so far.
     #[must_use]
     pub fn response(&self) -> Option<&Response> {
         self.response.as_ref()
     }
 
-    /// What it came to.
+    /// The figures of the finished run.
     #[must_use]
     pub fn finish(mut self) -> DirectionFigures {
         if let Some(response) = &self.response {

@@ -18,7 +18,7 @@ use touchstone_sim::error::Result;
 use touchstone_sim::scene::{Grip, Scene, SensorNoise};
 use touchstone_world::plant::{FIRM, Hand, LIGHT};
 
-/// A press that goes deeper than so many times `F/k_de` is lost ...
+/// A press deeper than this many times `F/k_de` counts as lost ...
 pub const LOST_DEPTH: f64 = 5.0;
 /// ... as is one that is held with less than half or more than one and a half of `k_de`.
 pub const LOST_ERROR: f64 = 0.5;
@@ -42,9 +42,9 @@ const MAP: [(f64, f64); 3] = [(0.0, 1.35), (0.5, 0.92), (1.0, 0.62)];
 pub struct Member {
     /// The scene with this device.
     pub scene: Scene,
-    /// A grip of the scorecard, or a hand of its own.
+    /// A grip of the scorecard, or a drawn hand.
     pub hand: (Grip, Option<Hand>),
-    /// In words.
+    /// The name in words.
     pub name: String,
     /// Delay, ticks.
     pub delay_ticks: f64,
@@ -127,7 +127,7 @@ impl Member {
         }
     }
 
-    /// Whether `T sqrt(k_de/J)` is beyond what a tuned law was found to hold at this delay.
+    /// Whether `T sqrt(k_de/J)` is beyond what any tuned law holds at this delay.
     #[must_use]
     pub fn is_beyond_map(&self) -> bool {
         stiffness_per_tick(&self.scene) > most_stiffness_per_tick(self.delay_ticks)
@@ -158,7 +158,7 @@ fn most_stiffness_per_tick(delay_ticks: f64) -> f64 {
     start + (end - start) * (delay_ticks - from) / (to - from)
 }
 
-/// All corners: at every rate and noise 216.
+/// All corners: 216 with every rate and noise.
 #[must_use]
 pub fn corners(scene: &Scene, around: &Around) -> Vec<Member> {
     let mut members = Vec::new();
@@ -185,8 +185,8 @@ pub fn corners(scene: &Scene, around: &Around) -> Vec<Member> {
     members
 }
 
-/// So many members between the corners, in hands between and a little beyond the grips. The same seed draws the same, and the first of many are
-/// those of few.
+/// This many members between the corners, in hands between and a little beyond the grips. A seed always draws the same
+/// members, and a larger number begins with those of a smaller one.
 #[must_use]
 pub fn sample(scene: &Scene, around: &Around, members: usize, seed: u64) -> Vec<Member> {
     let scenes = around.scenes(scene);
@@ -231,9 +231,9 @@ pub struct Nominal {
     pub touch_penetration_ratio: Option<f64>,
     /// The touch over that of the ideal damped wall.
     pub touch: Option<TouchRatios>,
-    /// Of the press.
+    /// Deepest penetration of the press over the ideal one.
     pub peak_penetration_ratio: Option<f64>,
-    /// Of the torque from tick to tick while the hand moves, rms, N·m.
+    /// Ripple of the torque from tick to tick while the hand moves, rms, N·m.
     pub ripple_rms_n_m: Option<f64>,
     /// Motion at the end of the hold, peak to peak, rad.
     pub motion_at_rest_rad: Option<f64>,
@@ -259,7 +259,7 @@ impl Nominal {
     }
 }
 
-/// One member and what became of it.
+/// One member and its result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Judged {
     /// Hand, counts, inertia, damping, delay, rate and noise.
@@ -268,11 +268,11 @@ pub struct Judged {
     pub stiffness_per_tick: f64,
     /// Delay, ticks.
     pub delay_ticks: f64,
-    /// Whether `T sqrt(k_de/J)` is beyond what a tuned law was found to hold at this delay.
+    /// Whether `T sqrt(k_de/J)` is beyond what any tuned law holds at this delay.
     pub beyond_map: bool,
     /// Deepest penetration of the press over `F/k_de`; absent where the wall is lost.
     pub press: Option<f64>,
-    /// The same of the touch, over the same depth.
+    /// Depth of the touch, over the ideal depth of the press.
     pub touch: Option<f64>,
 }
 
@@ -292,11 +292,11 @@ pub struct Family {
     pub law: String,
     /// `k_de`, N·m/rad.
     pub k_desired: f64,
-    /// Members.
+    /// Number of members.
     pub members: usize,
     /// Members whose wall is lost.
     pub lost: usize,
-    /// Of these, those beyond the map.
+    /// How many of the lost members are beyond the map.
     pub lost_beyond_map: usize,
     /// Members that are lost or go deeper than [`DEEP`].
     pub deep: usize,
@@ -310,10 +310,10 @@ pub struct Family {
     pub worst: Vec<Judged>,
 }
 
-/// Judges members; `done` hears of each that is finished.
+/// Judges members; calls `done` after each.
 ///
 /// # Errors
-/// Settings that the law cannot take for one of them.
+/// Settings that the law cannot have for one of them.
 pub fn judge(
     law: &str,
     scene: &Scene,

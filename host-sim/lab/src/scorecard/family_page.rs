@@ -4,7 +4,7 @@ use super::family::{DEEP, Family, LOST_DEPTH};
 use super::page::touch_cells;
 use std::fmt::Write;
 
-/// A row a wall, what is nominal and who is worst, as text.
+/// A row for each wall, with the nominal and the worst member, as text.
 #[must_use]
 pub fn text(families: &[Family]) -> String {
     let mut text = String::from(

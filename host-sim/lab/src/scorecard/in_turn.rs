@@ -1,10 +1,11 @@
-//! All that a hand does for a scorecard, one deed after the other, on a device that cannot be put back to its start between them.
+//! All actions of a scorecard's hand, one after the other, on a device that cannot be put back to its start between
+//! them.
 
 use super::cases::Deed;
 use super::direction::{Approach, OUTSIDE_M, smooth};
 use touchstone_world::plant::Hand;
 
-/// What is done to a device, in this order.
+/// The actions, in this order.
 pub const DEEDS: [Deed; 4] = [
     Deed::Press,
     Deed::Move(1.0),
@@ -12,7 +13,7 @@ pub const DEEDS: [Deed; 4] = [
     Deed::Move(4.0),
 ];
 
-/// Out of the wall after a deed, and at rest there until the next, s.
+/// Time outside the wall between two actions, s.
 const OUT_S: f64 = 0.5;
 const REST_S: f64 = 1.5;
 
@@ -27,7 +28,7 @@ pub struct DeedsInTurn {
 }
 
 impl DeedsInTurn {
-    /// From a tick on; until then the hand rests outside.
+    /// Starts the approach at a tick; until then the hand rests outside.
     #[must_use]
     pub fn new(approach: Approach, hand: Hand, first: u64) -> Self {
         Self {
@@ -41,7 +42,7 @@ impl DeedsInTurn {
         ((OUT_S + REST_S) * f64::from(self.approach.rate_hz)).round() as u64
     }
 
-    /// Every deed with the tick with which it begins.
+    /// Every action with the tick with which it begins.
     pub fn begun(&self) -> impl Iterator<Item = (Deed, u64)> + '_ {
         DEEDS.iter().scan(self.first, |next, deed| {
             let first = *next;
@@ -50,7 +51,7 @@ impl DeedsInTurn {
         })
     }
 
-    /// How many ticks all of it takes.
+    /// Number of ticks of all actions.
     #[must_use]
     pub fn ticks(&self) -> u64 {
         self.begun()

@@ -4,7 +4,7 @@ use super::touch::TouchRatios;
 use serde::Serialize;
 use touchstone_sim::run::measure::{Response, Ripple};
 
-/// A figure with a limit. Of all of them less is better, and the worst of several is the largest.
+/// A figure with a limit. Less is better in all of them, and the worst of several is the largest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
@@ -12,9 +12,9 @@ pub enum Measure {
     PeakPenetrationRatio,
     /// Largest deviation of the force from `k_de x` deeper than ten counts, after half a count, over `k_de x`: ramp and hold.
     StiffnessError,
-    /// The same from 50 ms after the ramp to the end of the hold.
+    /// Error of the stiffness from 50 ms after the ramp to the end of the hold.
     StiffnessErrorHeld,
-    /// The same while the hand lets go.
+    /// Error of the stiffness while the hand lets go.
     StiffnessErrorRelease,
     /// Deviation of the modulus of `F/x` of a hand that moves, over `k_de`.
     ModulusError,
@@ -27,7 +27,7 @@ pub enum Measure {
 }
 
 impl Measure {
-    /// All, in the order of [`Figures`].
+    /// All figures, in the order of [`Figures`].
     pub const ALL: [Measure; 8] = [
         Measure::PeakPenetrationRatio,
         Measure::StiffnessError,
@@ -54,7 +54,7 @@ impl Measure {
         }
     }
 
-    /// What is meant, in words.
+    /// The figure's meaning, in words.
     #[must_use]
     pub fn about(self) -> &'static str {
         match self {
@@ -87,18 +87,18 @@ impl Measure {
 pub struct Figures(pub [f64; 8]);
 
 impl Figures {
-    /// Nothing seen yet.
+    /// A memory that has seen no tick yet.
     pub const NONE: Figures = Figures([0.0; 8]);
-    /// As bad as can be.
+    /// The figures of a lost wall, all infinite.
     pub const LOST: Figures = Figures([f64::INFINITY; 8]);
 
-    /// One of them.
+    /// One of the figures.
     #[must_use]
     pub fn get(&self, measure: Measure) -> f64 {
         self.0[measure.index()]
     }
 
-    /// Makes one of them at least so large; what is no number is as bad as can be.
+    /// Raises a figure to at least this value; a value that is no number counts as infinite.
     pub fn raise(&mut self, measure: Measure, value: f64) {
         let slot = &mut self.0[measure.index()];
         *slot = if value.is_nan() {
@@ -108,7 +108,7 @@ impl Figures {
         };
     }
 
-    /// What a hand that moved met; where it left the wall, as bad as can be.
+    /// Takes the response to a moving hand; infinite where the hand left the wall.
     pub fn raise_moved(&mut self, response: &Response, k_desired: f64) {
         let (modulus, phase) = match response.stiffness() {
             Some(it) => (
@@ -121,7 +121,7 @@ impl Figures {
         self.raise(Measure::PhaseDeg, phase);
     }
 
-    /// Ripple of what was felt; where nothing was, as bad as can be.
+    /// Takes the ripple; infinite where no force was felt.
     pub fn raise_ripple(&mut self, ripple: &Ripple) {
         let rms = ripple.tick_to_tick_rms_n_m().unwrap_or(f64::INFINITY);
         self.raise(Measure::RippleRmsNM, rms);
@@ -172,14 +172,14 @@ pub struct Limits {
     pub energy_j: f64,
 }
 
-/// What the sums of a run are accurate to, J: far below what a hand feels, far above the rounding of some thousand ticks.
+/// Accuracy of a run's energy sums, J: far below what a hand feels, far above the rounding of some thousand ticks.
 pub const ENERGY_ROUNDING_J: f64 = 1e-9;
 
 /// Energy given that counts as much as any other figure at twice its limit, J.
 const GRAVE_ENERGY_J: f64 = 1e-4;
 
 impl Limits {
-    /// Of a case that is late or not, with a limit of the ripple.
+    /// Limits of a case with or without delay, and with a limit of the ripple.
     #[must_use]
     pub fn new(late: bool, ripple_n_m: f64) -> Self {
         Self {
@@ -204,12 +204,12 @@ impl Limits {
     }
 }
 
-/// What is shown beside, without a limit: each the worst that was seen.
+/// Figures without a limit: of each the worst.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Beside {
     /// Deepest penetration of the light touch over that of the press at `k_de`: a blow, which inertia carries in.
     pub touch_penetration_ratio: f64,
-    /// From the end of the ramp until within 5 %, s; absent where it never was.
+    /// Time from the end of the ramp until the stiffness is within 5 %, s; absent if it never is.
     pub settle_from_ramp_end_s: Option<f64>,
     /// Outward speed after release, rad/s.
     pub release_speed_rad_per_s: f64,
@@ -221,11 +221,11 @@ pub struct Beside {
     pub extended_rate_hardness: Option<f64>,
     /// Least of the largest torque in the first five milliseconds of a touch, N·m.
     pub touch_torque_n_m: Option<f64>,
-    /// The touch over that of the ideal damped wall for the same hand; absent where nobody asked.
+    /// The touch over that of the ideal damped wall for the same hand; `None` if it was not computed.
     pub touch: Option<TouchRatios>,
     /// Most energy that the hand got out in any window of time, J.
     pub energy_out_worst_window_j: f64,
-    /// The same that the wall's port gave since the start, J.
+    /// The most energy that the wall's port gave since the start, J.
     pub energy_out_wall_j: f64,
     /// Motion at the end of the hold, peak to peak, counts; absent without an encoder.
     pub motion_at_rest_counts: Option<f64>,

@@ -1,8 +1,9 @@
-//! A scorecard: what a hand feels of a wall under several laws, on the device as it is and as it may also be.
+//! A scorecard: what a hand feels of a wall under several laws, on the nominal device and on varied ones.
 //!
-//! [`cases`] has the devices and what a hand does, [`family`] devices of which all is different at once; [`measure`] the figures with their limits, [`watch`] takes them of one run;
-//! [`rivals`] are the laws, [`mod@reference`] what ripple is measured by. Every figure is the worst of three grips. [`words`] says in
-//! plain sentences where each law fails and where a spring with damping does better; [`page`] writes it all for people.
+//! [`cases`] has the devices and the hand's actions, [`family`] devices that vary in everything at once; [`measure`]
+//! the figures with their limits, [`watch`] takes them from one run; [`rivals`] are the laws, [`mod@reference`] gives
+//! the limit of the ripple. Every figure is the worst of three grips. [`words`] says in plain sentences where each law
+//! fails and where a spring with damping does better; [`page`] writes it all for people.
 
 pub mod cases;
 pub mod direction;
@@ -44,9 +45,9 @@ pub struct Cell {
     pub case: &'static str,
     /// The worst of three grips.
     pub figures: Figures,
-    /// What has no limit.
+    /// Figures without a limit.
     pub beside: Beside,
-    /// What they may be.
+    /// Limits of the figures.
     pub limits: Limits,
     /// The figure that is largest over its limit, and by how much; above 1 it fails.
     pub worst: (Measure, Option<f64>),
@@ -76,12 +77,12 @@ impl Cell {
     }
 }
 
-/// One law.
+/// The results of one law.
 #[derive(Debug, Clone, Serialize)]
 pub struct Row {
-    /// Its name.
+    /// Name of the law.
     pub law: &'static str,
-    /// What it is.
+    /// Description of the law.
     pub about: &'static str,
     /// Where it comes from.
     pub source: &'static str,
@@ -101,7 +102,7 @@ pub struct Row {
     pub fails: Vec<String>,
 }
 
-/// All laws.
+/// The results of all laws.
 #[derive(Debug, Clone, Serialize)]
 pub struct Scorecard {
     /// The scene.
@@ -114,9 +115,9 @@ pub struct Scorecard {
     pub reference: Reference,
     /// Touch of the ideal damped wall and of the undamped spring over the former's, the nominal device, worst of three grips.
     pub ideal_touch: Option<[TouchRatios; 2]>,
-    /// Devices that a wall as stiff as this is not asked to hold.
+    /// Devices that a wall as stiff as this need not hold.
     pub not_asked: Vec<&'static str>,
-    /// One row a law.
+    /// One row for each law.
     pub rows: Vec<Row>,
     /// Where a spring with damping does better, and where not, in words.
     pub damped_spring: Vec<String>,
@@ -128,7 +129,7 @@ pub fn stiffness_per_tick(scene: &Scene) -> f64 {
     (scene.wall.k_desired_n_m_per_rad / scene.device.inertia_kg_m2).sqrt() * scene.timing.period_s()
 }
 
-/// The devices that a wall of this scene is asked to hold.
+/// The devices on which a wall of this scene must hold.
 pub fn asked(scene: &Scene) -> impl Iterator<Item = &'static Case> {
     let stiffness = stiffness_per_tick(scene);
     CASES.iter().filter(move |case| case.is_asked(stiffness))
@@ -215,7 +216,7 @@ fn row(scene: &Scene, rival: &Rival, tuned: bool, reference: &Reference) -> Row 
 /// A law with its settings: those of its scene, or tuned ones.
 #[derive(Debug, Clone)]
 pub struct Entry {
-    /// Which.
+    /// The quantity that is wrong.
     pub rival: &'static Rival,
     /// The scene with its law.
     pub scene: Scene,
@@ -223,7 +224,7 @@ pub struct Entry {
     pub tuned: bool,
 }
 
-/// The scorecard of a scene for several laws; `done` is told of each that is finished.
+/// The scorecard of a scene for several laws; calls `done` after each.
 ///
 /// # Errors
 /// A scene whose spring-damper cannot run. A law that refuses the scene has a row that says so.
@@ -232,7 +233,7 @@ pub fn scorecard(scene: &Scene, entries: &[Entry], done: impl FnMut(&str)) -> Re
     Ok(with_reference(scene, entries, reference, done))
 }
 
-/// The same with a reference of ripple that is known already.
+/// Same as [`scorecard`], with a reference ripple that is already known.
 pub fn with_reference(
     scene: &Scene,
     entries: &[Entry],

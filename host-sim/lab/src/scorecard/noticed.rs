@@ -1,4 +1,4 @@
-//! What a hand did that nobody told what to do, looked for in the ticks of a run: rests, rhythms, and how it left the wall.
+//! Finds in the ticks of a run what a free hand did: rests, rhythms, and how it left the wall.
 
 use super::in_turn::DeedsInTurn;
 use super::measure::{Figures, Measure};
@@ -9,41 +9,42 @@ use serde::Serialize;
 use std::ops::Range;
 use touchstone_sim::run::measure::{RateHardness, Release, Response, Ripple};
 
-/// What was run.
+/// The run.
 #[derive(Debug, Clone, Copy)]
 pub struct DeviceRun<'a> {
     /// Every tick.
     pub ticks: &'a [TouchedTick],
     /// Control rate, Hz.
     pub rate_hz: u32,
-    /// What the wall was asked for.
+    /// The wall's desired stiffness.
     pub stiffness: DesiredStiffness,
     /// The force had faded in, in ticks.
     pub whole_from: u64,
     /// Whether its commands come half a tick late or more.
     pub late: bool,
-    /// What the hand was told to do, where it does what it is told.
+    /// The hand's actions, where a programme commands it.
     pub turn: Option<DeedsInTurn>,
 }
 
-/// What a moving hand met at a frequency; of several stretches what is furthest from the stiffness that was asked for, and the largest phase.
+/// Response to a hand that moves at a frequency; of several stretches the one furthest from the desired stiffness, and
+/// the largest phase.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MovedAt {
-    /// Its frequency, Hz.
+    /// Frequency of the motion, Hz.
     pub frequency_hz: f64,
     /// `|F/x|`, N/m; absent where the hand left the wall.
     pub modulus_n_per_m: Option<f64>,
     /// Lead of the force, degrees.
     pub phase_deg: Option<f64>,
-    /// How many stretches.
+    /// Number of stretches.
     pub stretches: usize,
 }
 
-/// A rest, and a contact that is looked at, lasts at least so long, s.
+/// Least duration of a rest or a contact that counts, s.
 const STRETCH_S: f64 = 0.25;
-/// Around the moment at which the surface is left its speed is looked at for so long, s.
+/// Time around the moment of leaving the surface in which the speed counts, s.
 const LEAVING_S: f64 = 0.2;
-/// Over which a speed is taken, s: a count in it is a millimetre a second.
+/// Time over which a speed is taken, s: a count in it is a millimetre a second.
 pub(super) const SPEED_S: f64 = 0.01;
 
 pub(super) fn met(response: &Response, frequency_hz: f64) -> MovedAt {
@@ -84,7 +85,7 @@ fn join(moved: &mut Vec<MovedAt>, next: MovedAt, k_desired: f64) {
         });
 }
 
-/// What was found of a hand that nobody told what to do.
+/// Findings on a free hand.
 pub(super) struct Noticed {
     pub(super) moment: Option<f64>,
     pub(super) held: Option<f64>,

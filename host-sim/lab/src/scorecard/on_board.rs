@@ -7,7 +7,7 @@
 //! Where the surface lies within a count of the encoder is chance, and a law that steps with the counts makes something else of each
 //! place. So the desktop's figures are taken at eight places within a count: what they scatter by is what a figure cannot tell apart.
 //! A ninth draw of the very same lies outside of eight in two of nine cases. A board that was played at several places has a scatter of its
-//! own, and two that do not meet are another matter: of eight and four draws of the same, 0.4 % do not.
+//! own, and two that do not meet are another matter. Of eight and four draws of the same, 0.4 % do not.
 
 mod recording;
 #[cfg(test)]
@@ -27,12 +27,12 @@ use touchstone_sim::scene::{Grip, RestPath, Scene};
 
 /// Frequencies of a hand that moves, Hz: below and above those of a scorecard, up to what hands do.
 pub const FREQUENCIES_HZ: [f64; 7] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
-/// The figures of a scorecard are those of its own frequencies.
+/// The frequencies of a scorecard's figures, Hz.
 const OWN_HZ: [f64; 3] = [1.0, 2.0, 4.0];
-/// Two figures are the same within this share of the desktop's.
+/// Two figures agree within this share of the desktop's.
 pub const SAME: f64 = 0.1;
 
-/// The words of all deeds.
+/// The words of all actions.
 #[must_use]
 pub fn deed_words() -> Vec<String> {
     let moves = FREQUENCIES_HZ.into_iter().map(Deed::Move);
@@ -42,7 +42,7 @@ pub fn deed_words() -> Vec<String> {
         .collect()
 }
 
-/// What a hand does for it.
+/// The hand's actions for a board's scorecard.
 #[must_use]
 pub fn board_programme(scene: &Scene) -> Programme {
     Programme {
@@ -51,7 +51,7 @@ pub fn board_programme(scene: &Scene) -> Programme {
     }
 }
 
-/// A deed's word in the tables.
+/// An action's word in the tables.
 #[must_use]
 pub fn deed_word(deed: Deed) -> String {
     match deed {
@@ -60,8 +60,8 @@ pub fn deed_word(deed: Deed) -> String {
     }
 }
 
-/// All that a hand is told, as CSV: its rest point in every control tick of every deed, with every grip; or of the deeds whose words are
-/// named.
+/// The hand's programme as CSV: its rest point in every control tick of every action, with every grip; or of the named
+/// actions alone.
 ///
 /// # Errors
 /// A motion that the scene cannot have.
@@ -95,28 +95,28 @@ pub fn programme_csv(scene: &Scene, grips: &[Grip], named: &[String]) -> Result<
 /// A figure of the board beside the desktop's.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct FigureBeside {
-    /// Its name for programs, with its unit.
+    /// The figure's name for programs, with its unit.
     pub key: &'static str,
-    /// Its heading for people, and what multiplies it for them.
+    /// The figure's heading for people, and its factor there.
     #[serde(skip)]
     pub heading: (&'static str, f64),
     /// The grip; absent: the worst of all, which is the scorecard's.
     pub grip: Option<&'static str>,
-    /// For a hand that moves, its frequency, Hz.
+    /// Frequency of a moving hand, Hz.
     pub frequency_hz: Option<f64>,
     /// The desktop's; absent where it is beyond all numbers, as where the wall was left.
     pub desktop: Option<f64>,
-    /// The board's.
+    /// The value on the board.
     pub board: Option<f64>,
     /// The lowest and the highest that the desktop's is where the surface lies elsewhere within a count; absent where one is lost.
     pub scatter: Option<(f64, f64)>,
-    /// The same of the board, where it was played at several places.
+    /// The board's scatter, where it was played at several places.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub board_scatter: Option<(f64, f64)>,
 }
 
 impl FigureBeside {
-    /// By how much the board's differs, as a share of the desktop's.
+    /// Difference of the board's figure, as a share of the desktop's.
     #[must_use]
     pub fn apart(&self) -> Option<f64> {
         let (desktop, board) = self.desktop.zip(self.board)?;
@@ -125,7 +125,7 @@ impl FigureBeside {
             .or(Some(0.0))
     }
 
-    /// What the figure cannot tell apart: the width of its own scatter.
+    /// The figure's resolution: the width of its own scatter.
     #[must_use]
     pub fn resolution(&self) -> Option<f64> {
         self.scatter.map(|(low, high)| high - low)
@@ -140,7 +140,7 @@ impl FigureBeside {
             .all(|it| it.is_some_and(|(value, resolution)| value.abs() <= resolution))
     }
 
-    /// Whether the board's is one that the desktop's might as well be: their scatters meet.
+    /// Whether the board's figure agrees with the desktop's: their scatters overlap.
     #[must_use]
     pub fn is_in_scatter(&self) -> bool {
         let board = self.board_scatter.or(self.board.map(|it| (it, it)));
@@ -148,7 +148,7 @@ impl FigureBeside {
         both.is_some_and(|(board, desktop)| board.0 <= desktop.1 && desktop.0 <= board.1)
     }
 
-    /// Whether they are the same within a share, or nothing that could be told apart. Both without a number are the same.
+    /// Whether both agree within a share, or within their scatter. Two figures without a number agree.
     #[must_use]
     pub fn holds(&self, share: f64) -> bool {
         match self.apart() {
@@ -158,29 +158,29 @@ impl FigureBeside {
     }
 }
 
-/// All of it.
+/// The scorecards of board and desktop.
 #[derive(Debug, Clone, Serialize)]
 pub struct BoardCard {
     /// The grips that were played.
     pub grips: Vec<&'static str>,
     /// Ticks in all.
     pub ticks: usize,
-    /// At how many places of the surface within a count the board was played.
+    /// Number of surface positions within a count at which the board was run.
     pub places: usize,
-    /// Of the scorecard: the worst of the grips, then each grip's.
+    /// The scorecard's figures: the worst of the grips, then each grip's.
     pub figures: Vec<FigureBeside>,
     /// Dynamic stiffness, grip by grip.
     pub moved: Vec<FigureBeside>,
 }
 
 impl BoardCard {
-    /// What is further apart than a share: of the scorecard itself, and of dynamic stiffness.
+    /// Figures that differ by more than a share: the scorecard's, and those of dynamic stiffness.
     pub fn apart(&self, share: f64) -> impl Iterator<Item = &FigureBeside> {
         let own = self.figures.iter().filter(|it| it.grip.is_none());
         own.chain(&self.moved).filter(move |it| !it.holds(share))
     }
 
-    /// Of these what the desktop's own might not as well be.
+    /// The figures whose difference the desktop's own scatter does not explain.
     pub fn beyond(&self, share: f64) -> impl Iterator<Item = &FigureBeside> {
         self.apart(share).filter(|it| !it.is_in_scatter())
     }
@@ -189,7 +189,7 @@ impl BoardCard {
 /// The surface's places within a count, of which the first is the scene's own.
 const PLACES: usize = 8;
 
-/// One deed of one grip: the desktop's, with the surface at each of its places, and the board's of each recording.
+/// One action of one grip: the desktop's runs, with the surface at each of its places, and the board's recordings.
 struct Pair {
     grip: Grip,
     deed: Deed,
@@ -197,11 +197,11 @@ struct Pair {
     board: Vec<Seen>,
 }
 
-/// Puts a board's recordings beside the desktop's scorecard of a scene: the first is the board's figures; others, of the same deeds with the
-/// surface elsewhere within a count, say what they scatter by.
+/// Compares a board's recordings with the desktop's scorecard of a scene. The first recording gives the board's
+/// figures; others, of the same actions with the surface elsewhere within a count, give their scatter.
 ///
 /// # Errors
-/// A recording that is not of this scene's programme, or of other deeds than the first; settings that the law cannot take.
+/// A recording of another scene's programme, or of other actions than the first; settings that the law cannot have.
 pub fn board_card(scene: &Scene, recordings: &[BoardRecording]) -> Result<BoardCard> {
     let programme = board_programme(scene);
     let deeds = GRIPS
@@ -275,14 +275,14 @@ pub fn board_card(scene: &Scene, recordings: &[BoardRecording]) -> Result<BoardC
     })
 }
 
-/// What a figure is called, and of which deeds it is the worst.
+/// Name of a figure, and the actions over which it is the worst.
 struct Asked {
     key: &'static str,
     heading: (&'static str, f64),
     deeds: fn(Deed) -> bool,
 }
 
-/// The worst of some deeds on both sides.
+/// The worst of some actions on both sides.
 fn figure(
     pairs: &[Pair],
     grip: Option<&'static str>,
@@ -314,7 +314,7 @@ fn figure(
     }
 }
 
-/// From the lowest to the highest, where there are all.
+/// Range from the lowest to the highest value, if all values exist.
 fn scatter(values: &[Option<f64>]) -> Option<(f64, f64)> {
     let mut all = (f64::INFINITY, f64::NEG_INFINITY);
     for value in values {
@@ -324,7 +324,7 @@ fn scatter(values: &[Option<f64>]) -> Option<(f64, f64)> {
     Some(all)
 }
 
-/// The same of a board that was played at several places.
+/// Least and largest value of a board that was played at several places.
 fn several(values: &[Option<f64>]) -> Option<(f64, f64)> {
     (values.len() > 1).then(|| scatter(values)).flatten()
 }

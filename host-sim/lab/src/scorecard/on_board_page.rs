@@ -65,7 +65,7 @@ fn cells(figure: &FigureBeside) -> Vec<String> {
     ]
 }
 
-/// In a sentence.
+/// The verdict in a sentence.
 #[must_use]
 pub fn verdict(card: &BoardCard) -> String {
     let all = card.figures.iter().filter(|it| it.grip.is_none()).count() + card.moved.len();
@@ -78,12 +78,12 @@ pub fn verdict(card: &BoardCard) -> String {
     )
 }
 
-/// What the scatter is.
+/// Explanation of the scatter.
 pub const SCATTER: &str = "Scatter: the desktop's own figure where the surface lies at eight places within a count; and the board's at the places at which it was played, where those are several.";
 
 const HEADER: [&str; 7] = ["", "desktop", "board", "apart", "scatter", "board's", ""];
 
-/// As text: what is the scorecard's own, and every grip's where it is apart.
+/// The scorecard's figures as text, with every grip's where they differ.
 #[must_use]
 pub fn text(card: &BoardCard) -> String {
     let several = card.places > 1;
@@ -112,7 +112,7 @@ pub fn text(card: &BoardCard) -> String {
     text
 }
 
-/// As a section.
+/// The result as a section of the page.
 #[must_use]
 pub fn section(card: &BoardCard) -> Section {
     let table = |caption: &str, figures: &[FigureBeside]| Block::Table {

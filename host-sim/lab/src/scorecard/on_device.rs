@@ -1,7 +1,7 @@
-//! The scorecard's figures of a run on a haptic device, read off what its encoders said and what its motors were told.
+//! The scorecard's figures of a run on a haptic device, from its encoders and its motors' commands.
 //!
-//! A simulated hand follows the scorecard's own programme, [`DeedsInTurn`]. A person's does not: then what was done is looked for, where the hand rested
-//! ([`super::noticed`]), moved in a rhythm and let go, and what cannot be known is said to be so.
+//! A simulated hand follows the scorecard's programme, [`DeedsInTurn`]. A person's hand does not. Then the run is
+//! searched for rests ([`super::noticed`]), rhythms and releases, and figures that cannot be known are named as such.
 
 use super::cases::Deed;
 use super::direction::DirectionFigures;
@@ -15,9 +15,9 @@ use touchstone_sim::run::measure::{Release, WorstWindow};
 /// One figure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DeviceFigure {
-    /// Its name for programs, with its unit.
+    /// The figure's name for programs, with its unit.
     pub key: &'static str,
-    /// Its heading for people, and what multiplies it for them.
+    /// The figure's heading for people, and its factor there.
     #[serde(skip)]
     pub heading: (&'static str, f64),
     /// The value; absent where it was not measured, or is beyond all numbers.
@@ -44,7 +44,7 @@ impl DeviceFigure {
         }
     }
 
-    /// Whether it is beyond its limit; what was lost is.
+    /// Whether the figure is beyond its limit; a lost one is.
     #[must_use]
     pub fn is_beyond(&self) -> bool {
         match (self.limit, self.not_measured) {
@@ -54,10 +54,10 @@ impl DeviceFigure {
     }
 }
 
-/// All of it.
+/// The scorecard of a run on a device.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DeviceCard {
-    /// Whether the hand did what it was told.
+    /// Whether the hand followed the programme.
     pub commanded: bool,
     /// Every figure.
     pub figures: Vec<DeviceFigure>,
@@ -72,7 +72,7 @@ impl DeviceCard {
         self.figures.iter().find(|figure| figure.key == key)
     }
 
-    /// Those beyond their limits.
+    /// The figures beyond their limits.
     pub fn beyond(&self) -> impl Iterator<Item = &DeviceFigure> {
         self.figures.iter().filter(|figure| figure.is_beyond())
     }
@@ -187,7 +187,7 @@ fn wall_energy(ticks: &[TouchedTick]) -> (f64, f64) {
     (-least, window.worst_j())
 }
 
-/// What came of the scorecard's programme.
+/// Result of the scorecard's programme.
 struct Scored {
     worst: DirectionFigures,
     release: Release,

@@ -41,7 +41,7 @@ fn moved(at: &MovedAt) -> String {
     }
 }
 
-/// What the figures are of.
+/// Where the figures come from.
 const OF: &str = "Of what the encoders read and the motors were told; depth in counts, so figures differ from the simulator's by up to half a count along the normal.";
 
 fn verdict(card: &DeviceCard) -> String {
@@ -60,7 +60,7 @@ fn verdict(card: &DeviceCard) -> String {
     }
 }
 
-/// As text.
+/// The result as text.
 #[must_use]
 pub fn text(card: &DeviceCard) -> String {
     let mut text = format!("scorecard {}\n", verdict(card));
@@ -80,7 +80,7 @@ pub fn text(card: &DeviceCard) -> String {
     text
 }
 
-/// As a section.
+/// The result as a section of the page.
 #[must_use]
 pub fn section(card: &DeviceCard) -> Section {
     let hand = match card.commanded {

@@ -26,7 +26,7 @@ fn cell(row: &Row, index: usize, measure: Measure) -> String {
     format!("{}{sign}({nominal})", shown(measure, worst.get(measure)))
 }
 
-/// What the figures may be, as people read it.
+/// Limit of a figure, for people.
 fn limit(card: &Scorecard, measure: Measure) -> String {
     let limits = super::measure::Limits::new(false, card.reference.limit_n_m);
     match measure {
@@ -265,7 +265,7 @@ pub fn sections(card: &Scorecard) -> Vec<Section> {
     sections
 }
 
-/// One law on every device.
+/// The section on one law, with every device.
 fn of_law(row: &Row) -> Section {
     let mut header = vec!["device".to_owned()];
     header.extend(Measure::ALL.map(|measure| measure.heading().0.to_owned()));

@@ -1,25 +1,26 @@
-//! What is read off a press, tick by tick: of a knob's angle or of a depth along a normal.
+//! Figures of a press, tick by tick: from a knob's angle, or from a depth along a normal.
 
 use super::measure::{Figures, Measure};
 
-/// Counts below which a stiffness cannot be told.
+/// Depth in counts below which a stiffness cannot be measured.
 pub const SHALLOW_COUNTS: f64 = 10.0;
-/// From the end of a ramp until a press is judged as held, s.
+/// Time from the end of a ramp until a press is judged as held, s.
 pub const HELD_AFTER_S: f64 = 0.05;
 
-/// The stiffness that is asked for, and how well a penetration is known.
+/// The desired stiffness, and how exactly a penetration is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DesiredStiffness {
-    /// `k_de`.
+    /// Desired stiffness: `k_de`.
     pub k_desired: f64,
     /// Step of a measured position.
     pub count: f64,
-    /// What a measured penetration may be off: half a count of a knob, half a count of each axis along a normal.
+    /// Uncertainty of a measured penetration: half a count of a knob, half a count of each axis along a normal.
     pub unsure: f64,
 }
 
 impl DesiredStiffness {
-    /// By how much a force is off `k_de x`, over it, after what the penetration is unsure by; `None` where it is too shallow to tell.
+    /// Relative error of a force against `k_de x`, beyond the penetration's uncertainty; `None` where the depth is too
+    /// small.
     #[must_use]
     pub fn off(&self, x: f64, force: f64) -> Option<f64> {
         let k = self.k_desired;
@@ -31,15 +32,15 @@ impl DesiredStiffness {
 /// A press of a wall. Ticks are indices; penetration and force in the device's own units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PressFigures {
-    /// What is asked for.
+    /// The desired stiffness.
     pub stiffness: DesiredStiffness,
-    /// What the hand pushes with.
+    /// The hand's final push.
     pub push: f64,
     /// Tick with which the press' ramp begins; before it is the touch.
     pub ramp_start: u64,
-    /// From when on it is held.
+    /// First tick of the hold.
     pub held_from: u64,
-    /// When the hand begins to let go.
+    /// Tick at which the hand begins to let go.
     pub release: u64,
 }
 

@@ -1,11 +1,12 @@
-//! What ripple may be: that of a difference spring-damper which holds the same delays.
+//! The limit of the ripple: that of a spring-damper on differences which holds the same delays.
 //!
-//! Ripple is the price of damping that is taken from the difference of two counts, and damping is what holds a delay. So the
-//! measure of it is the least ripple of a spring-damper that holds this wall on the nominal device with a whole tick of delay or,
-//! where none does, with as much of it as any does.
+//! Ripple is the price of damping that is taken from the difference of two counts, and damping is what holds a delay.
+//! So the limit is the least ripple of a spring-damper that holds this wall on the nominal device with a whole tick of
+//! delay. If no setting holds that, it is with the longest delay that one holds.
 //!
-//! A limit never grows with a spring-damper that is itself broken. The encoder's noise is left out. What shakes by more than a count of its damping
-//! every tick is a limit cycle, which holds nothing. And no law may have more than a tenth of the press.
+//! A spring-damper that is itself broken must not raise the limit. So the encoder's noise is left out. One that shakes
+//! by more than a count of its damping every tick counts as a limit cycle, which holds nothing. And no law may have
+//! more than a tenth of the press.
 
 use super::cases::{Case, Change, Deed, GRIPS, LATE_TICKS, MOVES_WITH, Programme};
 use super::measure::{Figures, Limits, Measure};
@@ -20,19 +21,19 @@ use touchstone_sim::scene::Scene;
 /// The spring-damper that ripple is measured by.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Reference {
-    /// Its virtual damping, N·m·s/rad.
+    /// The spring-damper's virtual damping, N·m·s/rad.
     pub damping_n_m_s_per_rad: f64,
     /// Most delay that it holds, ticks; absent: no spring-damper holds this wall at all.
     pub delay_ticks: Option<f64>,
-    /// Its ripple on the nominal device, N·m.
+    /// The spring-damper's ripple on the nominal device, N·m.
     pub ripple_n_m: f64,
-    /// What a law's ripple may be on the nominal device, N·m.
+    /// Largest allowed ripple of a law on the nominal device, N·m.
     pub limit_n_m: f64,
-    /// What it may be on any device, N·m.
+    /// Largest allowed ripple on any device, N·m.
     pub most_n_m: f64,
 }
 
-/// Delays that a spring-damper is asked to hold, ticks, the longest first.
+/// Delays that a spring-damper should hold, ticks, the longest first.
 const DELAYS: [f64; 4] = [1.0, 0.5, 0.1, 0.0];
 /// Ratios `ζ = B/(2 sqrt(k_de J))` that are tried.
 const RATIOS: usize = 28;
@@ -40,11 +41,12 @@ const RATIOS: usize = 28;
 const WHERE_DAMPING_SUFFICES: f64 = 1.1;
 /// ... and where it does not.
 const WHERE_IT_DOES_NOT: f64 = 0.6;
-/// Most ripple over the press' torque: a change of torque that a hand tells is some 13 % (Jandura and Srinivasan 1994).
+/// Largest ripple over the press' torque: a hand notices a change of torque from some 13 % on (Jandura and Srinivasan
+/// 1994).
 const MOST_OF_THE_PRESS: f64 = 0.1;
 
 impl Reference {
-    /// For a scene's device and wall.
+    /// The reference for a scene's device and wall.
     ///
     /// # Errors
     /// Settings that the law cannot take.

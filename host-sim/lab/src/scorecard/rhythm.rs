@@ -1,19 +1,19 @@
-//! Where a hand moved in a rhythm, and at what frequency, read off a depth that nobody commanded.
+//! Finds where a free hand moved in a rhythm, and at what frequency, from the depth.
 
 use touchstone_sim::run::measure::Wiggle;
 
-/// A stretch that is looked at, s, and how much further the next one begins.
+/// A stretch that is examined, s, and how much further the next one begins.
 const WINDOW_S: f64 = 3.0;
 const HOP_S: f64 = 1.5;
 /// Slowest and fastest rhythm, Hz: two periods in a stretch, and what hands do.
 const SLOWEST_HZ: f64 = 2.0 / WINDOW_S;
 const FASTEST_HZ: f64 = 16.0;
-/// Of the motion's mean square, what one sine must explain.
+/// Share of the motion's mean square that one sine must explain.
 const EXPLAINED: f64 = 0.8;
-/// Samples a second that are enough to look for it.
+/// Sample rate that is enough for the search, Hz.
 const ENOUGH_HZ: f64 = 200.0;
 
-/// What a sine beside a mean explains of a series: its share of the mean square about the mean, and its amplitude.
+/// Fits a sine beside a mean: the share of the mean square that it explains, and its amplitude.
 fn sine(series: &[f64], cycles_per_sample: f64) -> (f64, f64) {
     let count = series.len() as f64;
     let mean = series.iter().sum::<f64>() / count;

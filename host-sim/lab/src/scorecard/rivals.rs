@@ -11,9 +11,9 @@ use touchstone_sim::scene::{Law, Preset, Scene, nearest};
 /// A law of the comparison.
 #[derive(Debug, Clone, Copy)]
 pub struct Rival {
-    /// Its word on the command line and in JSON.
+    /// The law's word on the command line and in JSON.
     pub name: &'static str,
-    /// What it is.
+    /// Description of the law.
     pub about: &'static str,
     /// Where it comes from.
     pub source: &'static str,
@@ -24,7 +24,7 @@ pub struct Rival {
     apply: fn(&mut Scene),
 }
 
-/// All of them.
+/// All rival laws.
 pub const RIVALS: [Rival; 12] = [
     Rival {
         name: "spring",
@@ -145,7 +145,8 @@ pub const RIVALS: [Rival; 12] = [
     },
 ];
 
-/// On measured states and without the guard, with the thesis' parameters where the scene writes none: the law as it is known.
+/// Sets the law as it is usually published: measured states, no guard, and the thesis' parameters where the scene has
+/// none.
 fn measured(scene: &mut Scene, kind: LawKind) {
     if let Ok(known) = scene.with_preset(Preset::Thesis) {
         *scene = known;
@@ -155,15 +156,16 @@ fn measured(scene: &mut Scene, kind: LawKind) {
     scene.law.guard.on = false;
 }
 
-/// A spring-damper with a velocity of its own.
+/// Sets a spring-damper with a velocity filter.
 fn filtered(scene: &mut Scene, from: VelocityKind) {
     measured(scene, LawKind::SpringDamper);
     scene.law.velocity.from = from;
 }
 
-/// Capacity of a guard over what its largest force may cost at the overspeed: with it a full account never holds a press back.
+/// Capacity of a guard over the cost of its largest force at the overspeed: with it a full account never reduces a
+/// press.
 const CAPACITY_SHARE: f64 = 1.2;
-/// Refill over what a wall costs in the guard's books that changes by a count of `k_de` in every tick, half a count each.
+/// Refill over the guard's cost of a wall whose force changes by a count of `k_de` in every tick, half a count each.
 const REFILL_SHARE: f64 = 4.0;
 /// Most refill that the guard's settings take, W.
 const MOST_REFILL_W: f64 = 1.0;
@@ -172,7 +174,8 @@ const MOST_CAPACITY_J: f64 = 16.0;
 /// Delay in ticks from which on positions are also taken when the force changes: estimated, every change would be charged for more.
 const MEASURED_FROM_TICKS: f64 = 0.1;
 
-/// Most delay in ticks that a guard answers for; beyond it there is none. The sum of two settings in ticks is rounded.
+/// Longest delay in ticks that a guard covers; beyond it there is no guard. The sum of two settings in ticks is
+/// rounded.
 pub const MOST_DELAY_TICKS: f64 = 1.0 + 1e-9;
 
 /// Most delay of the scene's device and guard, ticks.
@@ -182,8 +185,8 @@ pub fn delay_ticks(scene: &Scene) -> f64 {
     (guard.delay_s.max(scene.timing.computational_delay_s) + guard.lag_s) / scene.timing.period_s()
 }
 
-/// What estimator and guard are told of the device, as it was measured, and of its torque. The guard's capacity and refill are what the device asks for,
-/// and no less than the scene's: a coarse encoder at a stiff wall asks for much.
+/// Gives estimator and guard the device's measured values and its torque. The guard's capacity and refill are what the
+/// device needs, and no less than the scene's: a coarse encoder at a stiff wall needs much.
 fn told(scene: &mut Scene) {
     let (period_s, rate_hz) = (scene.timing.period_s(), f64::from(scene.timing.rate_hz));
     let count = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
@@ -244,7 +247,7 @@ impl Rival {
         self.damped_spring || self.estimated
     }
 
-    /// The scene with this law as it is tuned: for a device, so behind the guard, whichever law it is.
+    /// The scene with this law for tuning: for a real device, so always behind the guard.
     #[must_use]
     pub fn to_tune(&self, scene: &Scene) -> Scene {
         let mut tuned = self.of(scene);

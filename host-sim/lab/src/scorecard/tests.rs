@@ -1,4 +1,4 @@
-//! A scorecard says of known walls what is known of them.
+//! A scorecard finds the known properties of known walls.
 
 use super::cases::{CASES, Case, Change, Deed, GRIPS, Programme};
 use super::measure::{Figures, Limits, Measure};
@@ -142,7 +142,8 @@ fn twenty_critical_stiffnesses_hold_on_every_device() {
     }
 }
 
-/// One scene is one wall: the offset's pace is of time and not of ticks, and the estimator predicts two ticks at most.
+/// One scene is the same wall at every rate: the offset's pace is in time and not in ticks, and the estimator predicts
+/// two ticks at most.
 #[test]
 fn tuned_walls_hold_at_every_rate_without_being_tuned_again() {
     for (name, wall, touch) in [

@@ -2,7 +2,7 @@
 //!
 //! What a wall can do about a blow is bounded by the hand and the device alone. So a touch is held against the same hand's on the same
 //! device at an ideal wall: `k_de` with a damping ratio of [`DAMPING_RATIO`], exact states, 50 kHz, no delay, no torque limit. A slope is unfair to
-//! damping, whose force is there at once and falls, so rate-hardness is taken over `k_de`, which an undamped spring has; extended rate-hardness is kind
+//! damping, whose force is there at once and falls, so rate-hardness is taken over `k_de`, which an undamped spring has. Extended rate-hardness is kind
 //! to damping. So the undamped spring stands beside.
 
 use super::cases::{Deed, GRIPS, Programme};
@@ -68,7 +68,7 @@ pub struct IdealTouch {
 }
 
 impl IdealTouch {
-    /// For the device of a scene.
+    /// The touch for the device of a scene.
     ///
     /// # Errors
     /// A device that no run can be made of.

@@ -3,7 +3,7 @@
 use super::press::DesiredStiffness;
 use std::ops::Range;
 
-/// A tick, SI: what was read, what acted from then on, and where the surface was.
+/// A tick, SI: the position read, the force from then on, and the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TouchedTick {
     /// Intervals since the first tick; more than one apart where ticks were missed.
@@ -14,20 +14,20 @@ pub struct TouchedTick {
     pub force_n: [f64; 3],
     /// How deep the place is below the surface, m.
     pub depth_m: f64,
-    /// Out of the object.
+    /// The direction out of the object.
     pub normal: [f64; 3],
 }
 
-/// A hand rests that moves less than so many counts, or this share of its depth.
+/// A hand counts as resting if it moves less than this many counts, or this share of its depth.
 pub const RESTING_COUNTS: f64 = 4.0;
 const RESTING_SHARE: f64 = 0.02;
 
 /// One value an interval: missed ticks are filled in, the force held over them.
 pub struct TouchedSeries {
     first: u64,
-    /// At the tick.
+    /// Depth at each tick.
     pub depth: Vec<f64>,
-    /// In the middle of the interval, to which the force belongs that is held over it.
+    /// Depth in the middle of each tick, during which the force is constant.
     pub middle: Vec<f64>,
     /// The force out of the surface over it.
     pub out: Vec<f64>,
@@ -39,7 +39,7 @@ pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 impl TouchedSeries {
-    /// Of ticks.
+    /// The series of some ticks.
     pub fn of(ticks: &[TouchedTick]) -> Self {
         let mut series = Self {
             first: ticks.first().map_or(0, |tick| tick.due),

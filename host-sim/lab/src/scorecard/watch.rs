@@ -1,6 +1,6 @@
 //! One run, watched for the figures of a scorecard.
 //!
-//! Force is the motor's true one, after limits, guard, steps and delay, its mean over a tick; penetration is the true one in the
+//! Force is the motor's true one, after limits, guard, steps and delay, its mean over a tick. Penetration is the true one in the
 //! tick's middle, to which that force belongs.
 
 use super::cases::Deed;
@@ -13,23 +13,23 @@ use touchstone_sim::run::terms::{Press, Terms};
 use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::{MotionSpec, Scene};
 
-/// At the end of a hold, in which a device should rest, s.
+/// Length of the end of a hold in which the device should rest, s.
 const REST_S: f64 = 0.25;
-/// A run that is so far inside or outside is lost, rad.
+/// A run this far inside or outside the wall is lost, rad.
 const LOST_RAD: f64 = 3.0;
 
-/// All that is seen of one run.
+/// Results of one run.
 #[derive(Debug, Clone, Copy)]
 pub struct Seen {
-    /// What has a limit.
+    /// Figures with a limit.
     pub figures: Figures,
-    /// What has none.
+    /// Figures without a limit.
     pub beside: Beside,
-    /// What a hand that moved met; `None` where none did, or it left the wall.
+    /// Response to a moving hand; `None` where the hand did not move, or left the wall.
     pub met: Option<DynamicStiffness>,
 }
 
-/// Watches.
+/// Records the extremes of a run.
 #[derive(Debug, Clone)]
 struct Watch {
     terms: Terms,
@@ -183,23 +183,24 @@ impl Recorder for Watch {
     }
 }
 
-/// Runs a scene of a [`super::cases::Programme`]. `fully` also gives what has no limit, which takes half as long again.
+/// Runs a scene of a [`super::cases::Programme`]. `fully` also gives the figures without a limit, which takes half as
+/// long again.
 ///
 /// # Errors
-/// Settings that the law cannot take.
+/// Settings that the law cannot have.
 pub fn watch(scene: &Scene, deed: Deed, fully: bool) -> Result<(Figures, Beside)> {
     run::watch(scene, Watch::new(scene, deed, fully)).map(Watch::finish)
 }
 
-/// The same of a run, with all that is seen of it.
+/// Runs a scene, with all results.
 ///
 /// # Errors
-/// Settings that the law cannot take.
+/// Settings that the law cannot have.
 pub fn seen(scene: &Scene, deed: Deed) -> Result<Seen> {
     run::watch(scene, Watch::new(scene, deed, true)).map(Watch::seen)
 }
 
-/// The same of ticks that something else than a simulated loop went through, for a scene of a programme.
+/// Same as [`seen`], for ticks that did not come from a simulated loop.
 #[must_use]
 pub fn seen_of(scene: &Scene, deed: Deed, ticks: &[Tick]) -> Seen {
     let mut watch = Watch::new(scene, deed, true);

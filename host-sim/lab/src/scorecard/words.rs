@@ -1,4 +1,4 @@
-//! What a scorecard says in plain sentences.
+//! A scorecard's findings in plain sentences.
 
 use super::measure::Measure;
 use super::{Cell, Row};
@@ -97,7 +97,7 @@ pub fn damped_spring(rows: &[Row]) -> Vec<String> {
     said
 }
 
-/// By more than a twentieth, and not only in what is rounding.
+/// Whether a figure is smaller by more than a twentieth, and by more than rounding.
 fn clearly_less(one: &Row, other: &Row, measure: Measure) -> bool {
     let of = |row: &Row| row.worst.map_or(f64::INFINITY, |worst| worst.get(measure));
     let (one, other) = match measure {

@@ -18,15 +18,15 @@ pub struct Axis {
     pub log: bool,
     /// The values, as a scene has them.
     pub values: Vec<Value>,
-    /// What was asked for, as messages quote it.
+    /// The axis as the user wrote it, for messages.
     pub asked: String,
 }
 
 impl Axis {
-    /// Reads `FIELD=a..b:n`, `FIELD=a..b:n:log` or `FIELD=v,v,…`; `option` is what it was given to.
+    /// Reads `FIELD=a..b:n`, `FIELD=a..b:n:log` or `FIELD=v,v,…`; `option` names the option for messages.
     ///
     /// # Errors
-    /// [`Error::Option`]: no such field, a form that is none of these, a value that the field does not take.
+    /// [`Error::Option`]: no such field, another form, or a value that the field cannot have.
     pub fn parse(option: &str, text: &str, scene: &Scene) -> Result<Self> {
         let asked = format!("{option} {text}");
         let wrong = |problem: String, fix: String| Error::Option {
@@ -236,7 +236,8 @@ impl Axis {
     }
 }
 
-/// Values are rounded to twelve digits: what is run is what is written down, whatever computed the power.
+/// A value between the ends, rounded to twelve digits, so that the written value is the one that runs on every
+/// machine.
 fn between(from: f64, to: f64, index: usize, count: usize, log: bool) -> f64 {
     if index == 0 {
         return from;

@@ -4,11 +4,12 @@ use super::grid::{Grid, Scenes};
 use crate::certify::{self, hands::Family};
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use touchstone_sim::scene::Scene;
 
 /// Nodes of a line on either axis; between them its place is found by bisection.
 const NODES: usize = 49;
-/// The same of the certificate, whose every node is a computation of milliseconds.
+/// Nodes of the certificate's boundary, each of which takes milliseconds.
 const NODES_OF_CERTIFICATE: usize = 33;
 /// Halvings of an edge that a line crosses.
 const HALVINGS: u32 = 20;
@@ -19,13 +20,13 @@ const HALVINGS_OF_CERTIFICATE: u32 = 6;
 pub struct Line {
     /// Style of its stroke.
     pub role: &'static str,
-    /// What it is.
+    /// Name of the line.
     pub name: &'static str,
-    /// Its pieces.
+    /// Pieces of the line.
     pub pieces: Vec<[(f64, f64); 2]>,
 }
 
-/// A bound of the stiffness: how it is drawn and named, and what it is in a scene.
+/// A bound of the stiffness: its style, its name, and its value in a scene.
 type Bound = (&'static str, &'static str, fn(&Scene) -> Option<f64>);
 
 /// Time by which a held force is late, s: half a period and the computational delay.
@@ -53,9 +54,12 @@ const BOUNDS: [Bound; 3] = [
     }),
 ];
 
-/// All that apply: those that cross the plane.
+/// Called with how many certificates are computed, and of how many.
+pub type Progress<'a> = dyn Fn(u64, u64) + Sync + 'a;
+
+/// The lines of theory that cross the plane, with the certificate's boundary if it is wanted.
 #[must_use]
-pub fn all(grid: &Grid, certificate: bool) -> Vec<Line> {
+pub fn all(grid: &Grid, certificate: bool, progress: &Progress) -> Vec<Line> {
     if grid.x.numbers().is_none() || grid.y.numbers().is_none() {
         return Vec::new();
     }
@@ -66,7 +70,7 @@ pub fn all(grid: &Grid, certificate: bool) -> Vec<Line> {
                 .filter(|bound| *bound > 0.0)
                 .map(|bound| (scene.wall.k_desired_n_m_per_rad / bound).ln())
         };
-        let pieces = traced(grid, NODES, HALVINGS, &excess);
+        let pieces = traced(grid, NODES, HALVINGS, &excess, &|_, _| {});
         // Two bounds may be one: a law that counts on what is there.
         let known = lines.iter().any(|line| near(&line.pieces, &pieces));
         if !pieces.is_empty() && !known {
@@ -74,20 +78,21 @@ pub fn all(grid: &Grid, certificate: bool) -> Vec<Line> {
         }
     }
     if certificate {
-        let asked = certify::Options {
+        let options = certify::Options {
             family: Family::Own,
             margins: false,
             current_loop_hz: None,
         };
         let stable = |scene: &Scene| {
-            let said = certify::certify(scene, &asked).ok()?;
+            let said = certify::certify(scene, &options).ok()?;
             Some(if said.verdict == certify::Verdict::Stable {
                 -1.0
             } else {
                 1.0
             })
         };
-        let pieces = traced(grid, NODES_OF_CERTIFICATE, HALVINGS_OF_CERTIFICATE, &stable);
+        let (nodes, halvings) = (NODES_OF_CERTIFICATE, HALVINGS_OF_CERTIFICATE);
+        let pieces = traced(grid, nodes, halvings, &stable, progress);
         if !pieces.is_empty() {
             lines.push(Line {
                 role: "law-g",
@@ -115,6 +120,7 @@ fn traced(
     nodes: usize,
     halvings: u32,
     value: &(dyn Fn(&Scene) -> Option<f64> + Sync),
+    progress: &Progress,
 ) -> Vec<[(f64, f64); 2]> {
     let (x, y) = (grid.x.span(), grid.y.span());
     if x.0 == x.1 || y.0 == y.1 {
@@ -126,11 +132,17 @@ fn traced(
         let scene = scenes.between(grid.x.unscaled(x), grid.y.unscaled(y))?;
         value(&scene).filter(|value| value.is_finite())
     };
+    let (done, total) = (AtomicU64::new(0), AtomicU64::new((nodes * nodes) as u64));
+    let count = || progress(done.fetch_add(1, Relaxed) + 1, total.load(Relaxed));
     let values: Vec<Option<f64>> = (0..nodes * nodes)
         .into_par_iter()
         .map_init(
             || grid.scenes(),
-            |scenes, node| at(scenes, place(share(node % nodes), share(node / nodes))),
+            |scenes, node| {
+                let value = at(scenes, place(share(node % nodes), share(node / nodes)));
+                count();
+                value
+            },
         )
         .collect();
     let inside = |node: usize| values[node].map(|value| value < 0.0);
@@ -144,9 +156,10 @@ fn traced(
             edges.push([node, node + nodes]);
         }
     }
+    edges.retain(|[a, b]| matches!((inside(*a), inside(*b)), (Some(a), Some(b)) if a != b));
+    total.fetch_add(edges.len() as u64 * u64::from(halvings), Relaxed);
     let crossed: HashMap<[usize; 2], (f64, f64)> = edges
         .into_par_iter()
-        .filter(|[a, b]| matches!((inside(*a), inside(*b)), (Some(a), Some(b)) if a != b))
         .map_init(
             || grid.scenes(),
             |scenes, [a, b]| {
@@ -156,6 +169,7 @@ fn traced(
                 for _ in 0..halvings {
                     let middle = (0.5 * (near.0 + far.0), 0.5 * (near.1 + far.1));
                     let same = at(scenes, middle).map_or(begins, |value| value < 0.0) == begins;
+                    count();
                     if same {
                         near = middle;
                     } else {

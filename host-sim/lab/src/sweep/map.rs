@@ -20,21 +20,21 @@ const BANDS: [&str; 8] = [
     "band band7",
 ];
 
-/// Places that somebody measured.
+/// Measured places.
 #[derive(Debug, Clone, Default)]
 pub struct Overlay {
-    /// What they are.
+    /// Name of the measurements.
     pub name: String,
-    /// In the axes' units.
+    /// The points in the axes' units.
     pub points: Vec<(f64, f64)>,
 }
 
-/// What is drawn over the tiles.
+/// The lines and points drawn over the tiles.
 #[derive(Debug, Clone, Default)]
 pub struct Over {
-    /// Of theory.
+    /// Lines of theory.
     pub lines: Vec<Line>,
-    /// Of others' measurements.
+    /// Measured places.
     pub points: Option<Overlay>,
 }
 

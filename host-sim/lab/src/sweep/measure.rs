@@ -1,4 +1,4 @@
-//! What of a run is kept for each cell: the verdict always, and of the summary's measures those that were asked for.
+//! The values that are kept of each cell's run: the verdict, and the chosen measures of the summary.
 
 use crate::report::measures::MEASURES;
 use touchstone_sim::error::{Error, Result};
@@ -8,25 +8,25 @@ use touchstone_sim::scene::nearest;
 
 /// Name of the verdict among the measures.
 pub const VERDICT: &str = "verdict";
-/// In the place of a verdict: a scene that contradicts itself, or that its law refuses.
+/// Used instead of a verdict for a scene that contradicts itself or that its law refuses.
 pub const REFUSED: &str = "refused";
 
 /// A number of a run.
 #[derive(Debug, Clone, Copy)]
 pub struct Measure {
-    /// Its name, a field of `results.json`.
+    /// The measure's name, a field of `results.json`.
     pub name: &'static str,
-    /// For people.
+    /// Text for people.
     pub words: &'static str,
     /// SI unit; `1` is a plain number.
     pub unit: &'static str,
-    /// What it is.
+    /// Meaning of the measure.
     pub meaning: &'static str,
-    /// Its value; `None` where it does not apply.
+    /// The measure's value; `None` where it does not apply.
     pub of: fn(&Summary) -> Option<f64>,
 }
 
-/// All of them.
+/// All measures.
 #[must_use]
 pub fn measures() -> Vec<Measure> {
     let mut all: Vec<Measure> = MEASURES
@@ -56,10 +56,10 @@ pub fn measures() -> Vec<Measure> {
     all
 }
 
-/// The measures of these names, the verdict left out; each once.
+/// The measures of these names without the verdict; each once.
 ///
 /// # Errors
-/// [`Error::Option`] for a name that there is none of.
+/// [`Error::Option`] for an unknown name.
 pub fn named(names: &[String]) -> Result<Vec<Measure>> {
     let all = measures();
     let mut found: Vec<Measure> = Vec::new();
@@ -92,7 +92,7 @@ pub fn verdicts() -> Vec<&'static str> {
         .collect()
 }
 
-/// What is kept of a cell: a line of the table.
+/// A line of the table: the kept values of a cell.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Row(
     /// Number of the cell.
@@ -109,7 +109,7 @@ pub struct Row(
 );
 
 impl Row {
-    /// Of a run, or of none.
+    /// The row of a cell, with its run or without one.
     #[must_use]
     pub fn of(cell: u64, [x, y]: [String; 2], run: Option<&Run>, measures: &[Measure]) -> Self {
         let verdict = run.map_or(REFUSED, |run| run.summary.verdict_name());

@@ -1,9 +1,9 @@
 //! Any two settings of a scene against any measure of its run: a map, cell by cell.
 //!
-//! [`axis`] and [`grid`] make the scenes of the cells, [`measure`] says what is kept of each run, [`store`] keeps the cells in a
-//! folder, so that a sweep that was ended goes on and shards come together, [`lines`] computes what theory says of the same plane,
-//! [`map`] draws both, and [`output`] writes it all. A cell depends on nothing but its scene: whatever the threads, the shards and
-//! the interruptions, the bytes are the same.
+//! [`axis`] and [`grid`] make the cells' scenes, and [`measure`] the values to keep. [`store`] keeps the cells in a
+//! folder, so that an interrupted sweep goes on and shards come together. [`lines`] computes what theory predicts for
+//! the same plane, [`map`] draws both, and [`output`] writes everything. A cell depends only on its scene: threads,
+//! shards and interruptions do not change a byte.
 
 pub mod axis;
 pub mod grid;
@@ -30,15 +30,15 @@ use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run;
 use touchstone_sim::scene::{MotionSpec, Scene};
 
-/// How long a piece of work lasts between two writes: what an interruption loses.
+/// Time between two writes: the most that an interruption loses.
 const PIECE: Duration = Duration::from_millis(500);
 
-/// What is asked for.
+/// A sweep.
 #[derive(Debug, Clone)]
 pub struct Sweep {
     /// The cells.
     pub grid: Grid,
-    /// What is kept of each beside its verdict.
+    /// Measures that are kept of each cell beside its verdict.
     pub measures: Vec<Measure>,
     /// The program that runs them.
     pub program: ProgramVersion,
@@ -52,7 +52,7 @@ impl Sweep {
     /// Puts a sweep together; `x` and `y` as on the command line.
     ///
     /// # Errors
-    /// An axis that is none of the scene's, an unknown measure, a recording that cannot be read.
+    /// An axis that does not fit the scene, an unknown measure, a recording that cannot be read.
     pub fn new(
         scene: &Scene,
         [x, y]: [&str; 2],
@@ -116,7 +116,7 @@ impl Sweep {
         names
     }
 
-    /// One cell, and why it was refused, if it was.
+    /// Computes one cell; with the error if it is refused.
     pub fn cell(&self, scenes: &mut grid::Scenes<'_>, cell: u64) -> (Row, Option<Error>) {
         let (column, row) = self.grid.place(cell);
         let place = [self.grid.x.text(column), self.grid.y.text(row)];
@@ -129,7 +129,8 @@ impl Sweep {
         }
     }
 
-    /// Computes what is missing of a shard, as many cells at a time as there are threads; tells how many cells of the shard are done.
+    /// Computes the missing cells of a shard, as many at a time as there are threads; reports how many of the shard
+    /// are done.
     ///
     /// # Errors
     /// A folder that cannot be written.
@@ -186,7 +187,7 @@ impl Sweep {
     }
 }
 
-/// What a call of [`Sweep::fill`] did.
+/// Result of a call of [`Sweep::fill`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Filled {
     /// Cells that were there.
@@ -197,10 +198,10 @@ pub struct Filled {
     pub refusal: Option<(u64, Error)>,
 }
 
-/// A sweep whose cells are in folders, put together again from what the first says of it, and its cells.
+/// A sweep read back from folders with its cells; the first folder describes it.
 ///
 /// # Errors
-/// A folder without a sweep; folders of different sweeps, or of another program; cells that no folder has.
+/// A folder without a sweep; folders of different sweeps, or of another program; missing cells.
 pub fn gathered(folders: &[PathBuf], program: ProgramVersion) -> Result<(Sweep, store::Cells)> {
     let mut first: Option<(Value, &Path)> = None;
     let mut cells = store::Cells::new();
@@ -302,10 +303,10 @@ impl Sweep {
     }
 }
 
-/// Lets so many threads compute from now on.
+/// Sets the number of threads.
 ///
 /// # Errors
-/// Where they cannot be had, or others compute already.
+/// The threads cannot be started, or others run already.
 pub fn use_threads(threads: usize) -> std::result::Result<(), String> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)

@@ -23,12 +23,14 @@ const SIZE: Size = Size {
 const SCENE: &str = "scene.toml";
 
 /// How it is drawn.
-#[derive(Debug, Clone, Default)]
-pub struct Drawing {
+#[derive(Clone, Default)]
+pub struct Drawing<'a> {
     /// Measured places over it.
     pub points: Option<Overlay>,
-    /// Without the certificate's boundary.
+    /// Leaves out the certificate's boundary.
     pub no_certificate: bool,
+    /// Called while certificates are computed.
+    pub progress: Option<&'a lines::Progress<'a>>,
 }
 
 /// Places from a file: two columns of numbers under a header, in the axes' units; the file's name without its ending names them.
@@ -53,7 +55,7 @@ pub fn overlay(file: &Path) -> Result<Overlay> {
     })
 }
 
-/// The results as JSON: what was asked, how many cells there are of each kind, and the ends of each measure.
+/// The results as JSON: the sweep's settings, the number of cells of each kind, and the range of each measure.
 #[must_use]
 pub fn results(sweep: &Sweep, shard: Shard, cells: &Cells, over: &Over, files: &[String]) -> Value {
     let axis = |axis: &super::axis::Axis| {
@@ -109,7 +111,7 @@ pub fn results(sweep: &Sweep, shard: Shard, cells: &Cells, over: &Over, files: &
 /// Writes the folder, and gives what `results.json` says. A shard has its cells alone; the maps are the whole's.
 ///
 /// # Errors
-/// As [`folder::publish`].
+/// Same as [`folder::publish`].
 pub fn write(
     sweep: &Sweep,
     shard: Shard,
@@ -139,7 +141,11 @@ pub fn write(
     files.push((SCENE.to_owned(), sweep.grid.base.to_toml().into_bytes()));
     if shard == Shard::WHOLE {
         over = Over {
-            lines: lines::all(&sweep.grid, !drawing.no_certificate),
+            lines: lines::all(
+                &sweep.grid,
+                !drawing.no_certificate,
+                drawing.progress.unwrap_or(&|_, _| {}),
+            ),
             points: drawing.points.clone(),
         };
         let mut draw = |name: String, figure: crate::report::figure::Figure| {

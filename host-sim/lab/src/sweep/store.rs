@@ -1,7 +1,8 @@
-//! The folder of a map while it is made: what is asked for, and the cells that are done.
+//! The folder of a map while it is computed: its plan, and the finished cells.
 //!
-//! `sweep.json` says what the cells are; it is there before the first. `journal.csv` gets the cells as they are done and goes when
-//! `cells.csv` has all of them in order. So a folder holds the cells that it ever had, and nothing is computed a second time.
+//! `sweep.json` has the plan; it is written before the first cell. `journal.csv` gets the cells as they are done, and
+//! is removed when `cells.csv` has all of them in order. So a folder keeps all its cells, and no cell is computed
+//! twice.
 
 use super::Sweep;
 use super::measure::Row;
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::output;
 
-/// What is asked for.
+/// Name of the plan's file.
 pub const PLAN: &str = "sweep.json";
 /// Cells in order.
 pub const CELLS: &str = "cells.csv";
@@ -21,17 +22,17 @@ const JOURNAL: &str = "journal.csv";
 /// Some of the cells: those whose number leaves this remainder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// From 1 to [`Shard::of`].
+    /// Number of this part, from 1 to [`Shard::of`].
     pub index: u64,
-    /// In how many parts.
+    /// Number of parts.
     pub of: u64,
 }
 
 impl Shard {
-    /// All cells.
+    /// The only shard of a sweep that is not divided.
     pub const WHOLE: Shard = Shard { index: 1, of: 1 };
 
-    /// Whether a cell belongs to it. Neighbours go to different shards, so that all shards take the same time.
+    /// Whether the shard has a cell. Neighbours go to different shards, so that all shards take the same time.
     #[must_use]
     pub fn has(self, cell: u64) -> bool {
         cell % self.of == self.index - 1
@@ -65,7 +66,7 @@ pub struct Store {
 }
 
 impl Store {
-    /// Opens the folder for a sweep, with what is done of it. With `force`, what belongs to another sweep is taken away.
+    /// Opens the folder for a sweep, with its finished cells. `force` removes files of another sweep.
     ///
     /// # Errors
     /// A folder of another sweep, or one in which a program is at work; a folder that cannot be written.
@@ -118,7 +119,7 @@ impl Store {
         Ok(())
     }
 
-    /// Takes the journal away: [`CELLS`] has every row of it.
+    /// Removes the journal: [`CELLS`] has all its rows.
     pub fn close(self) -> Cells {
         drop(self.journal);
         // One that stays holds nothing that is not known.
@@ -127,7 +128,7 @@ impl Store {
     }
 }
 
-/// The cells in a folder that nobody is to write.
+/// The cells in a folder that no program writes now.
 ///
 /// # Errors
 /// Files that cannot be read.
@@ -143,7 +144,7 @@ fn read_cells(folder: &Path) -> Result<Cells> {
     Ok(rows.into_iter().map(|row| (row.0, row)).collect())
 }
 
-/// What a folder's cells are; `None` where there are none.
+/// The plan of a folder; `None` where it has none.
 ///
 /// # Errors
 /// A file that is no plan.

@@ -255,7 +255,12 @@ fn a_scene_that_contradicts_itself_is_a_refused_cell() {
 fn lines_lie_where_their_formulas_say() {
     let rates = "timing.rate_hz=250..4000:5:log";
     let sweep = sweep("wall.k_desired_n_m_per_rad=0.1..10:5:log", rates);
-    let found = lines::all(&sweep.grid, true);
+    let counted = std::sync::Mutex::new(Vec::new());
+    let note = |done, total| counted.lock().unwrap().push((done, total));
+    let found = lines::all(&sweep.grid, true, &note);
+    let counted = counted.into_inner().unwrap();
+    let last = counted.iter().max().copied().unwrap();
+    assert_eq!((last.0, counted.len() as u64), (last.1, last.1));
     let names: Vec<&str> = found.iter().map(|line| line.name).collect();
     assert_eq!(names[0], "k_c = c_i/(T/2 + t_d)");
     assert_eq!(names.last(), Some(&"certified stable within"));

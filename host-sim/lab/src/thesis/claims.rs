@@ -21,7 +21,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// For tables.
+    /// Name for tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -32,18 +32,18 @@ impl Outcome {
     }
 }
 
-/// A statement of the thesis, and what was found.
+/// A statement of the thesis, and the finding.
 #[derive(Debug, Clone)]
 pub struct Claim {
     /// Short name, stable across versions.
     pub name: &'static str,
     /// Section or figure.
     pub source: &'static str,
-    /// What it says.
+    /// The claim in words.
     pub statement: &'static str,
-    /// How it fared.
+    /// The outcome of the check.
     pub outcome: Outcome,
-    /// What was measured.
+    /// The measured value.
     pub measured: String,
 }
 
@@ -128,7 +128,7 @@ fn variant(
     run::run(&scene.with(change)?, true)
 }
 
-/// All claims. `runs` are those of [`super::cells`]; a few more are made here.
+/// All claims, checked against `runs`, which are those of [`super::cells`], and a few more runs.
 ///
 /// # Errors
 /// A base scene that cannot be run.

@@ -30,7 +30,8 @@ pub const GRIPS: [Grip; 3] = [Grip::Medium, Grip::Light, Grip::Firm];
 /// Encoders, the finer one first.
 pub const COUNTS: [u32; 2] = [40_000, 16_384];
 
-/// Fields and tables of the base scene that every [`cell`] replaces, so that a change of them would be lost; and what it puts there.
+/// Fields and tables of the base scene that every [`cell`] replaces, so that a change of them would be lost; each with
+/// the values that it gets.
 pub const REPLACED: [(&str, &str); 5] = [
     ("wall.k_desired_n_m_per_rad", "stiffnesses"),
     ("law.kind", "laws"),
@@ -39,7 +40,7 @@ pub const REPLACED: [(&str, &str); 5] = [
     ("encoder", "encoders"),
 ];
 
-/// What a [`cell`] replaces of one law, for people.
+/// A note for people on the field that a [`cell`] replaces for one law.
 pub const TDPA_OBSERVES: &str = "TDPA runs with the thesis' observer, as it was published, whatever law.observer says; \
                                  the enhanced law runs with law.observer";
 
@@ -54,10 +55,10 @@ pub struct Cell {
 
 /// The scene of one cell: `base` with stiffness, law, grip and encoder.
 ///
-/// [`TDPA_OBSERVES`], since it is the thesis' TDPA that is compared; every other choice is the scene's.
+/// [`TDPA_OBSERVES`], since the comparison is with the thesis' TDPA; every other choice is the scene's.
 ///
 /// # Errors
-/// A base scene that does not go with one of them.
+/// A base scene that cannot have one of them.
 pub fn cell(base: &Scene, k_desired: f64, law: LawKind, grip: Grip, counts: u32) -> Result<Scene> {
     base.with(|scene| {
         scene.wall.k_desired_n_m_per_rad = k_desired;
@@ -74,7 +75,7 @@ pub fn cell(base: &Scene, k_desired: f64, law: LawKind, grip: Grip, counts: u32)
 /// All cells: the plotted comparison first, then the other grips and encoder, then the row beyond the thesis.
 ///
 /// # Errors
-/// As [`cell`].
+/// Same as [`cell`].
 pub fn cells(base: &Scene) -> Result<Vec<Cell>> {
     let mut cells = Vec::new();
     for counts in COUNTS {
@@ -102,7 +103,7 @@ pub const SHIPPED: &str = "Shipped";
 /// The wall that ships, `base` with all its own settings, at every stiffness, grip and encoder of [`cells`].
 ///
 /// # Errors
-/// As [`cell`].
+/// Same as [`cell`].
 pub fn shipped_cells(base: &Scene) -> Result<Vec<Cell>> {
     let mut cells = Vec::new();
     for counts in COUNTS {
@@ -119,7 +120,7 @@ pub fn shipped_cells(base: &Scene) -> Result<Vec<Cell>> {
     Ok(cells)
 }
 
-/// Runs the cells on all cores, in their order; `done` is told of each that is finished.
+/// Runs the cells on all cores, in their order; calls `done` after each.
 ///
 /// # Errors
 /// The first cell that cannot run.

@@ -1,6 +1,6 @@
 //! Random devices, each with a law tuned for it: how often is there a setting?
 //!
-//! A device of [`crate::random_device`] is drawn again where its wall cannot be resolved: a press of at most [`MOST_N_M`] must go 20
+//! A device of [`crate::random_device`] is drawn again where its wall cannot be resolved. A press of at most [`MOST_N_M`] must go 20
 //! counts deep, stand above dry friction four times, and stay within a radian. The torque limit is twice that press.
 
 use super::diagnosis::{self, FailureCause};
@@ -21,7 +21,7 @@ pub const MOST_N_M: f64 = 0.5;
 /// Share of `J/T²` that an estimator was seen to hold.
 const OF_INERTIA: f64 = 0.16;
 
-/// How stiff a wall is asked for.
+/// Class of the wanted stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Class {
@@ -34,7 +34,7 @@ pub enum Class {
 }
 
 impl Class {
-    /// All.
+    /// All classes.
     pub const ALL: [Class; 3] = [Class::FiveCritical, Class::TwentyCritical, Class::Inertia];
 }
 
@@ -94,7 +94,7 @@ fn drawn(random: &mut Random, class: Class) -> Option<Scene> {
 /// What became of a device under one law.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Row {
-    /// How stiff.
+    /// The class of stiffness.
     pub class: Class,
     /// Number of the device.
     pub number: u64,
@@ -128,9 +128,9 @@ pub struct Row {
     pub displayed_error: Option<f64>,
     /// Deviation of the modulus of a hand that moves, share; empty where the wall was left.
     pub modulus_error: Option<f64>,
-    /// Its phase, degrees.
+    /// Phase of the response to a moving hand, degrees.
     pub phase_deg: Option<f64>,
-    /// Settings that were looked at.
+    /// Settings that were examined.
     pub looks: u64,
     /// Refill of its energy guard, W; absent where the delay is longer than a guard answers for.
     pub guard_refill_w: Option<f64>,
@@ -160,7 +160,7 @@ impl Row {
 /// How long a search may look, ticks: at first, and once more from elsewhere where that does not hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Budget {
-    /// First try.
+    /// The first value that the search tries.
     pub first: f64,
     /// Second try; 0: none.
     pub second: f64,
@@ -267,7 +267,7 @@ pub fn certificate(scene: &Scene) -> Result<Certificate> {
     certify::certify(&pressed, &asked)
 }
 
-/// The best of a device's laws, which is what a user would take.
+/// The best of a device's laws, which a user would choose.
 #[must_use]
 pub fn best<'a>(rows: &[&'a Row]) -> Option<&'a Row> {
     rows.iter().copied().max_by_key(|row| row.rank())

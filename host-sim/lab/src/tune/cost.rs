@@ -12,7 +12,7 @@ use touchstone_sim::run::judge::Judge;
 use touchstone_sim::run::terms::Terms;
 use touchstone_sim::scene::{Grip, Scene, SensorNoise};
 
-/// A figure so far beyond its limit counts no more for going further.
+/// A figure this many times beyond its limit costs no more if it goes further.
 const WORST_SHARE: f64 = 20.0;
 /// From this share of its limit on a figure counts: a setting that just holds is not tuned.
 const NEAR: f64 = 0.95;
@@ -23,15 +23,17 @@ pub const REFUSED: f64 = 1e6;
 
 /// Depth of a touch over the ideal damped wall's up to which a touch costs nothing that counts.
 const TOUCH: f64 = 1.5;
-/// Noise of the position sensor under which the nominal device should still rest, degrees rms: what a magnetic sensor has (AS5046).
+/// Noise of the position sensor under which the nominal device should still rest, degrees rms: that of a magnetic
+/// sensor (AS5046).
 const NOISE_DEG: f64 = 0.03;
-/// Motion at rest that it may have then, peak to peak, rad; four counts where these are coarser.
+/// Largest allowed motion at rest with noise, peak to peak, rad; four counts where these are coarser.
 const NOISY_REST_RAD: f64 = 6e-4;
-/// What a wish counts beside a limit, and the most share that it counts for: a search never gives up a limit for it.
+/// Weight of a wish beside a limit, and the largest share that it counts for: a search never gives up a limit for a
+/// wish.
 const WISH: f64 = 0.25;
 const MOST_WISH: f64 = 3.0;
 
-/// What a search judges by.
+/// The figures by which a search judges settings.
 #[derive(Debug, Clone)]
 pub struct Judgement {
     programme: Programme,
@@ -42,7 +44,7 @@ pub struct Judgement {
     ideal: Vec<IdealTouch>,
 }
 
-/// What is asked of a setting.
+/// The goals of a setting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Aim {
     /// Every figure of the scorecard.
@@ -51,17 +53,17 @@ enum Aim {
     Outcome,
 }
 
-/// What is known of a setting.
+/// The findings on a setting.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// To be made small.
+    /// The value that the search makes small.
     pub value: f64,
-    /// The largest share of a limit; infinite where not every device was looked at.
+    /// The largest share of a limit; infinite where not every device was examined.
     pub worst: f64,
 }
 
 impl Judgement {
-    /// Of a scene's device. `quick` looks at the devices that decide most, and at shorter presses.
+    /// The judgement for a scene's device. `quick` tries the most decisive devices, and shorter presses.
     #[must_use]
     pub fn new(scene: &Scene, reference: Reference, quick: bool) -> Self {
         let programme = match quick {
@@ -87,8 +89,8 @@ impl Judgement {
         }
     }
 
-    /// Of the nominal device alone: a press that comes to rest at `k_de`, touch and all, and a hand that moves at 4 Hz; by the limits of
-    /// [`super::outcome`] and by nothing else.
+    /// The judgement on the nominal device alone: a press that comes to rest at `k_de`, its touch, and a hand that
+    /// moves at 4 Hz; by the limits of [`super::outcome`] only.
     #[must_use]
     pub fn at_rest(scene: &Scene, reference: Reference) -> Self {
         let mut programme = Programme::of(scene);
@@ -184,7 +186,7 @@ impl Judgement {
         shares
     }
 
-    /// Figures of all deeds in a grip, and what a press shows beside.
+    /// Figures of all actions in a grip, and those of a press without a limit.
     fn felt(&self, scene: &Scene, grip: Grip) -> Result<(Figures, Beside)> {
         let (mut figures, mut beside) = (Figures::NONE, Beside::default());
         for deed in self.programme.deeds() {
@@ -198,7 +200,7 @@ impl Judgement {
         Ok((figures, beside))
     }
 
-    /// Each figure over its limit, and what a press shows beside.
+    /// Each figure over its limit, and those of a press without a limit.
     fn of_scorecard(&self, scene: &Scene, case: &Case, grip: Grip) -> Result<(Vec<f64>, Beside)> {
         let (figures, beside) = self.felt(scene, grip)?;
         Ok((
@@ -256,7 +258,7 @@ impl Judgement {
         nominal
     }
 
-    /// What a hand does in it.
+    /// The hand's actions.
     #[must_use]
     pub fn programme(&self) -> &Programme {
         &self.programme

@@ -18,41 +18,41 @@ use touchstone_sim::scene::{MotionSpec, Number, Scene};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FailureCause {
-    /// The law cannot take the settings for such a device.
+    /// The law has no settings for such a device.
     Refused,
     /// The linear loop grows: so says the certificate.
     UnstableLoop,
-    /// Without the energy guard it holds.
+    /// The wall holds without the energy guard.
     Guard,
-    /// With a hundred times the torque it holds.
+    /// The wall holds with a hundred times the torque.
     TorqueLimit,
-    /// In `f64` it holds.
+    /// The wall holds in `f64`.
     LawRounding,
-    /// Without the sensor's noise it holds.
+    /// The wall holds without the sensor's noise.
     Noise,
     /// With the exact angle it holds: a limit cycle by counts, or a wall too shallow for them.
     Counts,
-    /// Without dry friction it holds: the device sticks where the hand should move it.
+    /// The wall holds without dry friction, with which the device sticks where the hand should move it.
     Friction,
     /// Where the light touch before the press is as deep as the press it holds: it is the touch, some counts deep, that does not
     /// come to rest.
     LightTouch,
-    /// With a hold of ten times the length it holds.
+    /// The wall holds in a hold of ten times the length.
     Slow,
     /// Touched and pressed slowly it holds: the blow is what it does not survive.
     Contact,
-    /// With the exact angle and without dry friction it holds, with either it does not.
+    /// The wall holds with the exact angle and no dry friction together, and not with only one of the two.
     CountsAndFriction,
-    /// It comes to rest, and shows another stiffness for none of these reasons.
+    /// The wall comes to rest and displays another stiffness, for none of these reasons.
     Stiffness,
     /// A hand that moves feels another stiffness for none of these reasons: the law's own dynamics.
     Dynamics,
-    /// None of these mends it.
+    /// No single change mends it.
     Unexplained,
 }
 
 impl FailureCause {
-    /// All.
+    /// All causes.
     pub const ALL: [FailureCause; 15] = [
         FailureCause::Refused,
         FailureCause::UnstableLoop,
@@ -71,7 +71,7 @@ impl FailureCause {
         FailureCause::Unexplained,
     ];
 
-    /// What it is called for people.
+    /// The cause in words for people.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
@@ -94,7 +94,7 @@ impl FailureCause {
     }
 }
 
-/// What a wall's failure is made of, one thing changed at a time.
+/// A cause, and the single change that would mend it.
 type Remedy = (FailureCause, fn(&mut Scene));
 
 const REMEDIES: [Remedy; 10] = [
@@ -147,7 +147,7 @@ fn mended(scene: &Scene, holds: impl Fn(&Scene) -> bool) -> Option<FailureCause>
     found.map(|(cause, _)| *cause)
 }
 
-/// The cause of a failure; `fails` is told what came of a run and says whether it still fails.
+/// The cause of a failure; `fails` judges whether a run still fails.
 #[must_use]
 pub fn cause(
     scene: &Scene,

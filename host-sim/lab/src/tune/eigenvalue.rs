@@ -1,4 +1,4 @@
-//! The loop's largest eigenvalue, as a search looks at it.
+//! The loop's largest eigenvalue, for a search.
 
 use crate::certify::contact::Contact;
 use crate::certify::hands::GRIPS;

@@ -6,7 +6,7 @@
 use crate::random_device::Random;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Once the costs of so long lie within this range, nothing is left to find.
+/// The search ends when all costs of this many generations lie within this range.
 const FLAT: f64 = 1e-12;
 /// Beyond this ratio of the distribution's axes, squared, its matrix says nothing.
 const WORST_CONDITION: f64 = 1e14;
@@ -255,7 +255,7 @@ mod tests {
         None
     }
 
-    /// Of eleven seeds the median. Hansen's tutorial has no table; the bounds are twice what this code needs.
+    /// The median of eleven seeds. Hansen's tutorial has no table; the bounds are twice what this code needs.
     fn median(start: &[f64], cost: impl Fn(&[f64]) -> f64) -> usize {
         let mut all: Vec<usize> = (0..11)
             .map(|seed| looked(start, seed, &cost).unwrap_or(usize::MAX))

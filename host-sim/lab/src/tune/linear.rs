@@ -1,7 +1,7 @@
 //! A setting judged by its matrices alone: a thousand times faster than by runs, and graded where every run is lost.
 //!
-//! What a search by runs cannot see, from a point at which the wall is lost in every grip, is in which direction it is lost less. The
-//! loop's eigenvalues say it. So a search begins where they are best.
+//! If the wall is lost in every grip, a search by runs cannot see in which direction it is lost less. The loop's
+//! eigenvalues can. So a search begins where they are best.
 
 use super::cost::Cost;
 use super::eigenvalue::radius;

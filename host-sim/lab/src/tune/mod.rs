@@ -1,9 +1,9 @@
-//! Settings for a device: from inertia, damping, friction, counts, delay, torque limit and rate to a law that a hand feels as the
-//! wall that was asked for.
+//! Settings for a device: from inertia, damping, friction, counts, delay, torque limit and rate to a law that displays
+//! the wanted wall.
 //!
-//! A setting is judged by the worst figure of its [scorecard](crate::scorecard) over three grips and every device of its cases,
-//! the limit of its ripple among them; [`search`] makes that small, from a rule that [`parameters`] states. [`settings`] writes
-//! what was found, [`pareto`] shows what it costs to ask for more stiffness, less ripple or more delay.
+//! A setting is judged by the worst figure of its [scorecard](crate::scorecard) over three grips and every device of
+//! its cases, the limit of its ripple among them. [`search`] makes that small, starting from a rule in [`parameters`].
+//! [`settings`] writes the result, [`pareto`] shows the cost of more stiffness, less ripple or more delay.
 
 pub mod campaign;
 pub mod cost;
@@ -26,7 +26,7 @@ use parameters::{Axis, at, axes};
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 
-/// What is asked of a search.
+/// Options of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
     /// Seed: the same finds the same.
@@ -44,7 +44,7 @@ pub enum Effort {
     Full,
     /// The devices that decide most, shorter presses: some seconds.
     Quick,
-    /// As quick, with so many ticks.
+    /// As quick, with this many ticks.
     Ticks(f64),
 }
 
@@ -58,7 +58,7 @@ impl Effort {
         }
     }
 
-    /// Whether not all devices are looked at.
+    /// Whether not all devices are examined.
     #[must_use]
     pub fn is_quick(self) -> bool {
         self != Effort::Full
@@ -71,15 +71,15 @@ const LOOKS_PER_PARAMETER: f64 = 400.0;
 /// A law with settings that were found.
 #[derive(Debug, Clone)]
 pub struct Tuned {
-    /// Which law.
+    /// The law in use.
     pub rival: &'static Rival,
-    /// The scene with it.
+    /// The scene with the tuned law.
     pub scene: Scene,
-    /// What was tuned: path and value.
+    /// The tuned settings: path and value.
     pub parameters: Vec<(&'static str, f64)>,
     /// The largest share of a limit in the search's own, shorter programme.
     pub worst: f64,
-    /// Points that were looked at.
+    /// Points that were examined.
     pub evaluations: u64,
     /// What ripple was measured by.
     pub reference: Reference,
@@ -87,7 +87,7 @@ pub struct Tuned {
     pub seed: u64,
 }
 
-/// Tunes a law for the device and wall of a scene; `progress` is told how much of how much is done.
+/// Tunes a law for the device and wall of a scene; `progress` gets the finished and the total work.
 ///
 /// # Errors
 /// A scene whose spring-damper cannot run.
@@ -112,8 +112,8 @@ pub fn tune(
     Ok(no_worse_than_own(scene, tuned, &judgement))
 }
 
-/// What was found or, where they are better in the whole programme on all devices, the scene's own settings with what the guard is told. Both
-/// are judged by more than a quick search looks at.
+/// The tuned settings; or the scene's own with the guard's values, where these are better in the whole programme on
+/// all devices. Both are judged by more than a quick search tries.
 fn no_worse_than_own(scene: &Scene, mut tuned: Tuned, judgement: &Judgement) -> Tuned {
     let mut own = tuned.rival.of(scene);
     own.law.states = tuned.scene.law.states;
@@ -131,18 +131,18 @@ fn no_worse_than_own(scene: &Scene, mut tuned: Tuned, judgement: &Judgement) -> 
 /// How long a search looks, and from where.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Looks {
-    /// Most settings.
+    /// Largest number of settings.
     most: f64,
     /// Largest share of a limit that needs no better.
     enough: f64,
     seed: u64,
 }
 
-/// A figure that is so far within its limit needs no better, where a wall only has to hold.
+/// A figure within this share of its limit needs no improvement, where a wall only has to hold.
 const ENOUGH: f64 = 0.7;
 
-/// Tunes a law until a press in every grip comes to rest and a moving hand is held, by the limits of [`outcome`], with so many ticks.
-/// Ripple is not judged.
+/// Tunes a law with this many ticks, until a press in every grip comes to rest and a moving hand is held, by the
+/// limits of [`outcome`]. Ripple is not judged.
 #[must_use]
 pub fn to_rest(scene: &Scene, rival: &'static Rival, ticks: f64, seed: u64) -> Tuned {
     let reference = Reference::none();
@@ -214,7 +214,7 @@ fn values(axes: &[Axis], scene: &mut Scene) -> Vec<(&'static str, f64)> {
     axes.iter().map(&mut of).collect()
 }
 
-/// Where a search may start: the rule, the scene's own settings, and what was found for soft and for stiff walls.
+/// Starting points of a search: the rule, the scene's own settings, and earlier results for soft and for stiff walls.
 fn starts(scene: &Scene, axes: &[Axis]) -> Vec<Vec<f64>> {
     let mut own = scene.law.clone();
     let own: Vec<f64> = axes

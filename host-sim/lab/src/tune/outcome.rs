@@ -1,4 +1,4 @@
-//! What a press and a moving hand find of a wall: the two things that a campaign asks of every device.
+//! The results of a press and a moving hand at a wall, which a campaign needs of every device.
 
 use crate::scorecard::cases::{CASES, Deed, GRIPS, Programme};
 use crate::scorecard::figures;
@@ -25,15 +25,15 @@ pub struct Outcome {
     pub displayed_error: Option<f64>,
     /// Deviation of the modulus for a hand that moves, share; absent where the wall was left.
     pub modulus_error: Option<f64>,
-    /// Its phase, degrees.
+    /// Phase of the response to a moving hand, degrees.
     pub phase_deg: Option<f64>,
 }
 
 impl Outcome {
-    /// Of a scene's device and law, in the scene's press.
+    /// The outcome of a scene's device and law, in the scene's press.
     ///
     /// # Errors
-    /// Settings that the law cannot take.
+    /// Settings that the law cannot have.
     pub fn of(scene: &Scene) -> Result<Self> {
         let programme = Programme::of(scene);
         let (felt, _) = figures(scene, &programme, &CASES[0], false)?;
@@ -75,7 +75,7 @@ impl Outcome {
             && self.phase_deg.is_some_and(|phase| phase <= PHASE_DEG)
     }
 
-    /// What a hand feels of it in a line: what fails where something does.
+    /// The outcome in a line: what fails, if anything does.
     #[must_use]
     pub fn words(&self) -> String {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
@@ -98,7 +98,7 @@ impl Outcome {
         format!("{resting}; {moving}")
     }
 
-    /// Both.
+    /// Whether both press and moving hand hold.
     #[must_use]
     pub fn holds(&self) -> bool {
         self.rests() && self.moves()

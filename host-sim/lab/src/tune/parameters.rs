@@ -1,7 +1,8 @@
-//! What is tuned of each law, and where the search starts.
+//! The settings that are tuned of each law, and where the search starts.
 //!
-//! Every start is a rule in the device's own measures, `k_de`, `J` and `T`, so that one rule serves all devices: dampings in
-//! `sqrt(k J)`, bandwidths in `sqrt(k/J)/2π`, stiffnesses in `k`, masses in `J`, shares of a tick in `T sqrt(k/J)`.
+//! Every start is a rule in the device's own measures, `k_de`, `J` and `T`, so that one rule serves all devices:
+//! dampings in `sqrt(k J)`, bandwidths in `sqrt(k/J)/2π`, stiffnesses in `k`, masses in `J`, shares of a tick in `T
+//! sqrt(k/J)`.
 
 use crate::scorecard::rivals::Rival;
 use crate::scorecard::stiffness_per_tick;
@@ -12,16 +13,16 @@ use touchstone_sim::scene::{Law, Scene};
 /// A parameter of the law.
 #[derive(Debug, Clone, Copy)]
 pub struct Parameter {
-    /// Its path in a scene.
+    /// The setting's path in a scene.
     pub path: &'static str,
-    /// Where it is.
+    /// Position, m.
     pub of: fn(&mut Law) -> &mut f64,
 }
 
-/// Where a parameter starts, and within what it is looked for. All above 0: the search goes by ratios.
+/// Start and range of a parameter. All are above 0: the search goes by ratios.
 #[derive(Debug, Clone, Copy)]
 pub struct Axis {
-    /// Which.
+    /// The parameter.
     pub parameter: Parameter,
     /// Where the search starts.
     pub start: f64,
@@ -193,8 +194,8 @@ fn of_estimator(scene: &Scene) -> Vec<Axis> {
     ]
 }
 
-/// The scene with its law at a point, coordinates being natural logarithms of the ratios to the start. A value is rounded to four
-/// digits: what is judged is what is written down.
+/// The scene with its law at a point, whose coordinates are natural logarithms of the ratios to the start. A value is
+/// rounded to four digits, so that the judged value is the written one.
 #[must_use]
 pub fn at(rival: &Rival, scene: &Scene, axes: &[Axis], point: &[f64]) -> Scene {
     let mut scene = rival.to_tune(scene);
@@ -205,7 +206,7 @@ pub fn at(rival: &Rival, scene: &Scene, axes: &[Axis], point: &[f64]) -> Scene {
     scene
 }
 
-/// Four digits.
+/// The value, rounded to four digits.
 #[must_use]
 pub fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)

@@ -1,4 +1,4 @@
-//! What more stiffness, less ripple or more delay cost: settings of which none is better than another in all three.
+//! The cost of more stiffness, less ripple or more delay: settings of which none is better than another in all three.
 
 use super::Tuned;
 use super::cost::Judgement;
@@ -18,7 +18,7 @@ pub struct Point {
     pub k_desired: f64,
     /// Ripple on the nominal device, N·m.
     pub ripple_rms_n_m: f64,
-    /// Most delay beyond which the nominal device is lost, ticks, to a sixteenth of one; what is searched ends at 3.
+    /// Longest delay with which the nominal device is not lost, ticks, to a sixteenth; the search ends at 3.
     pub delay_margin_ticks: f64,
     /// Bandwidth of its estimator, Hz; absent on measured states.
     pub bandwidth_hz: Option<f64>,
@@ -26,7 +26,7 @@ pub struct Point {
     pub best: bool,
 }
 
-/// Stiffnesses that are tried, of the one that was asked for.
+/// Stiffnesses that are tried, as factors of the wanted one.
 const STIFFNESSES: [f64; 6] = [0.4, 0.6, 0.8, 1.0, 1.25, 1.6];
 /// Bandwidths of the estimator, of the tuned one.
 const BANDWIDTHS: [f64; 4] = [0.6, 0.8, 1.0, 1.3];
@@ -35,8 +35,8 @@ const DAMPINGS: [f64; 4] = [0.5, 0.7, 1.0, 1.4];
 /// Most delay that is looked for, ticks.
 const MOST_TICKS: f64 = 3.0;
 
-/// The tuned law for a wall so many times as stiff, with bandwidth and damping scaled besides: frequencies go with `sqrt(k)`,
-/// dampings too, stiffnesses with `k`.
+/// The tuned law for a wall this many times as stiff, with further factors on bandwidth and damping: frequencies and
+/// dampings scale with `sqrt(k)`, stiffnesses with `k`.
 fn scaled(scene: &Scene, stiffness: f64, bandwidth: f64, damping: f64) -> Scene {
     let mut scene = scene.clone();
     scene.wall.k_desired_n_m_per_rad *= stiffness;
@@ -54,7 +54,7 @@ fn scaled(scene: &Scene, stiffness: f64, bandwidth: f64, damping: f64) -> Scene 
     scene
 }
 
-/// Points around a tuned law; `progress` is told of each that was looked at. `quick` looks at a few only.
+/// Points around a tuned law; calls `progress` after each. `quick` tries only a few.
 pub fn points(tuned: &Tuned, quick: bool, progress: impl Fn() + Sync) -> Vec<Point> {
     let estimated = tuned.scene.law.states == StatesKind::Estimated;
     let damped = matches!(
@@ -101,7 +101,7 @@ pub fn points(tuned: &Tuned, quick: bool, progress: impl Fn() + Sync) -> Vec<Poi
     points
 }
 
-/// How many are looked at.
+/// How many are examined.
 #[must_use]
 pub fn count(tuned: &Tuned, quick: bool) -> u64 {
     let estimated = tuned.scene.law.states == StatesKind::Estimated;
@@ -157,7 +157,7 @@ fn delay_margin(judgement: &Judgement, scene: &Scene) -> f64 {
     low
 }
 
-/// Ripple over stiffness; the sign of a point tells its margin in delay.
+/// Ripple over stiffness; the sign of a point shows its margin in delay.
 #[must_use]
 pub fn figure(points: &[Point]) -> Figure {
     let x = Axis::new(

@@ -3,14 +3,14 @@
 use super::cost::Cost;
 use super::evolution::Evolution;
 
-/// What a search found.
+/// Result of a search.
 #[derive(Debug, Clone)]
 pub struct Found {
     /// The best point.
     pub point: Vec<f64>,
-    /// What it costs.
+    /// The cost of an eccentric encoder for a wall.
     pub cost: Cost,
-    /// Points that were looked at.
+    /// Points that were examined.
     pub evaluations: u64,
 }
 
@@ -20,9 +20,9 @@ const STEP: f64 = 0.3;
 /// When a search ends, and the seed of its way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Until {
-    /// Most points.
+    /// Largest number of points.
     pub evaluations: u64,
-    /// It also ends where [`Cost::worst`] of the best point is this or less.
+    /// The search also ends when [`Cost::worst`] of the best point is at most this.
     pub worst: f64,
     /// Seed.
     pub seed: u64,

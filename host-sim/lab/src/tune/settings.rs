@@ -1,4 +1,4 @@
-//! What was found, as a file of settings: rate, wall and law, in the rows that a scene and a device have in common.
+//! The result as a file of settings: rate, wall and law, in the rows that a scene and a device share.
 
 use super::Tuned;
 use serde_json::Value;

@@ -21,13 +21,13 @@ use touchstone_protocol::{
 };
 use touchstone_sim::error::{Error, Result};
 
-/// A device that was told to send and is silent for so long is gone.
+/// A device that should send and is silent for this long is taken to be gone.
 const SILENCE_MS: f64 = 2000.0;
-/// A device that is gone is asked again this often.
+/// Interval of attempts to reach a device that is gone.
 const AGAIN_MS: f64 = 1000.0;
 /// The device hears of the desktop at least this often.
 const SIGN_OF_LIFE_MS: f64 = 250.0;
-/// Between two looks at what the device counted.
+/// Interval at which the device's counters are read.
 const LOOK_MS: f64 = 2000.0;
 
 /// Where the conversation stands.
@@ -35,11 +35,11 @@ const LOOK_MS: f64 = 2000.0;
 enum Stage {
     /// There is no port.
     Closed,
-    /// Asked who is there.
+    /// The question "who is there" is sent.
     Asking,
-    /// Records come.
+    /// Records arrive.
     There,
-    /// Nothing came any more; asked again at this time.
+    /// The device is silent; the next attempt is at this time.
     Gone(f64),
 }
 
@@ -84,7 +84,7 @@ impl Talk {
         }
     }
 
-    /// A port is open: asks who is there.
+    /// A port is open: asks which device is there.
     pub fn opened(&mut self, now_ms: f64) {
         self.questions.begin();
         self.state = None;
@@ -121,7 +121,7 @@ impl Talk {
         self.questions.send(now_ms);
     }
 
-    /// Looks at the clock: what was not answered, signs of life, a device that is silent.
+    /// Does what is due by now: repeats unanswered questions, sends signs of life, notices a silent device.
     pub fn turn(&mut self, now_ms: f64) {
         self.overdue(now_ms);
         match self.stage {
@@ -158,7 +158,7 @@ impl Talk {
         }
     }
 
-    /// What is to be sent, which is gone then.
+    /// The bytes to be sent, which are then removed.
     pub fn out(&mut self) -> Vec<u8> {
         self.questions.out()
     }
@@ -168,7 +168,7 @@ impl Talk {
         self.said.pop_front().map(|message| message.to_string())
     }
 
-    /// The rows so far, which are gone then.
+    /// The rows so far, which are then removed.
     pub fn rows(&mut self) -> Vec<f64> {
         self.rows.numbers()
     }

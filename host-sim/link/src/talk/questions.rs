@@ -1,4 +1,4 @@
-//! Questions to a device: in their order, one under way at a time, asked again where the answer was lost.
+//! Questions to a device: in order, one under way at a time, repeated where the answer was lost.
 
 use std::collections::VecDeque;
 use touchstone_protocol::frame::{self, FRAME_MAX};
@@ -9,23 +9,23 @@ pub const ANSWER_LIMIT_MS: f64 = 500.0;
 /// Once more where the answer was lost or damaged.
 pub const TRIES: u32 = 3;
 
-/// What a question is for.
+/// Purpose of a question.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Purpose {
     Hello,
-    /// All settings, after the device said who it is.
+    /// All settings, after the device identified itself.
     Begin,
     /// Telemetry from now on.
     Records,
-    /// All settings, after some were changed.
+    /// All settings, after a change.
     Settings,
     State,
-    /// As `State`; a device that is on, and that nobody watched, is switched off.
+    /// As `State`, after a lost connection; a device that is on, without a watching person, is switched off.
     FoundAgain,
-    /// That, and in words what was done.
+    /// Switches such a device off; with words for what was done.
     Off(&'static str),
     Troubles,
-    /// What a person asked for: its name, and the path of a setting.
+    /// A person's order: its name, and the path of a setting.
     Order(String, Option<String>),
 }
 
@@ -39,7 +39,7 @@ struct Question {
     until_ms: f64,
 }
 
-/// The questions, and what of them is to be sent.
+/// The questions, and the bytes to be sent for them.
 #[derive(Debug, Default)]
 pub(super) struct Questions {
     next_id: u8,
@@ -58,20 +58,20 @@ impl Questions {
         self.out.push(0);
     }
 
-    /// Asks after all that waits.
+    /// Adds a question behind those that wait.
     pub fn ask(&mut self, request: &Request<'_>, purpose: Purpose) {
         let question = self.question(request, purpose);
         self.waiting.push_back(question);
     }
 
-    /// Asks at once, whatever waits or is under way.
+    /// Sends a question at once, before all that wait or are under way.
     pub fn overtake(&mut self, request: &Request<'_>, purpose: Purpose, now_ms: f64) {
         let question = self.question(request, purpose);
         self.waiting.push_front(question);
         self.send_first(now_ms);
     }
 
-    /// Sends the next one where none is under way.
+    /// Sends the next question if none is under way.
     pub fn send(&mut self, now_ms: f64) {
         if self.under_way.is_empty() {
             self.send_first(now_ms);
@@ -83,13 +83,13 @@ impl Questions {
         !self.waiting.is_empty()
     }
 
-    /// What the answer with this number is for; `None` if it comes too late.
+    /// Purpose of the question with this number; `None` if its answer comes too late.
     pub fn answered(&mut self, id: u8) -> Option<Purpose> {
         let at = self.under_way.iter().position(|asked| asked.id == id)?;
         Some(self.under_way.remove(at).purpose)
     }
 
-    /// Asks again what was not answered in time; gives one that was asked often enough.
+    /// Repeats a question that was not answered in time; returns one that was repeated often enough.
     pub fn overdue(&mut self, now_ms: f64) -> Option<Purpose> {
         let late = |asked: &Question| asked.until_ms <= now_ms;
         while let Some(at) = self.under_way.iter().position(late) {
@@ -103,14 +103,14 @@ impl Questions {
         None
     }
 
-    /// Those that will have no answer.
+    /// The questions that will have no answer.
     pub fn forget(&mut self) -> Vec<Purpose> {
         let under_way = self.under_way.drain(..);
         let all = under_way.chain(self.waiting.drain(..));
         all.map(|question| question.purpose).collect()
     }
 
-    /// What is to be sent, which is gone then.
+    /// The bytes to be sent, which are then removed.
     pub fn out(&mut self) -> Vec<u8> {
         std::mem::take(&mut self.out)
     }

@@ -80,7 +80,8 @@ pub fn block(x: f64, y: f64, z: f64) -> Soup {
     soup
 }
 
-/// A V of two half-planes with the crease along y through the origin, each rising at so many radians. Open at its ends.
+/// A V of two half-planes with the crease along y through the origin, each rising at this many radians. Open at its
+/// ends.
 pub fn valley(slope: f64) -> Soup {
     let (x, z) = (30.0 * slope.cos(), 30.0 * slope.sin());
     let mut soup = Soup::default();
@@ -99,7 +100,7 @@ pub fn valley(slope: f64) -> Soup {
     soup
 }
 
-/// A pyramid of so many faces, apex at the origin, as high as wide, with its base.
+/// A pyramid of this many faces, apex at the origin, as high as wide, with its base.
 pub fn pyramid(faces: u32) -> Soup {
     let corner = |i: u32| {
         let phi = std::f64::consts::TAU * f64::from(i % faces) / f64::from(faces);
@@ -113,7 +114,7 @@ pub fn pyramid(faces: u32) -> Soup {
     soup
 }
 
-/// A ball of so many rings and twice as many sectors.
+/// A ball of this many rings and twice as many sectors.
 pub fn ball(radius_mm: f64, rings: u32) -> Soup {
     let at = |ring: u32, sector: u32| {
         let theta = std::f64::consts::PI * f64::from(ring) / f64::from(rings);

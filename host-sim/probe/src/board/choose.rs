@@ -1,4 +1,4 @@
-//! Which probe: the only one, or the one that is named.
+//! Chooses the probe: the only one, or the one that is named.
 
 use std::io::ErrorKind;
 
@@ -15,9 +15,9 @@ const OPTION: &str = "--probe";
 /// A probe at the USB.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Found {
-    /// As `--probe` takes it: VID:PID:SERIAL.
+    /// The probe as `--probe` names it: VID:PID:SERIAL.
     pub selector: String,
-    /// What it calls itself.
+    /// The name that the probe reports.
     pub name: String,
     /// Whether this user may use it.
     pub usable: bool,

@@ -9,11 +9,11 @@ use std::io::{self, ErrorKind};
 pub struct Fault {
     /// The probe, the chip, or the option that names a probe.
     pub place: String,
-    /// What is wrong.
+    /// The problem.
     pub problem: String,
     /// How to mend it.
     pub fix: String,
-    /// Whether it is a mistake in what was asked, not in what there is.
+    /// Whether the user's request was wrong, not the hardware or the system.
     pub asked: bool,
 }
 
@@ -26,7 +26,7 @@ impl fmt::Display for Fault {
 impl Error for Fault {}
 
 impl Fault {
-    /// Something that is not as it should be.
+    /// An error about something unexpected.
     pub fn of(
         place: impl Into<String>,
         problem: impl Into<String>,
@@ -56,7 +56,7 @@ impl Fault {
 /// Udev's rule belongs to the doctor.
 pub const NO_RIGHTS: &str = "`touchstone doctor` prints the udev rule that gives this user the right, and how to install it";
 
-/// What an error says with all its causes, on one line, each once.
+/// An error with all its causes on one line, each once.
 pub fn chain(error: &(dyn Error + 'static)) -> String {
     let mut words: Vec<String> = Vec::new();
     for cause in causes(error) {
@@ -70,7 +70,7 @@ pub fn chain(error: &(dyn Error + 'static)) -> String {
     words.join(": ")
 }
 
-/// What the system said, if it was the system.
+/// The system's error, if it was one.
 pub fn system(error: &(dyn Error + 'static)) -> Option<ErrorKind> {
     causes(error).find_map(|cause| Some(cause.downcast_ref::<io::Error>()?.kind()))
 }

@@ -1,4 +1,4 @@
-//! What of a board's program goes into the flash, and where in RAM its log begins.
+//! The parts of a board's program for the flash, and the place in RAM where its log begins.
 
 use object::elf::{PT_LOAD, ProgramHeader32};
 use object::read::elf::{ElfFile32, ProgramHeader};
@@ -30,7 +30,7 @@ pub struct Image {
 }
 
 impl Image {
-    /// Of an ELF file, for the flash of a chip. What is wrong with it is said in words without a place.
+    /// The image of an ELF file for the flash of a chip. Errors are in words without a place.
     pub fn read(elf: &[u8], chip: &str) -> Result<Self, String> {
         let image = Self::parsed(elf)?;
         image.is_within(chip)?;
@@ -87,7 +87,7 @@ impl Image {
         })
     }
 
-    /// Nothing of it may go anywhere else than into the chip's flash.
+    /// Checks that every part goes into the chip's flash.
     fn is_within(&self, chip: &str) -> Result<(), String> {
         let target = Registry::from_builtin_families()
             .get_target_by_name(chip)

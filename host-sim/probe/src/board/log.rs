@@ -1,4 +1,4 @@
-//! What a running program tells, through a ring in its RAM (RTT) that the probe reads while it runs.
+//! The log of a running program, through a ring in its RAM (RTT) that the probe reads.
 
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -12,11 +12,11 @@ use super::words::{Line, Words};
 
 /// The ring that defmt writes to.
 const CHANNEL: usize = 0;
-/// Between two looks at a ring that was empty. It is short, and what it does not hold is lost.
+/// Pause after an empty ring was read. It is short because the ring loses entries when it is full.
 const PAUSE: Duration = Duration::from_millis(10);
 /// A program that was started has set up its ring by then; a board that is being reset answers again.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Of each part of the program, this much is compared with the flash before its words are believed.
+/// Bytes of each part of the program that are compared with the flash before its log is decoded.
 const COMPARED_BYTES: usize = 1024;
 
 /// What there is to tell of a log.
@@ -100,7 +100,7 @@ impl Attached {
         Ok(channel.read(&mut core, bytes)?)
     }
 
-    /// Finds the ring, with some patience; `None` if nobody waits for it any more.
+    /// Finds the ring, with some patience; `None` if the log is no longer wanted.
     fn joined(
         &mut self,
         region: &ScanRegion,

@@ -1,4 +1,4 @@
-//! What is done with a board behind a probe, in the order in which it is done.
+//! Actions on a board behind a probe, in their order.
 
 pub mod choose;
 mod fault;

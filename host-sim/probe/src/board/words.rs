@@ -2,7 +2,7 @@
 
 use defmt_decoder::{DecodeError, Frame, Locations, StreamDecoder, Table};
 
-/// What a program can say.
+/// The messages that a program can send.
 pub struct Words {
     table: Table,
     locations: Locations,
@@ -11,9 +11,9 @@ pub struct Words {
 /// One message.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Line {
-    /// By the board's own clock, if its program tells it.
+    /// Time on the board's clock, if its program sends it.
     pub time: Option<String>,
-    /// How grave it is; `None` for what was only to be printed.
+    /// Level of the message; `None` for a plain print.
     pub level: Option<&'static str>,
     /// The message.
     pub text: String,
@@ -22,7 +22,7 @@ pub struct Line {
 }
 
 impl Words {
-    /// Those of an ELF file. What is wrong with it is said in words without a place.
+    /// The messages of an ELF file. Errors are in words without a place.
     pub fn read(elf: &[u8]) -> Result<Self, String> {
         let table = Table::parse(elf)
             .map_err(|why| format!("has messages that cannot be read: {why}"))?
@@ -72,7 +72,7 @@ impl Stream<'_> {
     }
 }
 
-/// On one line, whatever a board's memory held.
+/// Makes a board's text printable on one line.
 fn printable(text: &str) -> String {
     let shown = |letter: char| if letter.is_control() { ' ' } else { letter };
     text.chars().map(shown).collect()

@@ -8,31 +8,31 @@ use super::fault::{Fault, chain};
 use super::image::Image;
 use super::session::{Attached, CORE};
 
-/// What is being done to the flash.
+/// Phase of writing the flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Phase {
     /// The pages that the program needs are erased, and no others.
     Erase,
     /// The program is written.
     Program,
-    /// It is read back and compared.
+    /// The flash is read back and compared.
     Verify,
 }
 
 /// How far it has come.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
-    /// A phase begins; over so many bytes, if that is known.
+    /// A phase begins; with its number of bytes, if known.
     Begins(Phase, Option<u64>),
-    /// So many bytes more are done.
+    /// This many more bytes are done.
     Done(Phase, u64),
-    /// It is over.
+    /// A phase is over.
     Ends(Phase),
 }
 
 impl Attached {
-    /// Writes a program, reads it back and compares. Pages of the flash that it does not touch keep what is in them. The chip is
-    /// left halted: [`Self::start`] starts it.
+    /// Writes a program, reads it back and compares. Other pages of the flash keep their content. The chip is left
+    /// halted: [`Self::start`] starts it.
     pub fn write(&mut self, image: &Image, mut tell: impl FnMut(Step)) -> Result<(), Fault> {
         let mut loader = self.session.target().flash_loader();
         for part in &image.parts {
@@ -52,7 +52,7 @@ impl Attached {
         written.map_err(|error| self.unwritten(&error))
     }
 
-    /// Resets the chip and lets it run what is in its flash.
+    /// Resets the chip and starts the program in its flash.
     pub fn start(&mut self) -> Result<(), Fault> {
         let reset = self.session.core(CORE).and_then(|mut core| core.reset());
         reset.map_err(|error| self.broken(&error))
@@ -71,7 +71,7 @@ impl Attached {
     }
 }
 
-/// What of the crate's events is told.
+/// Translates an event of the probe's crate; `None` for one that is not shown.
 fn step(event: ProgressEvent, totals: &mut Vec<(Phase, u64)>) -> Option<Step> {
     match event {
         ProgressEvent::AddProgressBar { operation, total } => {

@@ -1,4 +1,4 @@
-//! Which probe, and what is said where it cannot be told or used.
+//! Choosing a probe, and the messages where it is ambiguous or cannot be used.
 
 use touchstone_probe::{Fault, attach, choose};
 

@@ -8,16 +8,16 @@ use crate::memory::Memory;
 pub enum Stop {
     /// BKPT.
     Breakpoint,
-    /// What a HardFault without a handler would be: a lockup.
+    /// A fault without a handler, which locks the processor up.
     Fault(String),
 }
 
-/// Its registers.
+/// Registers of the processor.
 #[derive(Debug, Default)]
 pub struct Cpu {
     /// R0 to R12, SP, LR, and the address of the next instruction.
     pub r: [u32; 16],
-    /// Its flags and its Thumb bit.
+    /// Flags and Thumb bit of the processor.
     pub xpsr: u32,
 }
 
@@ -38,7 +38,7 @@ fn register(code: u32, low: u32) -> usize {
     field(code, low, 3) as usize
 }
 
-/// A number of so many bits with a sign.
+/// A number of this many bits, sign-extended.
 fn signed(value: u32, bits: u32) -> u32 {
     (((value << (32 - bits)) as i32) >> (32 - bits)) as u32
 }
@@ -98,7 +98,7 @@ impl Cpu {
         result
     }
 
-    /// As an operand, the program counter is two narrow instructions ahead.
+    /// A register as an operand; the program counter then reads two narrow instructions ahead.
     fn operand(&self, register: usize, at: u32) -> u32 {
         match register {
             PC => at + 4,
@@ -106,7 +106,7 @@ impl Cpu {
         }
     }
 
-    /// `BXWritePC`: only Thumb is there.
+    /// `BXWritePC` of the manual; only Thumb is supported.
     fn jump(&mut self, to: u32) -> Result<(), Stop> {
         self.r[PC] = to & !1;
         match to & 1 {

@@ -12,13 +12,13 @@ pub struct Program {
 }
 
 impl Program {
-    /// With a part for the flash.
+    /// Adds a part that is loaded into flash.
     pub fn with(mut self, address: u32, bytes: Vec<u8>) -> Self {
         self.parts.push((address, bytes));
         self
     }
 
-    /// With a symbol.
+    /// Adds a symbol.
     pub fn with_symbol(mut self, name: &str, value: u32) -> Self {
         self.symbols.push((name.into(), value, false));
         self
@@ -111,7 +111,7 @@ impl Program {
     }
 }
 
-/// So many bytes that repeat nowhere soon, beginning with a stack and a start.
+/// This many bytes without an early repetition, beginning with a stack and an entry point.
 pub fn code(size: usize) -> Vec<u8> {
     let mut bytes = 0x2000_8000_u32.to_le_bytes().to_vec();
     bytes.extend(0x0800_0101_u32.to_le_bytes());

@@ -2,7 +2,7 @@
 
 /// Where the flash begins.
 pub const FLASH: u32 = 0x0800_0000;
-/// Its controller's registers.
+/// Address of the flash controller's registers.
 pub const CONTROLLER: u32 = 0x4002_2000;
 
 const KEYR: u32 = 0x08;
@@ -19,14 +19,14 @@ const PAGE_ERASE: u32 = 1 << 1;
 const PROGERR: u32 = 1 << 3;
 const SIZERR: u32 = 1 << 6;
 const PGSERR: u32 = 1 << 7;
-/// Two banks, each with pages of its own from 0 on.
+/// Option bit for two banks, each with its own pages from 0 on.
 const DUAL_BANK: u32 = 1 << 22;
 /// The watchdog is started by software only.
 const SOFTWARE_WATCHDOG: u32 = 1 << 16;
 
 /// A chip's flash.
 pub struct FlashMemory {
-    /// What is in it.
+    /// Content of the flash.
     pub bytes: Vec<u8>,
     /// Option bytes.
     pub options: u32,
@@ -34,7 +34,7 @@ pub struct FlashMemory {
     pub erased: Vec<u32>,
     control: u32,
     status: u32,
-    /// Keys that came so far; a wrong one locks until the next reset.
+    /// Number of right keys so far; after a wrong one the flash is locked until the next reset.
     keys: Option<usize>,
     /// The first half of a double word.
     half: Option<(u32, u32)>,
@@ -43,7 +43,7 @@ pub struct FlashMemory {
 }
 
 impl FlashMemory {
-    /// Of so many bytes; all of it holds something.
+    /// A flash of this many bytes, none of it erased.
     pub fn new(size: usize, dual_bank: bool) -> Self {
         let bank = if dual_bank { DUAL_BANK } else { 0 };
         Self {

@@ -14,17 +14,17 @@ use crate::machine::Machine;
 use crate::memory::Memory;
 use crate::probe::SoftProbe;
 
-/// What is wrong with a probe.
+/// Trouble with a probe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trouble {
     None,
     /// The system says that this user may not.
     NoRights,
-    /// It says so only when it is opened.
+    /// Missing rights, which show only when it is opened.
     NoRightsWhenOpened,
-    /// Another program has it.
+    /// The device is in use by another program.
     Busy,
-    /// Nothing answers on its wires.
+    /// No chip answers on the probe's wires.
     Silent,
 }
 
@@ -62,7 +62,7 @@ impl Board {
     }
 }
 
-/// What is connected.
+/// A lister with these boards connected.
 pub fn connected(boards: &[&Board]) -> Lister {
     let boards = boards.iter().map(|board| (*board).clone()).collect();
     Lister::with_lister(Box::new(Boards(boards)))
@@ -119,7 +119,7 @@ impl ProbeLister for Boards {
     }
 }
 
-/// Only there to be named.
+/// A probe's maker, needed only for its name.
 #[derive(Debug)]
 struct Maker;
 

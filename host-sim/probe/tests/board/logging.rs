@@ -16,7 +16,7 @@ const CHIP: &str = "STM32G474RETx";
 const NAME: u32 = CONTROL_BLOCK + 0x100;
 const RING: u32 = CONTROL_BLOCK + 0x200;
 const RING_BYTES: u32 = 64;
-/// Of the channel: where to write, where to read.
+/// Fields of the channel: where to write, where to read.
 const WRITE: u32 = CONTROL_BLOCK + 24 + 12;
 const READ: u32 = WRITE + 4;
 
@@ -69,7 +69,7 @@ fn encoded(message: &[u8]) -> Vec<u8> {
     out
 }
 
-/// A message: its number, then what is put into it.
+/// A message: its number, then its values.
 fn message(number: u16, rest: &[&[u8]]) -> Vec<u8> {
     encoded(&[&number.to_le_bytes()[..], &rest.concat()].concat())
 }
@@ -90,7 +90,7 @@ fn control_block(memory: &mut Memory) {
     memory.put(NAME, b"defmt\0");
 }
 
-/// As much into the ring as it has room for, as a program that waits for its reader would; how much it was.
+/// Writes as much into the ring as fits, as a program does that waits for its reader; returns how much.
 fn into_ring(memory: &mut Memory, bytes: &[u8]) -> usize {
     let (mut write, read) = (
         memory.load(WRITE, 4).unwrap(),
@@ -131,7 +131,7 @@ fn running(board: &Board, played: Played) -> Attached {
     attach(choose::open(&connected(&[board]), None).unwrap(), CHIP).unwrap()
 }
 
-/// The first so many events.
+/// The first events, this many.
 fn heard(attached: &mut Attached, program: &Program, count: usize) -> Vec<String> {
     let elf = program.elf();
     let (image, words) = (Image::read(&elf, CHIP).unwrap(), Words::read(&elf).unwrap());
@@ -289,8 +289,9 @@ fn what_cannot_be_read_is_said() {
     assert!(Words::read(b"no program").is_err());
 }
 
-/// Where a developer has run them in the emulator: what the boards' own programs left in RAM when they had booted, put there by their
-/// own defmt-rtt. `touchstone-emulator ram ELF BOARD FILE` writes it, beside the ELF file as `touchstone.ram`.
+/// Uses what the boards' own programs left in RAM after booting, written by their own defmt-rtt, where a developer has
+/// run them in the emulator. `touchstone-emulator ram ELF BOARD FILE` writes it, beside the ELF file as
+/// `touchstone.ram`.
 #[test]
 fn the_boards_own_messages() {
     for (name, chip, board) in crate::writing::own_boards() {

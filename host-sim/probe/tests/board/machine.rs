@@ -1,4 +1,4 @@
-//! The processor as a debugger sees it: the debug registers of the Armv7-M manual (C1), and what a reset does.
+//! The processor as a debugger sees it: the debug registers of the Armv7-M manual (C1), and the effects of a reset.
 
 use crate::cpu::{Cpu, Stop};
 use crate::flash_memory::FLASH;
@@ -21,15 +21,15 @@ const DEBUG_ENABLED: u32 = 1;
 const HALT: u32 = 1 << 1;
 const STEP: u32 = 1 << 2;
 const CATCH_RESET: u32 = 1;
-/// Why it halted.
+/// Bit that tells why the processor halted.
 const HALTED: u32 = 1;
 const BREAKPOINT: u32 = 1 << 1;
 const CAUGHT: u32 = 1 << 3;
 /// A flash algorithm that takes more instructions is in an endless loop.
 const INSTRUCTIONS_MAX: u32 = 10_000_000;
 
-/// What the program in the flash does, as far as a probe sees: called while it runs, whenever the probe looks; with `true` right
-/// after it was started.
+/// Stands for the program in the flash, as far as a probe sees it. It is called whenever the probe looks while it
+/// runs; with `true` right after the start.
 pub type Played = Box<dyn FnMut(&mut Memory, bool) + Send>;
 
 /// A chip.
@@ -79,7 +79,7 @@ impl Machine {
         !self.halted && self.fault.is_none() && self.cpu.r[15] < RAM
     }
 
-    /// What a probe reads; `None` is a fault on the bus.
+    /// Serves a probe's read; `None` is a fault on the bus.
     pub fn load(&mut self, address: u32, bytes: u32) -> Option<u32> {
         self.play();
         let protected = self.memory.flash.is_protected();
@@ -106,7 +106,7 @@ impl Machine {
         })
     }
 
-    /// What a probe writes; `None` is a fault on the bus.
+    /// Serves a probe's write; `None` is a fault on the bus.
     pub fn store(&mut self, address: u32, bytes: u32, value: u32) -> Option<()> {
         match address {
             AIRCR if value >> 16 == 0x05fa && value & 4 != 0 => self.reset(),
@@ -200,7 +200,7 @@ impl Machine {
         }
     }
 
-    /// The processor itself sets the bit that asks for it.
+    /// Halts, and sets the bit that records the reason.
     fn halt(&mut self, reason: u32) {
         self.halted = true;
         self.control |= HALT;

@@ -1,5 +1,5 @@
-//! A board in software behind a probe in software: what is written there and read there goes through all of the crate probe-rs but
-//! its drivers for USB.
+//! A simulated board behind a simulated probe. Writes and reads go through all of the crate probe-rs but its drivers
+//! for USB.
 
 mod cpu;
 mod elf;

@@ -1,4 +1,4 @@
-//! What a STM32G4 has at its addresses, as far as a flash algorithm and a log look at it.
+//! The address space of an STM32G4, as far as a flash algorithm and a log use it.
 
 use crate::flash_memory::{CONTROLLER, FLASH, FlashMemory};
 
@@ -22,7 +22,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Of a chip with this number.
+    /// The memory of a chip with this device number.
     pub fn new(device: u32, flash: FlashMemory, ram_bytes: usize) -> Self {
         Self {
             flash,

@@ -12,7 +12,7 @@ fn attached(board: &Board, chip: &str) -> Attached {
     attach(choose::open(&connected(&[board]), None).unwrap(), chip).unwrap()
 }
 
-/// Writes it, and looks at every byte of the flash.
+/// Writes a program and reads every byte of the flash back.
 fn written(board: &Board, chip: &str, program: &Program) -> BTreeMap<u8, (u64, u64)> {
     let before = board.machine.lock().unwrap().memory.flash.bytes.clone();
     let elf = program.elf();

@@ -1,6 +1,6 @@
 //! Runs so many ticks of a named configuration and nothing else: `tick_cost NAME TICKS`, `tick_cost --list`. `tick_cost --ladder FEW
 //! MORE` runs the cost ladder in one process: of each configuration few ticks, then more, with a call of [`mark`] before each and after
-//! both, at which callgrind can be told to write down what it has counted; `--ladder` alone names the configurations.
+//! both, at which callgrind can be told to write down what it has counted. `--ladder` alone names the configurations.
 //!
 //! For counting instructions: two runs of different length under callgrind differ by what the ticks between them cost, exactly.
 //! The names ending in `-by-hand` are the minimal loops of [`by_hand`], written without plan and chain; the others are what
@@ -16,7 +16,7 @@ use touchstone_sim::run::chain::Staged;
 use touchstone_sim::run::plan::Plan;
 use touchstone_sim::scene::RestPath;
 
-/// So many ticks of what the plan makes of a configuration.
+/// Runs this many ticks of the planned loop of a configuration.
 fn planned(name: &str, ticks: u64) -> Option<f64> {
     let scene = scene(name)?;
     let mut plan = Plan::of(&scene).ok()?;
@@ -27,7 +27,7 @@ fn planned(name: &str, ticks: u64) -> Option<f64> {
     Some(plan.mechanics.angle_rad())
 }
 
-/// The same where a hand presses, and nothing but the plan is in the loop.
+/// Same as [`planned`], where a hand presses, with nothing but the plan in the loop.
 fn planned_by_hand(name: &str, ticks: u64) -> Option<f64> {
     let scene = scene(name)?;
     let mut plan = Plan::of(&scene).ok()?;
@@ -45,7 +45,7 @@ fn planned_by_hand(name: &str, ticks: u64) -> Option<f64> {
     Some(plan.mechanics.angle_rad())
 }
 
-/// Where counts are written down: a function that is there under its name.
+/// Marks a point at which callgrind writes its counts; the function keeps its name for that.
 #[inline(never)]
 fn mark(count: usize) {
     black_box(count);

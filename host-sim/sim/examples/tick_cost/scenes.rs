@@ -80,7 +80,7 @@ pub const CONFIGURATIONS: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// A knob that nobody holds in a wall that every configuration keeps stable, one tick of delay included.
+/// A knob without a hand in a wall that every configuration keeps stable, even with one tick of delay.
 const BARE: &str = "
 name = \"tick-cost\"
 [device]
@@ -124,7 +124,8 @@ pub fn scene(name: &str) -> Option<Scene> {
     bare.with_overrides(sets).ok()
 }
 
-/// The cost ladder: nothing, each law and what is put before and behind one, each effect at amplitude zero where it has one, each alone, and all pairs that one scene can have.
+/// The cost ladder: nothing; each law, and what stands before and behind it; each effect at amplitude zero where it
+/// has one; each effect alone; and all pairs that one scene can have.
 pub fn ladder() -> Vec<String> {
     let mut names = vec!["bare".to_owned()];
     names.extend(LawKind::WORDS.iter().map(|word| format!("law:{word}")));
@@ -149,7 +150,7 @@ pub const JOLT_TICKS: u32 = 32;
 /// Where the rest point of a hand is in turn, rad: a press with a jolt, so that the knob stays in the wall, and in motion.
 pub const HAND_RAD: [f64; 2] = [0.6, 0.56];
 
-/// The same in place of a hand.
+/// A press by given torques in place of a hand.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Pressed {
     ticks: u32,

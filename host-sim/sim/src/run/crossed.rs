@@ -1,4 +1,4 @@
-//! Between a torque and the plant that it turns: delay, jitter, what the hand does by itself; and the plant's parts of a scene.
+//! Between a torque and the plant: delay, jitter, the hand's own unsteadiness; and the plant's parts of a scene.
 
 use super::chain::{
     Channel, Crossing, Delayed, Handled, Irregular, Lateness, PARTS, Prompt, Reflex, Stream, Tremor,
@@ -56,7 +56,7 @@ where
     crossed_apart(scene, plant, state)
 }
 
-/// The same, reached by an indirect call in any case: one loop for all plants of one kind of state.
+/// Same as [`crossed`], always behind an indirect call: one loop serves all plants of one kind of state.
 pub(super) fn crossed_apart<S>(
     scene: &Scene,
     plant: impl Fn(f64) -> std::result::Result<S, plant::Invalid>,

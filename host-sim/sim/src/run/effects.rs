@@ -17,15 +17,15 @@ use crate::scene::{
 /// An effect.
 #[derive(Debug, Clone, Copy)]
 pub struct Effect {
-    /// Its name.
+    /// The effect's name.
     pub name: &'static str,
-    /// Where it stands.
+    /// Place of the effect in the loop.
     pub place: Place,
     /// The field or table that names it.
     pub field: &'static str,
     /// A typical magnitude, with its unit.
     pub typical: &'static str,
-    /// Who says so.
+    /// Source of the statement.
     pub source: &'static str,
     /// Whether it is about the hand.
     pub of_hand: bool,
@@ -33,9 +33,9 @@ pub struct Effect {
     pub is_named: fn(&Scene) -> bool,
     /// Names it at its typical magnitude.
     pub add: fn(&mut Scene),
-    /// Takes it away, and what cannot be without it.
+    /// Removes the effect, and effects that need it.
     pub remove: fn(&mut Scene),
-    /// Gives it an amplitude of zero, where it has one; it is then as if it were not named.
+    /// Sets its amplitude to zero, if it has one; the effect then changes nothing.
     pub silence: Option<fn(&mut Scene)>,
 }
 
@@ -72,7 +72,7 @@ fn transmission(scene: &Scene) -> Transmission {
     }
 }
 
-/// Those of the world around law and wall, from the sensor to the hand.
+/// Effects of the world around law and wall, from the sensor to the hand.
 const WORLD: &[Effect] = &[
     Effect {
         name: "encoder",

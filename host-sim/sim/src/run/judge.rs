@@ -1,4 +1,4 @@
-//! What a run is judged by, gathered tick by tick, and the verdict.
+//! The values that a run is judged by, gathered tick by tick, and the verdict.
 
 use super::measure::{
     ContactRise, DynamicStiffness, PeakPenetration, RateHardness, Release, Response, Ripple,
@@ -10,7 +10,7 @@ use super::tick::{Recorder, Tick};
 use super::verdict::{NotJudged, Verdict};
 use super::wall::InsideGuard;
 
-/// Gathers.
+/// Collects the values of each tick.
 #[derive(Debug, Clone)]
 pub struct Judge {
     terms: Terms,
@@ -32,7 +32,7 @@ pub struct Judge {
     finite: bool,
 }
 
-/// What the energy guard did in a run.
+/// Actions of the energy guard in a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GuardWatch {
     /// Lowest account, J.
@@ -58,7 +58,7 @@ impl GuardWatch {
     }
 }
 
-/// What a hand feels.
+/// Measures of what a hand feels.
 #[derive(Debug, Clone)]
 struct Felt {
     peak: PeakPenetration,
@@ -70,7 +70,7 @@ struct Felt {
     rise: ContactRise,
     /// Kinetic energy of the device at the start, J.
     kinetic_start_j: Option<f64>,
-    /// In springs, gravity and magnets of the device since the start, J.
+    /// Energy stored in springs, gravity and magnets of the device since the start, J.
     stored_j: f64,
     wall_window: WorstWindow,
     hand_window: WorstWindow,
@@ -131,58 +131,58 @@ impl Felt {
 /// The judgement of a whole run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Judgement {
-    /// How it ended.
+    /// How the run ended.
     pub verdict: Verdict,
     /// Why it is not judged.
     pub not_judged: Option<NotJudged>,
-    /// N·m/rad.
+    /// Displayed stiffness, N·m/rad.
     pub k_displayed: Option<f64>,
-    /// N·m/rad.
+    /// Rate hardness, N·m/rad.
     pub rate_hardness: Option<f64>,
-    /// N·m/rad.
+    /// Extended rate hardness, N·m/rad.
     pub extended_rate_hardness: Option<f64>,
-    /// N·m.
+    /// Touch torque, N·m.
     pub touch_torque_n_m: Option<f64>,
     /// Deepest penetration over `F/k_de`.
     pub peak_penetration_ratio: Option<f64>,
     /// `F/x` of a moving hand.
     pub dynamic_stiffness: Option<DynamicStiffness>,
-    /// N·m.
+    /// RMS ripple of the force, N·m.
     pub ripple_rms_n_m: Option<f64>,
-    /// N·m.
+    /// Ripple above 50 hz rms, N·m.
     pub ripple_above_50_hz_rms_n_m: Option<f64>,
-    /// rad/s.
+    /// Release speed, rad/s.
     pub release_speed_rad_per_s: Option<f64>,
-    /// rad.
+    /// Release excursion, rad.
     pub release_excursion_rad: Option<f64>,
-    /// rad.
+    /// Limit cycle, peak to peak, rad.
     pub limit_cycle_peak_to_peak: Option<f64>,
-    /// J.
+    /// Lowest energy at the port, from true positions, J.
     pub energy_true_min: f64,
-    /// J.
+    /// Lowest energy at the port of the user, J.
     pub energy_user_min: f64,
     /// J, beyond the rounding of the sums; 0 or more.
     pub energy_out: f64,
-    /// J.
+    /// Lowest energy that the law observed, J.
     pub energy_observed_min: Option<f64>,
     /// Most that the hand's port gave in any window of time, J.
     pub energy_out_worst_window_j: f64,
     /// Most that the wall's port gave in any window of time, J.
     pub energy_out_wall_worst_window_j: f64,
-    /// What the guard did, if there was one.
+    /// Actions of the guard, if there is one.
     pub guard: Option<GuardWatch>,
-    /// When the press had settled, in ticks.
+    /// Ticks until the press had settled.
     pub settled: Option<Settled>,
-    /// rad.
+    /// Largest penetration, rad.
     pub penetration_max: f64,
-    /// N·m.
+    /// Largest force, N·m.
     pub force_max: f64,
     /// Ticks with a force.
     pub contact_ticks: u64,
 }
 
 impl Judge {
-    /// Starts.
+    /// Starts the judgement.
     #[must_use]
     pub fn new(terms: Terms) -> Self {
         Self {
@@ -211,7 +211,7 @@ impl Judge {
         self.energy_true
     }
 
-    /// Dissipated in the device so far, J.
+    /// Energy dissipated in the device so far, J.
     #[must_use]
     pub fn device_loss_j(&self) -> f64 {
         self.loss
@@ -227,7 +227,7 @@ impl Judge {
         }
     }
 
-    /// The judgement.
+    /// The result of the judgement.
     #[must_use]
     pub fn finish(&self) -> Judgement {
         let held = !self.terms.holds.is_empty();
@@ -281,7 +281,7 @@ impl Judge {
         }
     }
 
-    /// What the user's port gave beyond what it had taken, J.
+    /// Energy that the user's port gave beyond what it had taken, J.
     fn energy_out(&self) -> f64 {
         // Rounding of the two sums, and a millionth of what went through the port.
         let tolerance = 1e-12 + 1e-6 * self.throughput;

@@ -9,7 +9,7 @@ use crate::scene::{MotionSpec, Recorded, RestPath, Scene};
 use std::path::Path;
 
 /// The loop of a scene, tick by tick. It is the loop of [`super::simulate`], so that the rest points which it was fed, replayed as
-/// an exact recording, give the same forces to the bit.
+/// an exact recording, give the same forces bit for bit.
 pub struct Live {
     scene: Scene,
     control: Box<dyn Control>,
@@ -20,26 +20,26 @@ pub struct Live {
     stored_j: f64,
 }
 
-/// Energies so far, J. All but the motion's are sums over ticks.
+/// Energies so far, J. All except kinetic energy are sums over ticks.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Energies {
     /// Absorbed by the wall's port, true under the zero-order hold.
     pub wall_j: f64,
     /// Dissipated in the device.
     pub device_loss_j: f64,
-    /// Gained by the device's motion, and by springs, gravity and magnets in it.
+    /// Energy of the device's motion, and of springs, gravity and magnets in it.
     pub motion_j: f64,
 }
 
 impl Energies {
-    /// What the hand put into the device: wall, losses and motion; negative where it got more out.
+    /// Energy that the hand put into the device: wall, losses and motion; negative where it got more out.
     #[must_use]
     pub fn hand_j(&self) -> f64 {
         self.wall_j + self.device_loss_j + self.motion_j
     }
 }
 
-/// A tick, and the energies up to its sample: what the tick itself moves comes after it.
+/// A tick, and the energies up to its sample; what moves in the tick itself comes after it.
 #[derive(Debug, Clone, Copy)]
 pub struct Moment {
     /// The tick.
@@ -86,7 +86,7 @@ impl Live {
     /// and time from 0.
     ///
     /// # Errors
-    /// As [`Live::new`].
+    /// Same as [`Live::new`].
     pub fn changed(&self, scene: &Scene) -> Result<Self> {
         let mut still = scene.clone();
         still.operator.motion = MotionSpec::None;
@@ -111,7 +111,7 @@ impl Live {
         self.next
     }
 
-    /// One tick, the hand's rest point being here, rad.
+    /// Runs one tick with the hand's rest point here, rad.
     pub fn tick(&mut self, rest_rad: f64) -> Moment {
         let mut last = Last(None);
         self.mechanics.advance(

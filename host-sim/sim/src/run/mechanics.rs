@@ -9,7 +9,7 @@ use touchstone_world::plant::Kinematics as _;
 
 /// The mechanical half of a run, whatever plant it is.
 pub trait Mechanics {
-    /// Runs the loop over these ticks; the recorder, if there is one, is told each of them.
+    /// Runs the loop over these ticks, and passes each to the recorder, if there is one.
     fn advance(
         &mut self,
         control: &mut dyn Control,
@@ -56,7 +56,7 @@ impl Standing {
 pub struct Moving<C: Crossing> {
     /// What lies between torque and plant, and the plant.
     pub crossing: C,
-    /// Where it stands.
+    /// Place of the effect in the loop.
     pub state: C::State,
 }
 

@@ -61,7 +61,7 @@ pub fn cycle<C: Crossing>(
     state
 }
 
-/// The same loop to the same bit, for runs of which something is to be known.
+/// Same loop, bit for bit, for runs with a recorder.
 pub fn cycle_recorded<C: Crossing>(
     crossing: &mut C,
     mut state: C::State,
@@ -141,16 +141,16 @@ fn run_of(scene: &Scene, judge: &Judge, trace: Option<record::Trace>) -> Run {
 /// Runs a scene under a recorder and gives the recorder back.
 ///
 /// # Errors
-/// As [`run()`].
+/// Same as [`run()`].
 pub fn watch<R: Recorder>(scene: &Scene, mut recorder: R) -> Result<R> {
     simulate(scene, Some(&mut recorder))?;
     Ok(recorder)
 }
 
-/// Runs a scene under a recorder, or with nobody looking: then nothing is computed that only a record would want.
+/// Runs a scene, with a recorder or without: then nothing is computed that only a record needs.
 ///
 /// # Errors
-/// As [`run()`].
+/// Same as [`run()`].
 pub fn simulate(scene: &Scene, recorder: Option<&mut dyn Recorder>) -> Result<()> {
     Work::of(scene).check(scene)?;
     let mut plan = Plan::of(scene)?;
@@ -176,11 +176,11 @@ pub fn warnings(scene: &Scene) -> Result<Vec<(Warning, Error)>> {
         .collect())
 }
 
-/// Those of the [`warnings`] that are worth a word where no strictness is asked for: not what the energy guard answers for, and not
-/// the credit, a documented default; both are named in the results.
+/// Those of the [`warnings`] that are shown without `--strict-passive`. Left out are bounds that the energy guard
+/// covers, and the credit, which is a documented default; the results name both.
 ///
 /// # Errors
-/// As [`warnings`].
+/// Same as [`warnings`].
 pub fn spoken_warnings(scene: &Scene) -> Result<Vec<Error>> {
     let guarded = scene.law.guard.on;
     let silent = |warning: &Warning| {

@@ -1,4 +1,4 @@
-//! What a law's settings must keep for the law to be passive by its own bound, beyond what is only warned of.
+//! Bounds that a law's settings must keep for the law to be passive on its own, in addition to the warnings.
 
 use super::warnings;
 use crate::error::{Error, Result};

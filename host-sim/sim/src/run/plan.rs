@@ -23,7 +23,7 @@ use touchstone_world::plant::{BareCoulomb, BareLinear, Biased, HeldCoulomb, Held
 
 /// A scene, ready to run.
 pub struct Plan {
-    /// From the true angle to the motor's torque.
+    /// The controller side: from the true angle to the motor's torque.
     pub control: Box<dyn Control>,
     /// Device and hand, at their start.
     pub mechanics: Box<dyn Mechanics>,
@@ -101,7 +101,7 @@ pub fn control(scene: &Scene) -> Result<Box<dyn Control>> {
     Ok(control)
 }
 
-/// The law with what tells it the angle.
+/// The law with its sensor.
 fn sampled<N: Reported + 'static>(scene: &Scene) -> Result<Box<dyn Control>> {
     if let Some(named) = scene.environment.as_ref()
         && named.is_more_than_the_wall()

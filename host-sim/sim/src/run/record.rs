@@ -1,11 +1,11 @@
-//! What one run leaves behind: the summary that goes into `results.json` and the trace that the plots are drawn from.
+//! Results of one run: the summary for `results.json`, and the trace for the plots.
 
 use super::judge::Judge;
 pub use super::measure::DynamicStiffness;
 pub use super::verdict::Verdict;
 use crate::scene::Scene;
 use serde::Serialize;
-use touchstone_control::LawKind;
+use touchstone_control::{Choice as _, LawKind};
 
 /// One run in numbers, all SI. `None` stands for "does not apply", e.g. no hold in the scene.
 #[derive(Debug, Clone, Serialize)]
@@ -16,6 +16,7 @@ pub struct Summary {
     #[serde(serialize_with = "crate::scene::word")]
     pub law: LawKind,
     /// Name in tables and figures in place of the law's own, where a report compares two settings of one law.
+    /// [`Summary::word`] has it in results.
     #[serde(skip)]
     pub shown_as: Option<&'static str>,
     /// Number format of the law: `fixed32`, `fixed16`, `f32` or `f64`.
@@ -28,7 +29,7 @@ pub struct Summary {
     pub encoder_counts_per_rev: Option<f64>,
     /// Control rate, Hz.
     pub rate_hz: u32,
-    /// How it ended.
+    /// How the run ended.
     pub verdict: Verdict,
     /// Why it is not judged; `None` where it is.
     pub not_judged: Option<String>,
@@ -46,7 +47,7 @@ pub struct Summary {
     pub dynamic_stiffness: Vec<DynamicStiffness>,
     /// Ripple of the motor's torque from tick to tick, rms, while the hand moves or presses steadily, N·m.
     pub ripple_rms_n_m: Option<f64>,
-    /// The same torque's rms above 50 Hz, N·m.
+    /// RMS of the ripple above 50 Hz, N·m.
     pub ripple_above_50_hz_rms_n_m: Option<f64>,
     /// Largest outward speed from the moment at which the hand begins to let go, rad/s.
     pub release_speed_rad_per_s: Option<f64>,
@@ -75,7 +76,7 @@ pub struct Summary {
     pub guard_tripped_s: Option<f64>,
     /// From the first touch until force over penetration stays within 5 % of the desired stiffness, s; `None` if it does not.
     pub settle_time: Option<f64>,
-    /// The same from the end of the press' ramp, s; 0 where it had settled before.
+    /// Settling time from the end of the press' ramp, s; 0 if it had settled before.
     pub settle_from_ramp_end_s: Option<f64>,
     /// Deepest true penetration of the wall, rad, 0 if it was never reached; infinite for a run that left all numbers.
     pub penetration_max: f64,
@@ -88,6 +89,15 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// The run's name in results and file names: its law's word, or the name that a report gives it, in lower case.
+    #[must_use]
+    pub fn word(&self) -> String {
+        match self.shown_as {
+            Some(name) => name.to_lowercase(),
+            None => self.law.word().to_owned(),
+        }
+    }
+
     /// The run's verdict by its name.
     #[must_use]
     pub const fn verdict_name(&self) -> &'static str {
@@ -181,7 +191,7 @@ pub struct Trace {
     pub energy_true_j: Vec<f64>,
     /// Energy that the device dissipated so far (viscous and dry friction), J.
     pub energy_device_loss_j: Vec<f64>,
-    /// What the guard's account would still pay the hand, J (NaN: the scene has no guard).
+    /// Energy that the guard's account would still pay the hand, J (NaN: the scene has no guard).
     pub guard_account_j: Vec<f64>,
 }
 
@@ -228,8 +238,8 @@ impl Trace {
 /// One finished run.
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// Its numbers.
+    /// The measures of the run.
     pub summary: Summary,
-    /// Its trace; `None` when logging was off.
+    /// Trace of the run; `None` when logging was off.
     pub trace: Option<Trace>,
 }

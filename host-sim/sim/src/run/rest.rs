@@ -1,4 +1,4 @@
-//! Whether the device rests while the hand does: looked at in the last quarter of every hold.
+//! Whether the device rests while the hand does: examined in the last quarter of every hold.
 //!
 //! A press says when it holds. The holds of a recording are found while it is played: spans in which the hand's rest point stays
 //! within the threshold of a limit cycle. Where the hand never rests, its own motion is no fault of the wall.
@@ -7,16 +7,16 @@ use super::terms::Terms;
 use super::tick::Tick;
 use super::verdict::NotJudged;
 
-/// Least time for which the device is looked at, s: a period of 50 Hz, which most limit cycles are above.
+/// Least time for which the device is examined, s: a period of 50 Hz, which most limit cycles are above.
 const LEAST_S: f64 = 0.02;
-/// Least span in which a recorded hand rests, s: three quarters of it are for the motion before to die away.
+/// Shortest span that counts as rest of a recorded hand, s; in three quarters of it the earlier motion may die away.
 const LEAST_STILL_S: f64 = 0.8;
 /// A span is taken down in pieces of this length, s.
 const PIECE_S: f64 = 0.05;
-/// A device that moves by more than so many times what its hand does is moved by the wall.
+/// A device that moves by more than this factor times the hand's motion is moved by the wall.
 const BEYOND_HAND: f64 = 2.0;
 
-/// Two numbers whose range is wanted.
+/// Range of a series of numbers.
 #[derive(Debug, Clone, Copy)]
 struct Span {
     low: f64,
@@ -112,7 +112,7 @@ impl Still {
         pieces: Vec::new(),
     };
 
-    /// Its last quarter, if it is long enough.
+    /// The last quarter of the hold, if it is long enough.
     fn end(&self, terms: &Terms) -> Option<Seen> {
         let long_enough = self.ticks as f64 * terms.period_s >= LEAST_STILL_S;
         let quarter = (self.pieces.len() / 4).max(1);
@@ -121,7 +121,7 @@ impl Still {
     }
 }
 
-/// Gathers.
+/// Collects the values of each tick.
 #[derive(Debug, Clone)]
 pub(super) struct Rest {
     holds: Vec<Hold>,
@@ -132,14 +132,14 @@ pub(super) struct Rest {
     piece_ticks: u64,
 }
 
-/// What is to be said of a run's holds.
+/// Findings on a run's holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rested {
     /// Largest motion of the device in contact, peak to peak, rad.
     pub peak_to_peak: Option<f64>,
     /// The device moves, and by more than its hand.
     pub oscillates: bool,
-    /// It does so and leaves the wall, is at the limit of its torque, or has gone far.
+    /// The device moves on and leaves the wall, is at its torque limit, or has gone far.
     pub lost: bool,
     /// Why it cannot be said whether it rests.
     pub not_judged: Option<NotJudged>,
@@ -171,7 +171,7 @@ impl Rest {
         }
     }
 
-    /// Takes a tick; `left`: with it the device left the wall.
+    /// Takes a tick; `left`: the device left the wall in it.
     pub fn record(&mut self, tick: &Tick, left: bool, terms: &Terms) {
         let at_limit = tick.force_n_m >= terms.force_limit_n_m;
         if let Some(hold) = self.holds.get_mut(self.current) {

@@ -1,4 +1,4 @@
-//! What the control crate says of a scene's settings, at their places in the scene.
+//! The control crate's errors and warnings on a scene's settings, at their places in the scene.
 
 use crate::error::Error;
 use crate::scene::Scene;
@@ -61,7 +61,7 @@ fn short(value: Si) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-/// What a warning says, at its place in the scene: bound, value, what is lost.
+/// A warning at its place in the scene: bound, value, what is lost.
 pub fn warned(scene: &Scene, warning: &Warning) -> Error {
     let (problem, fix) = match *warning {
         Warning::SoftAboveCritical { k_soft, k_critical } => (

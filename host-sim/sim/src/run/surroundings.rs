@@ -10,7 +10,8 @@ use touchstone_control::environment::{
 };
 use touchstone_control::{CountScale, Field, Force, Position, Reported, Si};
 
-/// An environment with its encoder's scale. Penetrations are told to it as places: each of its walls has a surface of its own.
+/// An environment with its encoder's scale. It gets places instead of penetrations, since each of its walls has its
+/// own surface.
 #[derive(Debug, Clone, Copy)]
 struct Surroundings<N: Reported> {
     environment: Environment<N>,
@@ -134,7 +135,7 @@ pub(super) fn surrounded<N: Reported + 'static>(
     })
 }
 
-/// Every wall, with the field of its stiffness.
+/// The faces of all walls, each with the name of the field that sets its stiffness.
 fn faces(
     scene: &Scene,
     named: &crate::scene::Environment,
@@ -204,7 +205,7 @@ fn si(scene: &Scene, path: &str, value: f64) -> Result<Si> {
         .ok_or_else(|| scene.error(path, "too large", "give a value below 2e9"))
 }
 
-/// What the control crate refuses, at its place in the scene.
+/// An error of the control crate, at its place in the scene.
 fn told(scene: &Scene, faces: &[(&'static str, WallSettings)], refused: &Refused) -> Error {
     match refused {
         Refused::Wall(place, error) => {

@@ -1,4 +1,4 @@
-//! What a run is judged by: read off its scene once, before the first tick.
+//! The terms of the judgement, taken from the scene once, before the first tick.
 
 use super::measure::Wiggle;
 use crate::scene::{MotionSpec, Scene};
@@ -10,7 +10,7 @@ const ASSUMED_COUNTS: f64 = 40_000.0;
 /// Least time from the start of a rhythm to where it is measured, s: the press before it has died away.
 const SETTLING_S: f64 = 0.5;
 
-/// What to judge by: fixed for a run.
+/// The criteria of a run's judgement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Terms {
     /// `x_s`, rad.
@@ -27,7 +27,7 @@ pub struct Terms {
     pub unstable_rad: f64,
     /// Whether the hand's motion is a recording, so that its holds have to be found while it is played.
     pub recorded: bool,
-    /// What the hand's tremor adds to the motion of its rest point, peak to peak, rad.
+    /// Motion that the hand's tremor adds to its rest point, peak to peak, rad.
     pub tremor_rad: f64,
     /// Torque limit of device or law, N·m.
     pub force_limit_n_m: f64,
@@ -35,9 +35,10 @@ pub struct Terms {
     pub holds: Vec<(u64, u64)>,
     /// The press, where the motion is one.
     pub press: Option<Press>,
-    /// The rhythm in which the hand moves inside the wall, where it does so long enough to be measured.
+    /// The rhythm in which the hand moves inside the wall, where it lasts long enough to be measured.
     pub wiggle: Option<Wiggle>,
-    /// Ticks over which the torque's ripple is taken, first and past the last: the rhythm, else the press' second half, else all.
+    /// Ticks over which the torque's ripple is measured, from the first to past the last: those of the rhythm if
+    /// there is one, else of the second half of the press, else all.
     pub ripple: (u64, u64),
     /// Ticks of the run.
     pub ticks: u64,
@@ -55,7 +56,7 @@ pub struct Press {
 }
 
 impl Terms {
-    /// What a scene is judged by.
+    /// The terms of a scene.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let rate = f64::from(scene.timing.rate_hz);

@@ -1,4 +1,4 @@
-//! One tick as the loop saw it, and who is told of it.
+//! One tick of the loop, and the trait of its recorders.
 
 use super::wall::Inside;
 
@@ -21,7 +21,7 @@ pub struct Tick {
     pub hand_rad: f64,
     /// The hand's rest point, rad.
     pub rest_rad: f64,
-    /// Penetration that the law was told, rad.
+    /// Penetration that the law got, rad.
     pub told_rad: f64,
     /// Force of the law, pushing out, N·m.
     pub force_n_m: f64,
@@ -37,7 +37,7 @@ pub struct Tick {
     pub inside: Inside,
 }
 
-/// Something that is told every tick.
+/// A recorder, which gets every tick.
 pub trait Recorder {
     /// Takes down a tick; they come in order.
     fn record(&mut self, tick: &Tick);

@@ -12,13 +12,13 @@ use crate::scene::{Integrator, Scene};
 /// Everything at the shaft and beyond that the plants without a train do not have.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Train {
-    /// What is linear.
+    /// The linear part.
     pub links: Links,
-    /// What is not.
+    /// The part that is not linear.
     pub shaft: Shaft,
     /// Substeps of a period.
     pub substeps: u32,
-    /// Why so many, one a line; empty where one is enough.
+    /// Reasons for this number of substeps, one a line; empty where one is enough.
     pub reasons: Vec<String>,
     /// Field of the scene that asks for so many.
     pub cause: Option<&'static str>,
@@ -31,7 +31,7 @@ struct Wish {
     reason: String,
 }
 
-/// Fastest motion that cogging is resolved for, rad/s: beyond what a hand does with a knob.
+/// Fastest motion for which cogging is resolved, rad/s: faster than a hand turns a knob.
 const FAST_RAD_PER_S: f64 = 10.0;
 /// Most substeps that a scene gets unasked.
 const MOST: f64 = 4096.0;
@@ -117,7 +117,7 @@ impl Train {
     }
 }
 
-/// What is linear of any scene's device and hand, whether its run needs a train or not.
+/// The linear part of a scene's device and hand, whether its run needs a drive train or not.
 #[must_use]
 pub fn links(scene: &Scene) -> Links {
     let device = &scene.device;

@@ -1,4 +1,4 @@
-//! How a run ended, and the words for it: names in options and results, and what each means. They stand here and nowhere else.
+//! How a run ended, and the words for it: names in options and results, and their meanings, in one place.
 
 use serde::Serialize;
 
@@ -14,7 +14,7 @@ pub enum Verdict {
     LimitCycle,
     /// Leaves the wall again and again, hits the torque limit, or grows without bound.
     Unstable,
-    /// It cannot be seen whether the wall lets the device rest; [`NotJudged`] has why.
+    /// The hand's motion hides whether the wall lets the device rest; [`NotJudged`] has the reason.
     NotJudged,
     /// The wall was never touched: nothing was shown, good or bad. Last, so that it does not pass for a wall that holds.
     NoContact,
@@ -72,7 +72,7 @@ impl Verdict {
         WORDS[self.place()].0
     }
 
-    /// What it means, for people.
+    /// The meaning in words.
     #[must_use]
     pub const fn meaning(self) -> &'static str {
         WORDS[self.place()].1
@@ -84,16 +84,16 @@ impl Verdict {
 pub enum NotJudged {
     /// The hand moved while the device should have rested.
     HandMoves {
-        /// By how much the hand's rest point moved, peak to peak, rad.
+        /// Motion of the hand's rest point, peak to peak, rad.
         hand_rad: f64,
-        /// By how much the device moved in that time, peak to peak, rad.
+        /// Motion of the device in that time, peak to peak, rad.
         device_rad: f64,
     },
     /// The run ends before the hand has held still for long enough.
     TooShort {
-        /// For how long the device was looked at, s.
+        /// Time for which the device was examined, s.
         seen_s: f64,
-        /// For how long it must be looked at, s.
+        /// Time for which it must be examined, s.
         least_s: f64,
     },
 }

@@ -5,7 +5,7 @@ use touchstone_control::{
     Controller, CountScale, Energy, Force, Guarded, Position, Reported, Settings, SettingsError,
 };
 
-/// What the law shows of its inside after a tick, in SI.
+/// A law's inner values after a tick, in SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inside {
     /// The law's observed energy, J; NaN if it observes none.
@@ -18,10 +18,10 @@ pub struct Inside {
     pub guard: Option<InsideGuard>,
 }
 
-/// What the guard shows of its inside after a tick.
+/// The guard's inner values after a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InsideGuard {
-    /// What the hand may still get out, J.
+    /// Energy that the hand may still get out, J.
     pub account_j: f64,
     /// Whether it gave the law less than it wanted.
     pub limited: bool,
@@ -39,9 +39,9 @@ pub trait Wall {
     fn commanded(&mut self, force_n_m: f64);
     /// The count at which the motor's torque changed since the last tick.
     fn changed_at_count(&mut self, count: i64);
-    /// The same for scenes without an encoder, rad.
+    /// Same as `changed_at`, for scenes without an encoder, rad.
     fn changed_at_penetration(&mut self, penetration_rad: f64);
-    /// The inside after the last tick.
+    /// The law's internal values after the last tick.
     fn inside(&self) -> Inside;
 }
 
@@ -58,7 +58,7 @@ impl<N: Reported> Controlled<N> {
     /// A law with its encoder's scale.
     ///
     /// # Errors
-    /// As [`Controller::new`].
+    /// Same as [`Controller::new`].
     pub fn new(settings: &Settings, scale: CountScale) -> Result<Self, SettingsError> {
         Ok(Self {
             controller: Controller::new(settings)?,
@@ -69,7 +69,7 @@ impl<N: Reported> Controlled<N> {
 }
 
 impl<N: Reported> Controlled<N> {
-    /// The controller's tick, whatever told the penetration: the one place where a law's code stands in the program.
+    /// The controller's tick, whatever the sensor: the one place where a law's code stands in the program.
     #[inline(never)]
     fn force(&mut self, e: Position<N>) -> Force<N> {
         self.controller.tick_with_change(e, self.at_change)

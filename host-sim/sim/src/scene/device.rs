@@ -1,4 +1,4 @@
-//! What the hand moves and how it is measured, timed and stopped: device, encoder, timing, wall.
+//! The parts of a scene apart from the law and the hand: device, encoder, timing, wall.
 
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +27,7 @@ pub struct DeviceSpec {
     /// Dry friction. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
-    /// Cogging. Absent: none.
+    /// Cogging of the motor; absent means none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cogging: Option<Cogging>,
     /// A weight out of the axis. Absent: none.
@@ -137,7 +137,7 @@ impl Default for Encoder {
 }
 
 choice! {
-    /// By what device and hand cross a tick.
+    /// Integration method for device and hand.
     Integrator {
         /// The exact step, with no step size.
         #[default]
@@ -153,7 +153,7 @@ choice! {
     }
 }
 
-/// How the plant crosses a tick, for those who want to see what another method than the exact step would have made of a run.
+/// The integration method of the plant, to compare other methods with the exact step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Plant {
@@ -177,7 +177,7 @@ impl Default for Plant {
     }
 }
 
-/// When the law runs, how long, and how late its command comes.
+/// Rate and duration of a run, and delay of the law's command.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Timing {

@@ -21,7 +21,7 @@ use crate::error::{Error, Result};
 #[derive(Debug, Clone)]
 pub(crate) struct Draft {
     pub fields: BTreeMap<String, Value>,
-    /// Tables that were written, empty ones too: `[encoder]` alone asks for an encoder.
+    /// Tables in the text, empty ones too: `[encoder]` alone adds an encoder.
     pub tables: BTreeSet<String>,
     pub origin: Origin,
 }
@@ -199,7 +199,7 @@ impl Draft {
         }
     }
 
-    /// All that is wrong with single fields.
+    /// All problems of single fields.
     fn problems(&self) -> Vec<Problem> {
         // A motion of unknown kind is reported itself; which fields it should have is then unknown too.
         let motion = self

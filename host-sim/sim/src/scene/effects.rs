@@ -31,19 +31,19 @@ impl Default for SensorNoise {
     }
 }
 
-/// What a disc or a magnet out of the axis, or tilted, does: `A sin(n x + phase) + A2 sin(2n x + phase2)`.
+/// Error of a disc or a magnet that is off the axis, or tilted: `A sin(n x + phase) + A2 sin(2n x + phase2)`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PeriodicError {
-    /// Its amplitude, rad, 0 or more. Default 8.7e-3.
+    /// Amplitude, rad, 0 or more. Default 8.7e-3.
     pub amplitude_rad: f64,
     /// Periods in one turn, 1 to 100,000. Default 1.
     pub periods_per_rev: u32,
-    /// Its phase at angle 0, rad. Default 0.
+    /// Phase at angle 0, rad. Default 0.
     pub phase_rad: f64,
     /// Amplitude of its second part, of twice as many periods, rad, 0 or more. Default 0.
     pub second_amplitude_rad: f64,
-    /// That part's phase at angle 0, rad. Default 0.
+    /// Phase of the second component at angle 0, rad. Default 0.
     pub second_phase_rad: f64,
 }
 
@@ -63,11 +63,11 @@ impl Default for PeriodicError {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Cogging {
-    /// Its amplitude, N·m, 0 or more. Default 1e-3.
+    /// Amplitude, N·m, 0 or more. Default 1e-3.
     pub torque_n_m: f64,
     /// Periods in one turn, 1 to 100,000. Default 84.
     pub periods_per_rev: u32,
-    /// Its phase at angle 0, rad. Default 0.
+    /// Phase at angle 0, rad. Default 0.
     pub phase_rad: f64,
 }
 
@@ -145,9 +145,9 @@ impl Default for CurrentLoop {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Transmission {
-    /// Its stiffness, N·m/rad, above 0. Default 20.
+    /// Stiffness, N·m/rad, above 0. Default 20.
     pub spring_n_m_per_rad: f64,
-    /// Its damping, N·m·s/rad, 0 or more. Default 1e-3.
+    /// Damping, N·m·s/rad, 0 or more. Default 1e-3.
     pub damper_n_m_s_per_rad: f64,
     /// Share of the device's inertia that is the knob's, 0.001 to 0.999. Default 0.3.
     pub knob_share: f64,
@@ -172,7 +172,7 @@ impl Default for Transmission {
 pub struct HandTremor {
     /// Amplitude of the rest point, rad, 0 or more. Default 0.02.
     pub amplitude_rad: f64,
-    /// Its rate, Hz, above 0, at most 30. Default 9.
+    /// Frequency, Hz, above 0, at most 30. Default 9.
     pub frequency_hz: f64,
 }
 

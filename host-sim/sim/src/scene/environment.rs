@@ -1,13 +1,13 @@
-//! What there is to touch beside the wall: further walls, endstops, detents.
+//! Things to touch in addition to the wall: further walls, endstops, detents.
 
 use serde::{Deserialize, Serialize};
 use touchstone_control::environment::Side;
 
-/// What there is on the knob's axis beside `[wall]`; all of it behind the law's one guard.
+/// The environment on the knob's axis beside `[wall]`; all of it is behind the law's one guard.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Environment {
-    /// Whether `[wall]` itself is there. Default true.
+    /// Whether `[wall]` itself acts. Default true.
     pub first_wall: bool,
     /// A second wall. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -39,19 +39,19 @@ impl Default for Environment {
     }
 }
 
-/// A wall beside the first, with a law of its own.
+/// A further wall, with its own law.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FurtherWall {
-    /// Its surface, rad. Default 0.
+    /// Position of the surface, rad. Default 0.
     pub at_rad: f64,
-    /// On which side of it it is solid. Default `below`.
+    /// The solid side of the surface. Default `below`.
     #[serde(
         serialize_with = "super::law::word",
         deserialize_with = "super::law::of_word"
     )]
     pub solid: Side,
-    /// Its `k_de`, N·m/rad, 0 to 500,000. Absent: that of `[wall]`.
+    /// The wall's `k_de`, N·m/rad, 0 to 500,000. Absent: that of `[wall]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffness_n_m_per_rad: Option<f64>,
 }
@@ -98,7 +98,7 @@ pub struct DetentRing {
     pub per_rev: u32,
     /// The largest torque, a quarter of the way to the next, N·m, from 0 to the law's force limit. Default 0.02.
     pub strength_n_m: f64,
-    /// Where one of them is, rad. Default 0.
+    /// Position of one of the detents, rad. Default 0.
     pub centre_rad: f64,
 }
 

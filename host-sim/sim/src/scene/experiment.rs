@@ -1,4 +1,4 @@
-//! What a scene says, as values.
+//! The values of a scene.
 
 use serde::{Deserialize, Serialize};
 
@@ -16,12 +16,12 @@ use crate::error::Error;
 pub struct Scene {
     /// Name in tables and results. Default: the file's name without its ending.
     pub name: String,
-    /// What the scene shows, for people. Default: empty.
+    /// Description of the scene in words. Default: empty.
     pub description: String,
     /// Where everything random begins; 0 to 4,294,967,295. Absent: 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u32>,
-    /// What the hand moves.
+    /// The device that the hand moves.
     pub device: DeviceSpec,
     /// Position sensor. Absent: the law sees the exact position.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -35,7 +35,7 @@ pub struct Scene {
     pub timing: Timing,
     /// The virtual wall.
     pub wall: Wall,
-    /// What there is to touch beside it. Absent: nothing.
+    /// The environment beside the wall. Absent: nothing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub environment: Option<Environment>,
     /// The law and its parameters.

@@ -109,7 +109,7 @@ trait Leaf: Sized {
     type Text: Serialize + DeserializeOwned;
     fn text(&self) -> Self::Text;
     fn of_text(text: Self::Text) -> Option<Self>;
-    /// Not written at all.
+    /// Whether the scene does not write the setting.
     fn is_absent(&self) -> bool {
         false
     }

@@ -12,10 +12,11 @@ use crate::error::{Error, Result};
 use crate::input;
 
 impl Scene {
-    /// Loads a shipped scene by its name, any other from its file. A file that bears the name of a shipped scene is
-    /// meant when it is written as a path: `./tap`.
+    /// Loads a shipped scene by its name, any other from its file. Write `./tap` for a file that bears the name of a
+    /// shipped scene.
     ///
-    /// # Errors [`Error::Io`] where there is neither, [`Error::File`] for what is wrong in the file.
+    /// # Errors
+    /// [`Error::Io`] where there is neither, [`Error::File`] for a problem in the file.
     pub fn load(name_or_path: &str) -> Result<Scene> {
         if let Some((name, text)) = shipped::SHIPPED
             .iter()
@@ -66,7 +67,7 @@ impl Scene {
     /// Checks a scene that was made or changed in code as one that is read from a file.
     ///
     /// # Errors
-    /// As [`Scene::parse`]; a field that was never written is reported as [`Error::Option`] under its dotted path.
+    /// Same as [`Scene::parse`]; a field that was never written is reported as [`Error::Option`] under its dotted path.
     pub fn check(&self) -> Result<()> {
         Draft::from_scene(self).build().map(drop)
     }
@@ -77,12 +78,13 @@ impl Scene {
         super::check::scene(self).map(|found| self.error(&found.path, found.problem, found.fix))
     }
 
-    /// The scene with fields changed in code, checked as one that is read from a file.
+    /// The scene with fields changed in code, checked like one from a file.
     ///
-    /// What is wrong with a changed field is reported with its new value; every other field keeps the place where it was written.
+    /// A problem of a changed field is reported with its new value; every other field keeps the place where it was
+    /// written.
     ///
     /// # Errors
-    /// [`Error::Option`] for what the change breaks.
+    /// [`Error::Option`] for a change that breaks the scene.
     pub fn with(&self, change: impl FnOnce(&mut Scene)) -> Result<Scene> {
         let mut changed = self.clone();
         change(&mut changed);
@@ -93,8 +95,8 @@ impl Scene {
 
     /// Lets a recording move the hand instead of the scene's own motion (`--operator-motion FILE`).
     ///
-    /// The recording's mean is placed on the wall's surface, unscaled, so that the hand goes in and out of the wall;
-    /// the run takes as long as the recording; the device starts at rest where the hand starts. `--set
+    /// The recording's mean is placed on the wall's surface, unscaled, so that the hand goes in and out of the wall.
+    /// The run takes as long as the recording; the device starts at rest where the hand starts. `--set
     /// motion.scale=…` and `--set motion.offset_rad=…` change the placement afterwards. [`RestPath::note`](super::RestPath::note) says in
     /// words what was chosen.
     ///

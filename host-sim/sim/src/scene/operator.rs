@@ -1,4 +1,4 @@
-//! The person at the knob: two masses and what they set out to do.
+//! The person at the knob: two masses and their intended motion.
 //!
 //! Device – fingertip pad – hand – moving rest point. A hand bolted to the device would hide every instability of the
 //! thesis, so the pad's give is part of every grip.
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::effects::{HandReflex, HandTremor};
 use touchstone_world::plant;
 
-/// The operator. Absent: nobody holds the device.
+/// The operator. Absent: no hand at the device.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Operator {
@@ -25,12 +25,12 @@ pub struct Operator {
     /// Muscles that answer late. Absent: they do not answer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reflex: Option<HandReflex>,
-    /// What the hand sets out to do. Default `none`.
+    /// The hand's intended motion. Default `none`.
     pub motion: MotionSpec,
 }
 
 impl Operator {
-    /// The hand to simulate; `None` where nobody holds the device.
+    /// The hand to simulate; `None` without a hand.
     pub fn hand(&self) -> Option<Hand> {
         self.grip.hand().or_else(|| self.hand.clone())
     }
@@ -40,7 +40,7 @@ impl Operator {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Grip {
-    /// Nobody holds the device: the hardest case for a law, no damping comes from outside.
+    /// No hand at the device: the hardest case for a law, as no damping comes from outside.
     #[default]
     None,
     /// Fingertips just touch.
@@ -115,7 +115,7 @@ impl Default for Hand {
     }
 }
 
-/// What the hand sets out to do. Turned into a rest point by [`RestPath`](super::RestPath).
+/// The hand's intended motion. [`RestPath`](super::RestPath) turns it into a rest point.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum MotionSpec {
@@ -147,7 +147,7 @@ impl MotionSpec {
         }
     }
 
-    /// The quiet holds, each from the end of its ramp to the end of the hold, s, in order; the last is the press that the
+    /// The quiet holds, each from the end of its ramp to the end of the hold, s, in order. The last is the press that the
     /// displayed stiffness is judged by.
     pub fn holds_s(&self) -> Vec<(f64, f64)> {
         match self {
@@ -170,7 +170,7 @@ impl MotionSpec {
         }
     }
 
-    /// Presses so many times as hard; a motion without a push stays as it is.
+    /// Multiplies the push by a factor; a motion without a push does not change.
     pub fn scale_push(&mut self, share: f64) {
         match self {
             MotionSpec::RampAndHold(motion) => motion.push_torque_n_m *= share,
@@ -194,12 +194,14 @@ impl MotionSpec {
 pub const FASTEST_RAMP_S: f64 = 0.05;
 /// Upper end of voluntary motion, Hz.
 pub const FASTEST_MOTION_HZ: f64 = 10.0;
-/// Fastest wiggle, Hz: a probe of `F/x`, above voluntary motion and up to the end of what a hand passes on of a tremor.
+/// Fastest wiggle, Hz: a probe of `F/x` that is faster than voluntary motion, and up to where a hand still transmits a
+/// tremor.
 pub const FASTEST_WIGGLE_HZ: f64 = 16.0;
 
-/// Distance outside the wall at which a hand waits unless told otherwise, rad.
+/// Default distance outside the wall at which a hand waits, rad.
 ///
-/// Enough to arrive moving (1.6 to 2.1 rad/s in the default press, by grip), little enough that the contact comes soon.
+/// Enough to arrive moving (1.6 to 2.1 rad/s in the default press, by grip), little enough that the contact comes
+/// soon.
 pub const APPROACH_RAD: f64 = 0.05;
 
 /// Moves in, presses, holds, lets go.
@@ -365,19 +367,19 @@ pub struct Recorded {
     /// Distance of the recording's mean from the surface, rad, positive inside. Default 0.
     #[serde(default)]
     pub offset_rad: f64,
-    /// Takes the angles as the rest point as they stand, each until the next: a record of ticks is repeated to the bit.
+    /// Takes the angles as the rest point as they stand, each until the next: a record of ticks is repeated bit for bit.
     /// Scale and offset must then be 1 and 0. Default `false`: placed and smoothed.
     #[serde(default)]
     pub exact: bool,
 }
 
-/// As recorded.
+/// The factor that changes nothing.
 fn unchanged() -> f64 {
     1.0
 }
 
 impl Recorded {
-    /// The recording as it is, its mean on the surface.
+    /// The recording unscaled, with its mean on the surface.
     pub fn new(file: PathBuf) -> Self {
         Recorded {
             file,

@@ -8,9 +8,9 @@ use crate::error::Error;
 /// Where one field or table was written.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Place {
-    /// On the command line, as the user wrote it: `--set key=value`.
+    /// The value comes from the command line, as the user wrote it: `--set key=value`.
     Option(String),
-    /// In the scene's file, line from 1.
+    /// The value comes from this line of the scene's file, counted from 1.
     Line(usize),
 }
 
@@ -21,7 +21,7 @@ pub struct Origin {
     places: BTreeMap<String, Place>,
 }
 
-/// Where a value was written is no part of what a scene means: any two origins are equal.
+/// Origins do not count in a comparison of scenes: any two are equal.
 impl PartialEq for Origin {
     fn eq(&self, _: &Self) -> bool {
         true
@@ -29,7 +29,7 @@ impl PartialEq for Origin {
 }
 
 impl Origin {
-    /// Nothing recorded yet for this file.
+    /// Origins for this file, none recorded yet.
     pub(crate) fn of_file(file: &Path) -> Self {
         Origin {
             file: Some(file.to_owned()),
@@ -42,7 +42,7 @@ impl Origin {
         self.file.as_deref()
     }
 
-    /// Records where `path` was written. A field on the command line is looked up by itself, not by its table.
+    /// Records where `path` was written. A field on the command line is looked up by its own path, not by its table.
     pub(crate) fn put(&mut self, path: &str, place: Place) {
         self.places.insert(path.to_owned(), place);
     }

@@ -48,7 +48,7 @@ impl Scene {
     /// `option` is what the user wrote; errors quote it. Otherwise as [`with_overrides`](Scene::with_overrides).
     ///
     /// # Errors
-    /// As [`with_overrides`](Scene::with_overrides).
+    /// Same as [`with_overrides`](Scene::with_overrides).
     pub fn with_option(&self, key: &str, value: &str, option: &str) -> Result<Scene> {
         let mut draft = Draft::from_scene(self);
         apply(&mut draft, key, value, option.to_owned())?;

@@ -16,7 +16,7 @@ macro_rules! rows {
 }
 
 touchstone_control::choice! {
-    /// A set of the law's parameters, for what a scene does not write itself.
+    /// A named set of the law's parameters, for those that a scene does not write.
     Preset {
         /// The law as this project ships it: tuned, on estimated states, behind the energy guard. The fields' defaults.
         #[default]
@@ -27,7 +27,7 @@ touchstone_control::choice! {
 }
 
 impl Preset {
-    /// Its fields and their values, where these are not the defaults.
+    /// The preset's fields and values, where these differ from the defaults.
     #[must_use]
     pub const fn fields(self) -> &'static [(&'static str, &'static str)] {
         match self {
@@ -41,7 +41,7 @@ impl Scene {
     /// The scene with a preset's values in the fields that neither its file nor an option wrote.
     ///
     /// # Errors
-    /// As [`Scene::with_overrides`].
+    /// Same as [`Scene::with_overrides`].
     pub fn with_preset(&self, preset: Preset) -> Result<Scene> {
         let sets: Vec<String> = preset
             .fields()

@@ -13,7 +13,7 @@ impl Scene {
     /// The scene as TOML, every default filled in, with units and meanings as comments; it reads back as the same
     /// scene.
     ///
-    /// What the scene does not name, and hence is not simulated, is listed as a comment too.
+    /// Effects that the scene does not name, and that are not simulated, are listed as comments too.
     pub fn to_toml(&self) -> String {
         let draft = Draft::from_scene(self);
         let mut text = String::new();
@@ -76,7 +76,7 @@ fn entry(scene: &Scene, field: &Field, value: Option<&Value>) -> String {
     line + "\n"
 }
 
-/// What a preset stands for.
+/// The values of a grip.
 fn grip_values(grip: Grip) -> String {
     match grip.hand() {
         Some(hand) => format!(

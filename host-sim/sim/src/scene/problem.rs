@@ -1,11 +1,11 @@
-//! What is wrong with a scene, before it is known where that stands.
+//! Problems of a scene before their place in the file is known.
 
-/// Something wrong with one field or table.
+/// A problem with one field or table.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Problem {
     /// Field or table, dotted.
     pub path: String,
-    /// What is wrong.
+    /// The problem.
     pub problem: String,
     /// How to mend it.
     pub fix: String,

@@ -53,7 +53,7 @@ macro_rules! settings {
 touchstone_control::law_settings!(settings);
 
 impl Scene {
-    /// What the encoder makes of a position; nothing where there is none.
+    /// The encoder's resolution; the default without an encoder.
     fn position_settings(&self) -> PositionSettings {
         let count = self
             .encoder

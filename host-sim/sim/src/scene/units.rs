@@ -1,6 +1,6 @@
 //! Units as they stand in names of scene fields and of CSV columns: `inertia_kg_m2`, `angle_deg`.
 
-/// What a unit measures.
+/// Quantity that a unit measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Dimension {
     Angle,
@@ -18,13 +18,13 @@ pub(crate) enum Dimension {
 /// One way to write a unit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Unit {
-    /// As it ends a name.
+    /// The unit as the end of a name.
     pub suffix: &'static str,
-    /// As it is shown to people.
+    /// The unit as people read it.
     pub shown: &'static str,
-    /// What it measures.
+    /// The dimension that the unit measures.
     pub dimension: Dimension,
-    /// Its size in SI units.
+    /// Size of the unit in SI units.
     pub si: f64,
 }
 

@@ -134,8 +134,8 @@ fn converted(field: &Field, given: &str, value: Option<&Value>) -> String {
     }
 }
 
-/// The name that a slip of the keys turned into `name`, if one is near enough: a quarter of its letters, at least one. Capital
-/// letters and underscores in place of hyphens count for nothing.
+/// The name that was probably meant by `name`: the only one that begins with its whole words, or one that differs in at most
+/// a quarter of its letters. Capital letters, and underscores in place of hyphens, make no difference.
 pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
     // No name is so long, and comparing takes the product of the lengths.
     if name.len() > 200 {
@@ -143,6 +143,11 @@ pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
     }
     let plain = |name: &str| name.to_lowercase().replace('_', "-");
     let wanted = plain(name);
+    let begins = |candidate: &&&str| plain(candidate).starts_with(&format!("{wanted}-"));
+    let mut longer = names.iter().filter(begins);
+    if let (Some(only), None) = (longer.next(), longer.next()) {
+        return Some(only);
+    }
     let near = |candidate: &str| strsim::damerau_levenshtein(&wanted, &plain(candidate));
     let best = names
         .iter()

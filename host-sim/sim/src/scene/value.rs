@@ -1,4 +1,4 @@
-//! One value against its field: type, word, range.
+//! A value checked against its field: type, word, range.
 
 use toml::Value;
 use toml::de::DeValue;
@@ -7,7 +7,7 @@ use super::problem::Problem;
 use super::schema::{self, Field, Kind};
 use super::unknown::{list, nearest};
 
-/// The words that a field allows, by its dotted path (`law.kind`); none for what is no field of words.
+/// The words that a field allows, by its dotted path (`law.kind`); empty for a field that takes no word.
 pub fn choices(path: &str) -> &'static [&'static str] {
     match schema::at(path) {
         Some(Field {
@@ -18,7 +18,7 @@ pub fn choices(path: &str) -> &'static [&'static str] {
     }
 }
 
-/// What is wrong with the value of a field, if anything.
+/// The problem of a field's value, if it has one.
 pub(crate) fn wrong_value(field: &Field, value: &Value) -> Option<Problem> {
     match (field.kind, value) {
         (Kind::Text, Value::String(_)) | (Kind::Flag, Value::Boolean(_)) => None,
@@ -90,7 +90,7 @@ pub(crate) fn shown(value: &Value) -> String {
     }
 }
 
-/// A leaf as a plain value. An integer beyond 64 bits becomes a float, so that range or type is what is reported.
+/// A leaf as a plain value. An integer beyond 64 bits becomes a float, so that the error is about range or type.
 pub(crate) fn leaf_value(leaf: &DeValue<'_>) -> Value {
     match leaf {
         DeValue::String(text) => Value::String(text.to_string()),

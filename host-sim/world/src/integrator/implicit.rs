@@ -9,7 +9,7 @@ use crate::plant::{Invalid, Loss};
 /// & Control Letters 59(5) 284, 2010).
 pub type ImplicitEuler<const N: usize> = Implicit<N, false>;
 
-/// `z⁺ = z + h (A (z + z⁺)/2 + B w) - e₁ h λ/J` with `λ ∈ F Sgn(v⁺)`: second order, keeps the energy's books to rounding, and rings
+/// `z⁺ = z + h (A (z + z⁺)/2 + B w) - e₁ h λ/J` with `λ ∈ F Sgn(v⁺)`: second order, keeps the energy balance to rounding, and rings
 /// on poles that are fast against the substep.
 ///
 /// Friction is implicit at the end of the step (the theta scheme of Moreau's stepping): at the middle it would hold the position

@@ -37,7 +37,7 @@ pub trait Method<const N: usize>: Sized {
     /// [`Invalid`] where the method has no step of this length.
     fn new(model: &Model<N>, step_s: f64) -> Result<Self, Invalid>;
 
-    /// One substep under a torque and a rest point that are held; the losses are worked out only where `LOSS` asks for them.
+    /// Makes one substep under a held torque and rest point; losses are computed only with `LOSS`.
     fn step<const LOSS: bool>(
         &self,
         model: &Model<N>,
@@ -49,7 +49,7 @@ pub trait Method<const N: usize>: Sized {
 /// What friction does in one set-valued step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Reaction {
-    /// It holds the device with this torque against the motion, N·m.
+    /// Friction holds the device with this torque against the motion, N·m.
     Rests(f64),
     /// The device moves against this torque, N·m.
     Slides(f64),

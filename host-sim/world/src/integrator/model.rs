@@ -18,7 +18,7 @@ pub struct Model<const N: usize> {
 }
 
 impl Model<2> {
-    /// A device that nobody holds, `[x, v]`, as [`crate::plant::BareLinear`] and [`crate::plant::BareCoulomb`].
+    /// A device without a hand, `[x, v]`, as [`crate::plant::BareLinear`] and [`crate::plant::BareCoulomb`].
     ///
     /// # Errors
     /// [`Invalid`] when the device is out of range.
@@ -30,7 +30,7 @@ impl Model<2> {
 }
 
 impl Model<3> {
-    /// A device that nobody holds behind a current loop of one pole, `[x, v, torque]`: `torque' = 2π f (u - torque)`.
+    /// A device without a hand behind a current loop of one pole, `[x, v, torque]`: `torque' = 2π f (u - torque)`.
     ///
     /// # Errors
     /// [`Invalid`] when device or bandwidth (Hz) are out of range.
@@ -155,7 +155,7 @@ impl<const N: usize> Model<N> {
     }
 }
 
-/// By elimination with pivots; `None` where there is none.
+/// The inverse by elimination with pivots; `None` for a singular matrix.
 fn inverse<const N: usize>(mut m: SMatrix<f64, N, N>) -> Option<SMatrix<f64, N, N>> {
     let mut found = SMatrix::<f64, N, N>::identity();
     for column in 0..N {
@@ -182,7 +182,7 @@ fn inverse<const N: usize>(mut m: SMatrix<f64, N, N>) -> Option<SMatrix<f64, N, 
     Some(found)
 }
 
-/// The exact step of a model without dry friction, for plants that [`crate::plant`] has no step of its own for.
+/// The exact step of a model without dry friction, for plants that have none in [`crate::plant`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExactLinear<const N: usize> {
     flow: [[f64; N]; N],
@@ -208,7 +208,7 @@ impl<const N: usize> ExactLinear<N> {
         })
     }
 
-    /// One interval: `z(h) - z(0) = Ψ(h) z'(0)`.
+    /// Advances by one interval: `z(h) - z(0) = Ψ(h) z'(0)`.
     #[inline(always)]
     pub fn step(&self, model: &Model<N>, state: &mut [f64; N], held: [f64; 2]) {
         let increment = apply(&self.flow, &model.rate(state, held));

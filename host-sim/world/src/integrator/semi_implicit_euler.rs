@@ -3,7 +3,7 @@
 use super::{Method, Model, Reaction};
 use crate::plant::{Invalid, Loss};
 
-/// Velocities by the forces at the start of the substep, then positions by the new velocities: first order, one evaluation, and
+/// Velocities by the forces at the start of the substep, then positions by the new velocities. First order, one evaluation, and
 /// stable only while the substep is short against every pole. Friction takes at most what stops the device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SemiImplicitEuler<const N: usize> {

@@ -14,7 +14,7 @@ pub struct Substepped<M, const N: usize> {
 }
 
 impl<M: Method<N>, const N: usize> Substepped<M, N> {
-    /// Prepares intervals of `interval_s` seconds (zero or more) in so many substeps (1 or more).
+    /// Prepares intervals of `interval_s` seconds (zero or more) in a number of substeps (1 or more).
     ///
     /// # Errors
     /// [`Invalid`] when the interval is out of range or the method has no such step.
@@ -33,7 +33,7 @@ impl<M: Method<N>, const N: usize> Substepped<M, N> {
         })
     }
 
-    /// One interval on plain entries.
+    /// Advances plain entries by one interval.
     #[inline]
     pub fn advance<const LOSS: bool>(&self, state: &mut [f64; N], held: [f64; 2]) -> Loss {
         let mut loss = Loss::default();

@@ -1,6 +1,6 @@
 //! The three-phase bridge, averaged over a PWM period.
 
-/// What the bridge does in a period.
+/// State of the bridge in a period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Drive {
     /// All six switches open.

@@ -1,4 +1,4 @@
-//! What the encoders send for a shaft angle.
+//! Frames of the encoders for a shaft angle.
 
 /// The nearest count for an angle, rad, and a number of counts a turn.
 #[must_use]

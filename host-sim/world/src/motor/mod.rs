@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Everything goes in steps of one PWM period. During one the bridge is its average, a constant voltage vector that stands
-//! still, and the shaft's speed is its mean over the period, looked up ahead; then windings and plant are both linear and both
+//! still, and the shaft's speed is its mean over the period, looked up ahead. Then windings and plant are both linear and both
 //! steps are exact ([`Windings::step`], [`crate::plant::Stepper`]). What is left is the coupling: a constant speed for the windings
 //! and a constant torque for the plant, an error that falls with the square of the period (tested).
 //!

@@ -1,11 +1,11 @@
-//! Motor, bridge, knob and hand in lock-step with whoever drives them: one call a PWM period.
+//! Motor, bridge, knob and hand in step with the caller: one call a PWM period.
 
 use super::bridge::{Bridge, Drive};
 use super::windings::{MotorParameters, Windings};
 use crate::plant::train::Harmonic;
 use crate::plant::{Device, Kinematics, Stepper};
 
-/// What can be measured after a period.
+/// The quantities that can be measured after a period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
     /// Phase currents into the motor, A.
@@ -32,7 +32,7 @@ pub struct Rig<S: Stepper> {
 }
 
 impl<S: Stepper> Rig<S> {
-    /// At rest at an angle, without current. The plant's interval is the PWM period.
+    /// A motor at rest at an angle, without current. The plant's interval is the PWM period.
     #[must_use]
     pub fn new(motor: MotorParameters, bridge: Bridge, plant: S, angle_rad: f64) -> Self {
         Self {

@@ -66,7 +66,7 @@ impl MotorParameters {
 pub struct Windings {
     motor: MotorParameters,
     interval_s: f64,
-    /// `e^{-RT/L}`.
+    /// Decay: `e^{-RT/L}`.
     decay: f64,
     current: C,
 }
@@ -111,7 +111,7 @@ impl Windings {
         }
     }
 
-    /// The same currents, for intervals of another length: where the bridge changes within a period.
+    /// The same currents, with intervals of another length: where the bridge changes within a period.
     #[must_use]
     pub fn with_interval(self, interval_s: f64) -> Self {
         Self {

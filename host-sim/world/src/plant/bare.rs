@@ -1,4 +1,4 @@
-//! A device that nobody holds, without dry friction.
+//! A device without a hand and without dry friction.
 
 use nalgebra::{SMatrix, matrix};
 

@@ -1,4 +1,4 @@
-//! A device that nobody holds, with Coulomb friction: exact in closed form.
+//! A device without a hand, with Coulomb friction: exact in closed form.
 
 use super::bare::BareLinear;
 use super::device::{Coulomb, Device, Invalid};
@@ -12,7 +12,7 @@ use super::stepper::{Loss, Stepper};
 /// the stop is known by one logarithm, and what follows it depends on `u` alone: rest while `|u| <= F_s`, else a start in
 /// the other direction that nothing ends. So there is at most one stop and one start in an interval.
 ///
-/// A tick without a stop is bit-identical to [`BareLinear`] under the torque `w`; with both levels of friction zero,
+/// A tick without a stop is bit-identical to [`BareLinear`] under the torque `w`. With both levels of friction zero,
 /// ticks in which the velocity changes sign agree with [`BareLinear`] to rounding only.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BareCoulomb {
@@ -36,7 +36,7 @@ impl BareCoulomb {
         })
     }
 
-    /// One interval; the losses are worked out only where `LOSS` asks for them.
+    /// Advances by one interval; losses are computed only with `LOSS`.
     #[inline(always)]
     fn advance<const LOSS: bool>(&self, state: &mut State<2>, torque: f64) -> Loss {
         let v = state.0[1];

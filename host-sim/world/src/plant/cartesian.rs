@@ -1,7 +1,7 @@
 //! A device of three translations, as three axes that do not feel each other, and its published limits.
 //!
 //! In its workspace a delta robot's effector is to a first approximation a mass that every direction moves alike; its linkage, whose inertia varies, is not
-//! in here. Each axis has its own stepper, so that the step is exact for linear axes, and its books close as theirs do.
+//! in here. Each axis has its own stepper, so that the step is exact for linear axes, and its energy balance close as theirs do.
 
 use super::device::{Device, Invalid};
 use super::hand::Hand;
@@ -9,7 +9,7 @@ use super::held::HeldLinear;
 use super::state::{Kinematics, State};
 use super::stepper::{Loss, Stepper};
 
-/// What a device of three translations is known to do.
+/// Known limits of a device with three translations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Longest force in any direction, N.
@@ -58,7 +58,8 @@ pub const OMEGA3: Limits = Limits {
     rates_hz: (1000, 4000),
 };
 
-/// Its effector: 0.148 kg, which its maker's library takes for it, and the 2.5 N·s/m that the thesis found (§5.2), along each axis.
+/// The omega.3's effector: 0.148 kg, which its maker's library uses, and the 2.5 N·s/m that the thesis found (§5.2),
+/// along each axis.
 pub const OMEGA3_AXIS: Device = Device {
     inertia: 0.148,
     damping: 2.5,
@@ -100,7 +101,7 @@ pub struct Cartesian<S> {
 }
 
 impl<S: Stepper> Cartesian<S> {
-    /// Of three steppers of one interval.
+    /// Three steppers with the same interval.
     ///
     /// # Errors
     /// [`Invalid`] where the intervals differ.
@@ -135,7 +136,7 @@ impl<S: Stepper> Cartesian<S> {
         }
     }
 
-    /// The same, to the bit, and what was dissipated.
+    /// Same as [`Cartesian::step`], bit for bit; returns the dissipated energy.
     pub fn step_with_loss(
         &self,
         state: &mut [S::State; 3],
@@ -162,7 +163,7 @@ impl Cartesian<HeldLinear> {
     /// The same device and hand along each axis.
     ///
     /// # Errors
-    /// [`Invalid`] for what no device or hand can have.
+    /// [`Invalid`] for an impossible device or hand.
     pub fn held(device: &Device, hand: &Hand, interval_s: f64) -> Result<Self, Invalid> {
         let axis = HeldLinear::new(device, hand, interval_s)?;
         Self::new([axis.clone(), axis.clone(), axis])
@@ -188,7 +189,7 @@ mod tests {
         assert_eq!(OMEGA3.counts([1.04e-5, -1.06e-5, 0.02]), [1, -1, 2000]);
     }
 
-    /// Each axis is the device of one axis, to the bit, and the books of all three close.
+    /// Each axis is the device of one axis, bit for bit, and the energy balance of all three closes.
     #[test]
     fn the_axes_are_those_of_one_device_each_and_the_books_close() {
         let plant = Cartesian::held(&OMEGA3_AXIS, &FIRM_TRANSLATION, 2.5e-4).unwrap();

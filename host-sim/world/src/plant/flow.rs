@@ -26,7 +26,7 @@ pub(crate) fn row_sum_norm<const K: usize>(m: &SMatrix<f64, K, K>) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Beyond this norm of `M h` nothing is left in 53 bits of what is slow; and the halvings of a norm without end have none.
+/// Above this norm of `M h` the slow part is lost in 53 bits; an infinite norm would need halvings without end.
 const MOST_NORM: f64 = 1e15;
 
 /// Refuses a system whose rates are too far apart for numbers.

@@ -5,11 +5,11 @@ use super::device::{Invalid, not_negative, positive};
 /// A hand of one mass, joined to the device by the fingertip pad and to a moving rest point by a spring.
 ///
 /// A hand bolted rigidly to the device would add its damper of some 1e-3 N·m·s/rad to the knob's 4e-4 and let any wall of
-/// the thesis stand: the pad between the two is what leaves the device alone with the wall at high frequency. The price
+/// the thesis stand. The pad between the two is what leaves the device alone with the wall at high frequency. The price
 /// of the second mass is two states.
 ///
 /// The rest point `r` is where the hand means to be: the user's intention is its motion. It is held during a tick
-/// (zero-order hold) like the torque: voluntary motion ends near 10 Hz, so at a control rate of 1 kHz the jumps are small,
+/// (zero-order hold) like the torque. Voluntary motion ends near 10 Hz, so at a control rate of 1 kHz the jumps are small,
 /// and what they do to the spring is accounted for in the energy (see [`super::Stepper::stored_energy_j`]).
 /// The damper `b_h` acts from the hand to ground and not to the rest point's velocity, which a held `r` does not have.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,8 +52,8 @@ pub const LIGHT: Hand = grip(0.1, 1.0, 30.0, 300.0, 0.33e-4);
 /// An ordinary grip: 0.3 kg, 3 N·s/m, 100 N/m, pad 700 N/m at 15 mm.
 ///
 /// **Chosen, not measured.** Mass, damping and stiffness span what hand models in the literature use. The pad's damping
-/// is set by one condition: the thesis found its `c_i` of 5e-4 N·m·s/rad by feel, with a finger on the knob, so that
-/// value is device *plus* fingertip. A knob with 4e-4 N·m·s/rad of its own leaves 1e-4 for the pad of this grip; the
+/// is set by one condition. The thesis found its `c_i` of 5e-4 N·m·s/rad by feel, with a finger on the knob, so that
+/// value is device *plus* fingertip. A knob with 4e-4 N·m·s/rad of its own leaves 1e-4 for the pad of this grip. The
 /// other two grips keep to the ratios of published pad damping, which grows with the force of the grip.
 pub const MEDIUM: Hand = grip(0.3, 3.0, 100.0, 700.0, 1.0e-4);
 

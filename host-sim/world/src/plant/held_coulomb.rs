@@ -21,14 +21,14 @@ use events::Mode;
 /// `x` stays bit for bit, `v` is exactly zero, and the hand moves alone against a pad whose other side is fixed.
 /// The pad swings, so unlike without a hand a velocity may change sign twice in a tick and look untouched at its end.
 ///
-/// Each tick is therefore first judged by a bound that holds without exception: on an interval of length `h` a function
+/// Each tick is therefore first judged by a bound that holds without exception. On an interval of length `h` a function
 /// stays within `h²/8 max|f''|` of the straight line between its end values. Where that leaves no room for an event,
 /// which is nearly always, the precomputed matrix is the answer. The bound is taken twice: from the magnitudes of the drive, which
 /// costs least, and where that leaves room, from the magnitudes of its rate of change, which are small wherever a hand's press is
 /// in balance. Otherwise the events are found one after the other on the
 /// power series of the exact solution, to rounding.
 ///
-/// A tick without an event is bit-identical to [`HeldLinear`] under the torque `w`; with both levels of friction zero,
+/// A tick without an event is bit-identical to [`HeldLinear`] under the torque `w`. With both levels of friction zero,
 /// ticks in which the velocity changes sign agree with [`HeldLinear`] to rounding only.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldCoulomb {
@@ -37,18 +37,18 @@ pub struct HeldCoulomb {
     breakaway: f64,
     /// `h²/8` times a bound of `d²v/dt²` per magnitude of each entry of the drive.
     slide_guard: [f64; 5],
-    /// The same per magnitude of each entry of the drive's own rate of change.
+    /// The same bound per magnitude of each entry of the drive's own rate of change.
     slide_rate_guard: [f64; 5],
-    /// That rate of change for each entry of the drive.
+    /// Rate of change for each entry of the drive.
     rates: [[f64; 5]; 5],
     /// Increment of `[x_h, v_h]` for the stuck drive `[d, v_h, g]`.
     stuck: [[f64; 2]; 3],
     stuck_loss: [[f64; 3]; 3],
     /// `h²/8` times a bound of the second derivative of the pad's torque per magnitude of each entry of the stuck drive.
     stick_guard: [f64; 3],
-    /// The same per magnitude of each entry of the stuck drive's own rate of change.
+    /// The same bound per magnitude of each entry of the stuck drive's own rate of change.
     stick_rate_guard: [f64; 3],
-    /// That rate of change for each entry of the stuck drive.
+    /// Rate of change for each entry of the stuck drive.
     stuck_rates: [[f64; 3]; 3],
     /// Longest interval that one power series covers, s.
     piece_s: f64,
@@ -99,7 +99,7 @@ fn fastest_rate(device: &Device, hand: &Hand, m: &SMatrix<f64, 5, 5>) -> f64 {
     row_sum_norm(&scaled)
 }
 
-/// Of the rougher bound, what is left to rounding beside the finer one, which may be nothing at all.
+/// Share of the rougher bound that allows for rounding beside the finer one, which may be zero.
 const ROUNDING: f64 = 1e-9;
 
 impl HeldCoulomb {
@@ -166,7 +166,7 @@ impl HeldCoulomb {
         torque + (hand.pad_stiffness * strain + hand.pad_damping * v_h)
     }
 
-    /// One interval; the losses are worked out only where `LOSS` asks for them.
+    /// Advances by one interval; losses are computed only with `LOSS`.
     #[inline(always)]
     fn advance<const LOSS: bool>(&self, state: &mut State<4>, torque: f64, rest: f64) -> Loss {
         let full = drive(state, torque, rest);
@@ -203,7 +203,7 @@ impl HeldCoulomb {
         loss
     }
 
-    /// One interval that begins with the device stuck.
+    /// Advances by one interval that begins with the device stuck.
     #[inline(always)]
     fn hold<const LOSS: bool>(
         &self,

@@ -20,7 +20,7 @@ use super::stepper::LinearStepper;
 
 /// Matrix of the sampled loop with the command `u = -stiffness · x`, from one sample to the next.
 ///
-/// The command computed at a sample takes effect after `whole_ticks` ticks and the interval of `before`; `after` crosses
+/// The command computed at a sample takes effect after `whole_ticks` ticks and the interval of `before`. `after` crosses
 /// the rest of the tick, so that the tick is the sum of the two intervals. A delay of whole ticks has a `before` of zero
 /// seconds. The loop's state is the plant's, followed by the commands under way, the latest first.
 #[must_use]
@@ -131,7 +131,7 @@ pub fn critical_stiffness(
     }
 }
 
-/// The least stiffness with a radius of one or more. The stable range need not be all there is: a hand can make a stiffer
+/// The least stiffness with a radius of one or more. The stable range need not be all there is. A hand can make a stiffer
 /// loop stable again, so the search comes from below in steps of a tenth and bisects the first that fails.
 fn least_unstable(expected: f64, radius: impl Fn(f64) -> f64) -> f64 {
     let mut stable = 1e-6 * expected;

@@ -4,7 +4,7 @@ use super::state::Kinematics;
 
 /// A plant prepared for intervals of one fixed length, with torque and rest point held during each.
 pub trait Stepper {
-    /// What a step changes.
+    /// The plant's state.
     type State: Kinematics;
 
     /// Length of the interval, s.
@@ -15,10 +15,10 @@ pub trait Stepper {
     /// `force` acts on the device along `+x`; `rest` is the hand's rest point (not read without a hand).
     fn step(&self, state: &mut Self::State, force: f64, rest: f64);
 
-    /// As [`Stepper::step`], to the same bit, and says what was dissipated on the way.
+    /// Same as [`Stepper::step`], bit for bit; returns the dissipated energy.
     fn step_with_loss(&self, state: &mut Self::State, force: f64, rest: f64) -> Loss;
 
-    /// As [`Stepper::step_with_loss`], and says what the motor did and what the device keeps.
+    /// Same as [`Stepper::step_with_loss`]; returns also the motor's work and the energy that the device stored.
     #[inline(always)]
     fn step_with_port(&self, state: &mut Self::State, force: f64, rest: f64) -> Port {
         let before = state.position();
@@ -33,7 +33,7 @@ pub trait Stepper {
 
     /// Kinetic and spring energy of device and hand, J.
     ///
-    /// Books close over one step as `u (x' - x) = stored' - stored + loss`, with the same `rest` in both terms; a jump
+    /// Books close over one step as `u (x' - x) = stored' - stored + loss`, with the same `rest` in both terms. A jump
     /// of the rest point between two steps does the work `stored(new rest) - stored(old rest)` on the hand's spring.
     fn stored_energy_j(&self, state: &Self::State, rest: f64) -> f64;
 }
@@ -55,16 +55,16 @@ pub struct Loss {
 pub struct Port {
     /// Mean of the motor's torque along `+x`, N·m.
     pub force: f64,
-    /// Its work on the device, J.
+    /// The motor's work on the device, J.
     pub work_j: f64,
-    /// What was dissipated.
+    /// Dissipated energy.
     pub loss: Loss,
-    /// Gained by the device otherwise than by the motion of its whole inertia, J: by springs, gravity and magnets in it.
+    /// Energy that springs, gravity and magnets in the device stored, J; the motion of its inertia is not included.
     pub stored_j: f64,
 }
 
 impl Loss {
-    /// All of it, J.
+    /// Sum of the losses, J.
     #[must_use]
     pub fn total_j(&self) -> f64 {
         self.device_j + self.hand_j

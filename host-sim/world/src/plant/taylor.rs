@@ -8,7 +8,7 @@ pub(super) const NORM: f64 = 0.5;
 /// Coefficients kept: the first one left out is below `0.5^16 / 16!`, 1e-18.
 pub(super) const TERMS: usize = 16;
 
-/// `1 / (k + 1)`.
+/// Reciprocal: `1 / (k + 1)`.
 pub(super) const RECIPROCAL: [f64; TERMS] = {
     let mut table = [0.0; TERMS];
     let mut k = 0;
@@ -73,7 +73,7 @@ impl Series {
     /// Zeros at `t = 0` are divided out first, so that a motion that starts from exact rest is judged by where it goes.
     /// Then the search walks from the left with steps that cannot jump over a root: with `B >= |p''|` throughout, the
     /// parabola `p(t) + p'(t) s - B s²/2` lies below `p(t + s)`, and its root is at or before the true one. Near a simple
-    /// root this is Newton's method from the safe side, with its quadratic convergence; a dip below zero and back within
+    /// root this is Newton's method from the safe side, with its quadratic convergence. A dip below zero and back within
     /// the interval is found like any other root. A fall that ends on zero to within rounding counts as one.
     pub(super) fn first_negative(&self) -> Option<f64> {
         let leading = self.0.iter().position(|&c| c != 0.0)?;

@@ -1,4 +1,4 @@
-//! Energy books: what goes in is stored or dissipated.
+//! Energy accounts: the work that goes in is stored or dissipated.
 
 use touchstone_world::plant::{
     BareCoulomb, BareLinear, Device, FIRM, HeldCoulomb, HeldLinear, Kinematics, LIGHT, Loss,
@@ -7,7 +7,7 @@ use touchstone_world::plant::{
 
 use crate::oracle::{KNOB, Random, STICKY_KNOB};
 
-/// Work by the torque, work by the jumps of the rest point, losses, and how far the books are off relative to what went
+/// Work by the torque, work by the jumps of the rest point, losses, and how far the energy balance is off relative to what went
 /// through them.
 struct Books {
     work: f64,

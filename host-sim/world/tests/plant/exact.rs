@@ -270,7 +270,7 @@ fn trace<P: Stepper>(plant: &P, mirror: f64, scale: f64) -> Vec<[f64; 4]> {
     trace
 }
 
-/// Equal to the bit, but for the sign of a zero, which no sum can mirror (`1 - 1` is `+0` both ways).
+/// Equal bit for bit, but for the sign of a zero, which no sum can mirror (`1 - 1` is `+0` both ways).
 fn assert_scaled(trace: &[[f64; 4]], expected: &[[f64; 4]], factor: f64) {
     for (tick, (a, b)) in trace.iter().zip(expected).enumerate() {
         assert_eq!(*a, b.map(|entry| factor * entry), "tick {tick}");

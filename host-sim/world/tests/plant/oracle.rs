@@ -177,7 +177,7 @@ impl Random {
     }
 }
 
-/// Differences relative to the largest magnitude, before or after, among angles and among velocities: a step adds an
+/// Differences relative to the largest magnitude, before or after, among angles and among velocities. A step adds an
 /// increment, so what decays to nothing within one step decays to the rounding of what it was.
 pub fn assert_close<const N: usize>(
     value: [f64; N],

@@ -1,6 +1,6 @@
-//! What the instructions of a Cortex-M mean, as far as it matters for calls, floats and the stack.
+//! Decodes the instructions of a Cortex-M that matter for calls, floats and the stack.
 
-/// One instruction, as far as it matters here.
+/// One instruction, in the classes that matter here.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Instruction {
     /// `BL` or `B.W`, with or without a condition, and how far from the address after it.

@@ -1,4 +1,4 @@
-//! Functions that tell by their names what they are.
+//! Kinds of functions that can be recognised by their names.
 
 /// `core::panicking::panic_…` and its like, in any mangling.
 pub fn is_panic(name: &str) -> bool {

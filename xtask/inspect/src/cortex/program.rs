@@ -1,6 +1,6 @@
-//! As much of a Cortex-M's ELF file as it takes to follow a function through all that it calls.
+//! The parts of a Cortex-M's ELF file that are needed to follow a function through all that it calls.
 //!
-//! Code and data are told apart by the symbols `$t` and `$d` that the ABI asks for.
+//! Code and data are distinguished by the symbols `$t` and `$d` that the ABI demands.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -29,7 +29,7 @@ pub struct ProgramCode {
     sections: Vec<(u32, Vec<u8>)>,
     /// The sections that take memory on the board, in the file's order.
     pub parts: Vec<Part>,
-    /// All symbols that are no functions, by name.
+    /// All symbols other than functions, by name.
     symbols: BTreeMap<String, u32>,
 }
 
@@ -39,7 +39,7 @@ pub struct Part {
     pub name: String,
     pub address: u32,
     pub size: u32,
-    /// What is in the file; nothing for what start-up clears.
+    /// Content in the file; empty for memory that start-up clears.
     pub content: Vec<u8>,
     pub is_code: bool,
 }

@@ -1,4 +1,4 @@
-//! What a function reaches through all that it calls.
+//! Everything that a function reaches through its calls.
 //!
 //! Calls and jumps with a fixed goal are followed; a call through a register cannot be, and is reported.
 
@@ -7,18 +7,18 @@ use std::collections::BTreeSet;
 use super::instruction::{Instruction, decode};
 use super::program::ProgramCode;
 
-/// What was met on the way from a function through all that it calls.
+/// The functions that a function reaches through all its calls.
 #[derive(Debug, Default)]
 pub struct Reach {
     /// Names of the functions, the first among them.
     pub functions: BTreeSet<String>,
-    /// Bytes of all of them, tables of constants included.
+    /// Bytes of all reached functions, with their tables of constants.
     pub bytes: u32,
     /// Instructions.
     pub instructions: usize,
     /// Instructions of the float unit, each as function and address.
     pub float_unit: Vec<String>,
-    /// Calls and jumps that lead nobody knows where.
+    /// Calls and jumps whose goal is unknown.
     pub unknown: Vec<String>,
     /// Where interrupts are held off.
     pub masks: Vec<String>,
@@ -27,7 +27,7 @@ pub struct Reach {
 }
 
 impl ProgramCode {
-    /// From the function whose name contains a text. `None` if there is none.
+    /// Follows the function whose name contains a text; `None` if there is no such function.
     pub fn reach(&self, name: &str) -> Option<Reach> {
         let mut starts = self.starts();
         self.reach_from(starts.find(|start| {
@@ -36,7 +36,7 @@ impl ProgramCode {
         })?)
     }
 
-    /// From the function at an address.
+    /// Follows all calls from the function at an address.
     pub fn reach_from(&self, address: u32) -> Option<Reach> {
         let mut reach = Reach::default();
         let mut waiting = vec![address];

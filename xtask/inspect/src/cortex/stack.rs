@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::instruction::{Instruction, decode, loads_half, lowers};
 use super::program::{ProgramCode, word};
 
-/// What a function does to the stack, by itself.
+/// Use of the stack by a single function.
 #[derive(Debug, Default, Clone)]
 struct Frame {
     bytes: u32,
@@ -117,7 +117,7 @@ impl<'p> Depths<'p> {
         self.below(start, nested, &mut Vec::new())
     }
 
-    /// From now on without the functions whose name contains a text: they are over before what is asked for.
+    /// Leaves out functions whose name contains a text: they have returned before the part that is measured.
     pub fn leave_out(&mut self, text: &str) {
         let program = self.program;
         self.frames.retain(|start, _| {
@@ -128,7 +128,7 @@ impl<'p> Depths<'p> {
         self.known.clear();
     }
 
-    /// The deepest path below a function that was asked for: each function's own frame and name.
+    /// The deepest path below a function: each function's own frame and name.
     pub fn path(&self, start: u32, nested: u32) -> Vec<(u32, String)> {
         let mut path = Vec::new();
         let mut next = Some((start, nested));

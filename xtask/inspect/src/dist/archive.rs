@@ -28,7 +28,7 @@ impl Entry {
     }
 }
 
-/// All of them in one folder, in the order of their names.
+/// All entries in one folder, in the order of their names.
 pub fn packed(folder: &str, seconds: u64, entries: &BTreeMap<String, Entry>) -> Result<Vec<u8>> {
     // The time in the compressed file's own header is left out.
     let compressed = GzBuilder::new().write(Vec::new(), Compression::best());

@@ -1,4 +1,5 @@
-//! A board's program as the plain content of its flash: what is copied onto the drive that an ST-LINK shows needs no other tool.
+//! A board's program as the plain content of its flash, which can be copied onto the drive that an ST-LINK shows,
+//! without another tool.
 
 use object::elf::PT_LOAD;
 use object::read::elf::{ElfFile32, ProgramHeader};
@@ -9,7 +10,7 @@ const FLASH: u32 = 0x0800_0000;
 /// Flash that nothing was written to.
 const ERASED: u8 = 0xff;
 
-/// What the flash holds from its first byte on.
+/// Content of the flash from its first byte on.
 pub fn of(elf: &[u8]) -> Result<Vec<u8>, String> {
     let file = ElfFile32::<Endianness>::parse(elf).map_err(|why| why.to_string())?;
     let endian = file.endian();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-/// As much of `cargo metadata` as is read.
+/// The fields of `cargo metadata` that are read.
 #[derive(Deserialize)]
 struct Metadata {
     packages: Vec<Package>,
@@ -18,7 +18,7 @@ struct Package {
     name: String,
     version: String,
     license: Option<String>,
-    /// None for a package of the workspace's own.
+    /// `None` for a package of the workspace.
     source: Option<String>,
     manifest_path: PathBuf,
 }

@@ -16,7 +16,7 @@ use sha2::{Digest, Sha256};
 use crate::answer::Answer;
 use archive::Entry;
 
-/// What of the workspace is in it as it is.
+/// Files of the workspace that are copied unchanged.
 const AS_IT_IS: [&str; 5] = [
     "docs",
     "README.md",
@@ -25,7 +25,7 @@ const AS_IT_IS: [&str; 5] = [
     "LICENSE-MIT",
 ];
 
-/// What an archive is made of.
+/// Parts of an archive.
 pub struct Parts<'a> {
     /// Where the archive goes; its file and its one folder are called `name`.
     pub out: &'a Path,
@@ -46,7 +46,7 @@ pub struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// From the words of a command line; `None` if they are not what it takes.
+    /// Parses the words of a command line; `None` if they are wrong.
     pub fn named(words: &[&'a str]) -> Option<Self> {
         let [out, name, seconds, version, program, rest @ ..] = words else {
             return None;
@@ -127,7 +127,7 @@ fn from_workspace(
     Ok(())
 }
 
-/// The names in a folder, in order: a directory has none of its own.
+/// The names in a folder, sorted: a directory has no order of its own.
 fn sorted(folder: &Path) -> Result<Vec<PathBuf>, String> {
     let wrong = |why: std::io::Error| format!("{}: {why}", folder.display());
     let mut names = Vec::new();
@@ -138,7 +138,7 @@ fn sorted(folder: &Path) -> Result<Vec<PathBuf>, String> {
     Ok(names)
 }
 
-/// As `sha256sum --check` reads them.
+/// Checksums in the format of `sha256sum --check`.
 fn sums(entries: &BTreeMap<String, Entry>) -> String {
     let line = |(name, entry): (&String, &Entry)| format!("{}  {name}\n", digest(&entry.content));
     entries.iter().map(line).collect()

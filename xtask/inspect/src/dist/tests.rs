@@ -47,7 +47,7 @@ fn elf() -> Vec<u8> {
     bytes
 }
 
-/// A workspace and what was built of it, in a folder of its own.
+/// A workspace with build results, in a folder of its own.
 fn workspace(test: &str) -> PathBuf {
     let folder =
         std::env::temp_dir().join(format!("touchstone-dist-{}-{test}", std::process::id()));

@@ -10,7 +10,7 @@ pub struct Code {
     blocks: BTreeMap<String, Vec<String>>,
 }
 
-/// What was found.
+/// Findings in the assembly.
 #[derive(Debug, Default)]
 pub struct Scan {
     pub functions: usize,

@@ -1,4 +1,4 @@
-//! Floats in the crates that decide: in their source, and in the code that a compiler makes of them. In the code, panics as well.
+//! Finds floats in the crates that decide: in their source, and in the compiled code, where panics are found too.
 
 mod assembly;
 mod source;
@@ -10,7 +10,7 @@ use crate::answer::Answer;
 /// How many findings are printed before the rest is only counted.
 const SHOWN: usize = 20;
 
-/// In the source below a folder.
+/// Looks for floating point in the source below a folder.
 pub fn in_source(folder: &Path) -> Result<Answer, String> {
     let scan = source::floats_below(folder)?;
     Ok(if scan.findings.is_empty() {

@@ -1,14 +1,14 @@
-//! Looks for float types, literals and casts in Rust source, outside comments, texts, tests and what the feature `float`
-//! turns on.
+//! Looks for float types, literals and casts in Rust source, outside comments, texts, tests and parts behind the
+//! feature `float`.
 //!
-//! Clippy's `disallowed_types` would find the types only: a literal such as the one in `from_num(1.5)` names none.
+//! Clippy's `disallowed_types` would find only the types: a literal such as that of `from_num(1.5)` names none.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// What was found in a folder.
+/// Findings in a folder.
 #[derive(Debug, Default)]
 pub struct Scan {
     pub files: usize,
@@ -78,7 +78,7 @@ fn module_folder(file: &Path) -> PathBuf {
     }
 }
 
-/// What a text has.
+/// Findings in a text.
 #[derive(Debug, Default)]
 struct Found {
     floats: Vec<(usize, String)>,
@@ -130,7 +130,7 @@ fn is_float(literal: &str) -> bool {
     is_number && !prefixed && (literal.contains('.') || exponent || named)
 }
 
-/// Whether what comes next is a field: behind one dot, not behind the two of a range.
+/// Whether the next token is a field: behind one dot, not behind the two of a range.
 fn is_field(before: &[TokenTree]) -> bool {
     let is_dot = |token: Option<&TokenTree>| matches!(token, Some(TokenTree::Punct(sign)) if sign.as_char() == '.');
     is_dot(before.last()) && !is_dot(before.iter().nth_back(1))

@@ -1,5 +1,6 @@
-//! The sources in items (functions, constants, types, methods, macros, properties), each with a number of its tokens and with what it names.
-//! Documentation, layout, tests and what only a run without the checker has are in no item.
+//! Splits the sources into items (functions, constants, types, methods, macros, properties). Each has a hash of its
+//! tokens, and the names that it uses. Documentation, layout, tests and code that only runs without the checker belong
+//! to no item.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,7 +8,8 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 use super::lock::writes_a_property;
 
-/// What a property or its file names after `by`: who proves it, or that nobody does, is no part of what is stated.
+/// Words after `by` in a property or its file: which solver proves it, or that it is only sampled, is no part of the
+/// statement.
 const SOLVERS: [&str; 6] = ["cadical", "minisat", "kissat", "cvc5", "z3", "sampled"];
 
 /// FNV-1a.
@@ -21,7 +23,7 @@ pub const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
 /// A source file.
 #[derive(Default)]
 pub struct File {
-    /// Its crate: a later one may name what stands in an earlier one.
+    /// Rank of the item's crate: a later crate may use an earlier one.
     pub rank: usize,
     /// The crate's name, the folders' and its own: `touchstone_control`, `law`, `tdpa`.
     pub modules: Vec<String>,
@@ -31,7 +33,7 @@ pub struct File {
     pub globs: BTreeSet<String>,
 }
 
-/// What an item is, as far as it decides who reaches it.
+/// Kind of an item, as far as it decides how the item can be reached.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     Property,
@@ -42,7 +44,7 @@ pub enum Kind {
     Alias,
     /// A function or constant of a type or of a trait; or, without a name, the rest of an `impl`.
     Member {
-        /// Without one: of a trait itself, of a type parameter, of what a macro is told.
+        /// The type; `None` for a trait's own methods, a type parameter, or a macro's argument.
         of: Option<String>,
         of_trait: Option<String>,
     },
@@ -59,7 +61,7 @@ pub enum How {
     Dot,
     /// `name!`
     Bang,
-    /// `before::name`; empty after a type with arguments, `$` after what a macro is told.
+    /// The path before a name, `before::name`; empty after a type with arguments, `$` after a macro's argument.
     After(String),
 }
 
@@ -75,7 +77,7 @@ pub struct Item {
     pub names: BTreeSet<(How, String)>,
 }
 
-/// All items of files.
+/// All items of some files.
 #[derive(Default)]
 pub struct Items {
     pub files: Vec<File>,
@@ -87,7 +89,7 @@ pub struct Items {
 struct Place {
     inline: Vec<String>,
     within: Option<String>,
-    /// Of an `impl` or a trait.
+    /// Type and trait, inside an `impl` or a trait.
     member: Option<(Option<String>, Option<String>)>,
 }
 
@@ -137,7 +139,7 @@ impl Items {
         });
     }
 
-    /// Takes the items out of tokens; what is left.
+    /// Takes the items out of tokens; returns the other tokens.
     fn split(&mut self, tokens: TokenStream, place: &Place) -> Vec<TokenTree> {
         let all: Vec<TokenTree> = tokens.into_iter().collect();
         let mut left = Vec::new();
@@ -161,7 +163,7 @@ impl Items {
         left
     }
 
-    /// What is no item: a repetition in a macro may have items in it.
+    /// Keeps tokens that are no item; a repetition in a macro may contain items.
     fn leave(&mut self, tokens: &[TokenTree], place: &Place, left: &mut Vec<TokenTree>) {
         for token in tokens {
             match token {
@@ -404,7 +406,7 @@ fn attributes(all: &[TokenTree], mut at: usize) -> (usize, bool) {
     (at, skipped)
 }
 
-/// The name after `fn` in a property's braces; what a macro hands on has none.
+/// The name after `fn` in a property's braces; `None` where a macro passes it on.
 fn property(bare: &[TokenTree]) -> Option<String> {
     let Some(TokenTree::Group(group)) = bare
         .iter()
@@ -421,7 +423,7 @@ fn property(bare: &[TokenTree]) -> Option<String> {
     }
 }
 
-/// Of `impl<…> Trait for Type<…>`: the type's name and the trait's.
+/// The names of type and trait in `impl<…> Trait for Type<…>`.
 fn header(bare: &[TokenTree]) -> (Option<String>, Option<String>) {
     let mut depth = 0_i32;
     let mut parts = [None, None];
@@ -517,7 +519,7 @@ fn import(words: &[String], before: &[String], file: &mut File) {
     }
 }
 
-/// What is read of an item.
+/// An item that the reader has read from a source file.
 struct Read {
     /// What `Self` is.
     own: Option<String>,
@@ -580,7 +582,7 @@ impl Read {
     }
 }
 
-/// What a word at a place names, if it can be an item.
+/// The name that a word at a place refers to, if it can be an item.
 fn named(all: &[TokenTree], at: usize, own: Option<&str>) -> Option<(How, String)> {
     let back = |by: usize| {
         at.checked_sub(by)

@@ -10,16 +10,16 @@ use super::shown::unshown;
 use super::stands::{Ground, Numbers, PROOFS};
 
 pub const LOCK: &str = "proofs/harnesses.lock";
-/// From the one that names no other.
+/// The crates, each after those that it depends on.
 const CRATES: [(&str, &str); PROOFS + 1] = [
     ("touchstone_control", "control/src"),
     ("touchstone_protocol", "protocol/src"),
     ("touchstone_drive", "drive/src"),
     ("proofs", "proofs/src"),
 ];
-/// Behind a feature that the proofs do not have: arithmetic over `f32` and `f64`.
+/// Arithmetic over `f32` and `f64`, behind a feature that the proofs do not enable.
 const NOT_BUILT: &str = "control/src/number/float.rs";
-/// What they are built with: the version of the fixed-point numbers.
+/// The line of the lock file with the version of the fixed-point numbers.
 const BUILT_WITH: &str = "name = \"fixed\"";
 
 /// Whether a macro is one of those that a property is written in: `property!`, `divided_property!`. By a path, `$crate::`, one is handed on.
@@ -31,18 +31,18 @@ pub fn writes_a_property(name: &str) -> bool {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Statements(BTreeMap<String, Numbers>);
 
-/// What a line of the lock is of.
+/// How a line of the lock compares with the sources.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Standing {
-    /// This statement, of this code.
+    /// Same statement, same code.
     Proved,
-    /// This statement, of another code.
+    /// Same statement, other code.
     OtherCode,
     OtherStatement,
 }
 
 impl Statements {
-    /// Of the sources in the workspace.
+    /// The statements of the sources in the workspace.
     pub fn read() -> Result<Self, String> {
         let mut files = Vec::new();
         for (rank, (_, folder)) in CRATES.iter().enumerate() {
@@ -67,7 +67,7 @@ impl Statements {
         Self::of(&files, package.unwrap_or_default())
     }
 
-    /// Of files below the folders of [`CRATES`].
+    /// The statements of files below the folders of [`CRATES`].
     fn of(files: &[(PathBuf, String)], built_with: &str) -> Result<Self, String> {
         let mut items = Items::default();
         for (path, text) in files {
@@ -106,7 +106,7 @@ impl Statements {
         format!("{harness} {:016x} {:016x}", numbers.statement, numbers.code)
     }
 
-    /// What a line of the lock is of.
+    /// How a line of the lock compares with the sources.
     pub fn standing(&self, line: &str) -> Standing {
         let now = self.line(name(line));
         let statement = |line: &str| line.rsplit_once(' ').map(|(it, _)| it.to_owned());

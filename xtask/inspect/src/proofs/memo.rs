@@ -1,5 +1,5 @@
-//! What was proved before, so that a whole run can be broken off and taken up again: a row a harness, with its line of the lock. A row of
-//! another code or statement counts as nothing.
+//! Results that were proved before, so that an interrupted run can go on: one row a harness, with its line of the
+//! lock. A row of another code or statement does not count.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,7 +10,7 @@ use super::lock::{Standing, Statements, name};
 use super::report::{Answer, Verdict};
 use super::usage::Usage;
 
-/// Adds what was proved within its limits.
+/// Adds the harnesses that were proved within their limits.
 pub fn keep(
     memo: &Path,
     found: &BTreeMap<String, Verdict>,
@@ -34,7 +34,7 @@ pub fn keep(
     std::fs::write(memo, text).map_err(|why| format!("{}: {why}", memo.display()))
 }
 
-/// What was proved of this code, as it is stated now.
+/// The earlier results that hold for the present code and statements.
 pub fn kept(memo: &Path, statements: &Statements) -> BTreeMap<String, Verdict> {
     let text = std::fs::read_to_string(memo).unwrap_or_default();
     let row = |line: &str| {

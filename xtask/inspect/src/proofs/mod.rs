@@ -26,15 +26,15 @@ use usage::Usage;
 /// Processor time of each harness, all its tools and solvers together.
 const PROCESSOR_S: f64 = 120.0;
 
-/// What a run of the checker left behind.
+/// Results of a run of the checker.
 pub struct Run<'r> {
-    /// Its report.
+    /// The checker's report.
     pub report: &'r str,
-    /// What its processes took, a line a harness: the name of its file, kibibytes, seconds.
+    /// Use of memory and time, a line a harness: the name of its file, kibibytes, seconds.
     pub usage: &'r str,
     /// Most memory of a harness.
     pub memory_kib: u64,
-    /// What was proved before, and is added to.
+    /// File of the earlier results, to which the new ones are added.
     pub memo: &'r Path,
 }
 
@@ -48,7 +48,7 @@ impl Run<'_> {
         Ok(found)
     }
 
-    /// Writes down what is proved, for whoever takes up the run again.
+    /// Writes down the proved harnesses, for a later run.
     fn keep(
         &self,
         found: &BTreeMap<String, Verdict>,
@@ -61,7 +61,7 @@ impl Run<'_> {
     }
 }
 
-/// Those whose names contain a text; says nothing about the others, nor about the lock.
+/// Checks the harnesses whose names contain a text; neither the others nor the lock.
 pub fn some(run: &Run, part: &str) -> Result<Answer, String> {
     let found = run.verdicts()?;
     if found.is_empty() {
@@ -79,7 +79,7 @@ pub fn some(run: &Run, part: &str) -> Result<Answer, String> {
     Ok(say(&found, wrong(&found, run.memory_kib)))
 }
 
-/// Prints the harnesses of the checker's list that were not proved before, of this code and as they are stated.
+/// Prints the harnesses of the checker's list that were not yet proved for the present code and statements.
 pub fn remaining(list: &str, memo: &Path) -> Result<Answer, String> {
     let statements = Statements::read()?;
     let known = memo::kept(memo, &statements);
@@ -104,7 +104,7 @@ fn read_lock() -> Result<String, String> {
     std::fs::read_to_string(LOCK).map_err(|why| format!("{LOCK}: {why}"))
 }
 
-/// The harnesses whose line of the lock is of the sources as they are.
+/// The harnesses whose line of the lock fits the present sources.
 fn held(locked: &str, statements: &Statements) -> BTreeSet<String> {
     let lines = locked
         .lines()
@@ -112,8 +112,8 @@ fn held(locked: &str, statements: &Statements) -> BTreeSet<String> {
     lines.map(|line| name(line).to_owned()).collect()
 }
 
-/// All of them, against the lock, with the table. `words`: on the checker and how long it took; `machine`: on what else ran. With the
-/// checker's list, what was proved before counts, and all that the list names must have been.
+/// Checks all harnesses against the lock, and writes the table. `words` describe the checker and its time, `machine`
+/// what else ran. With the checker's list, earlier results count, and everything that the list names must be proved.
 pub fn whole(
     run: &Run,
     words: &str,
@@ -171,7 +171,7 @@ pub fn whole(
     Ok(say(&found, wrong))
 }
 
-/// What is not proved, or took more than a harness may.
+/// The harnesses that are not proved, or exceeded their limits.
 fn wrong(found: &BTreeMap<String, Verdict>, most_memory_kib: u64) -> Vec<String> {
     let mut wrong = Vec::new();
     for (name, verdict) in found {
@@ -221,7 +221,7 @@ fn against_lock(
     missing.chain(new).chain(changed).collect()
 }
 
-/// Lines of the lock that are not of the sources as they are, in this way.
+/// Lines of the lock that differ from the present sources in this way.
 fn changed(locked: &str, statements: &Statements, standing: Standing) -> Vec<String> {
     let lines = locked
         .lines()

@@ -12,15 +12,15 @@ use super::lock::writes_a_property;
 pub struct Property {
     /// `tdpa`: the module that it stands in.
     pub file: String,
-    /// `p7_leaves`.
+    /// Name of the harness, such as `p7_leaves`.
     pub name: String,
     /// The first sentence or two above it, `P1: ...`.
     pub meaning: String,
-    /// In quanta or in words.
+    /// The statement in integers or in words.
     pub equation: String,
-    /// Which configurations, states and inputs.
+    /// The configurations, states and inputs for which it holds.
     pub over: String,
-    /// Each with who sees to it.
+    /// The assumptions, each with what guarantees it.
     pub assumptions: Vec<String>,
 }
 
@@ -170,7 +170,7 @@ mod tests {
         assert_eq!(found, [expected]);
     }
 
-    /// Of the real sources: nothing is missing, and what the table says is assumed is all that is.
+    /// Checks the real sources: no property lacks a part, and the table lists exactly its assumptions.
     #[test]
     fn every_property_says_what_it_is_about() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../proofs/src");

@@ -5,7 +5,7 @@
 //!
 //! The checker's own question whether an assertion can be reached is switched off: it asks it of every one in the code too, which takes
 //! a quarter of the time. Each of a property has a cover after it in its block, which is reached by way of it ([`super::shown`] reads that in
-//! the sources), or is a cover as well (`assert_reached!` in `proofs/src/lib.rs`); one with neither does not count.
+//! the sources), or is a cover as well (`assert_reached!` in `proofs/src/lib.rs`). One with neither does not count.
 
 use std::collections::BTreeMap;
 
@@ -38,13 +38,13 @@ pub struct Verdict {
     /// Whether an assertion of the property itself failed, not only a check that the compiler or the checker put in.
     pub own_failed: bool,
     pub covers: (usize, usize),
-    /// By the clock.
+    /// Duration by the clock, s.
     pub seconds: f64,
     /// The solver that ran.
     pub solver: String,
-    /// What the file that the checker's tools were given is called; processes are told apart by it.
+    /// Name of the file that the checker's tools worked on, by which processes are recognised.
     pub program: String,
-    /// What its tools took, where it could be measured.
+    /// Memory and time of the tools, where they could be measured.
     pub usage: Option<Usage>,
 }
 
@@ -52,7 +52,7 @@ impl Verdict {
     pub fn proved(&self) -> bool {
         self.answer == Answer::Proved
     }
-    /// In a few words.
+    /// The verdict in a few words.
     pub fn words(&self) -> String {
         match &self.answer {
             Answer::Proved => "proved".into(),

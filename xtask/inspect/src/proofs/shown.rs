@@ -6,7 +6,8 @@ use syn::parse::Parser;
 use syn::punctuated::Punctuated;
 use syn::{Block, Expr, ExprLit, Lit, Stmt, StmtMacro, Token};
 
-/// What the checker reports as an assertion of the property, with how many arguments before any words.
+/// Macros that the checker reports as an assertion of the property, each with the number of arguments before its
+/// message.
 const ASSERTIONS: [(&str, usize); 6] = [
     ("assert", 1),
     ("assert_eq", 2),
@@ -15,7 +16,7 @@ const ASSERTIONS: [(&str, usize); 6] = [
     ("debug_assert_eq", 2),
     ("debug_assert_ne", 2),
 ];
-/// What is to be reached by itself.
+/// Macros that must be reached themselves.
 const COVERS: [&str; 2] = ["cover", "assert_reached"];
 
 /// The lines of a source in which an assertion without words stands that no cover shows.
@@ -26,7 +27,7 @@ pub fn unshown(text: &str) -> Result<Vec<usize>, String> {
     Ok(lines)
 }
 
-/// Of the assertions among these tokens themselves those that are not `shown`, and of each group in them.
+/// Finds the assertions among these tokens, and in each group, that are not `shown`.
 fn look(tokens: &TokenStream, shown: &[LineColumn], lines: &mut Vec<usize>) {
     let all: Vec<TokenTree> = tokens.clone().into_iter().collect();
     for (place, tree) in all.iter().enumerate() {
@@ -44,7 +45,8 @@ fn look(tokens: &TokenStream, shown: &[LineColumn], lines: &mut Vec<usize>) {
     }
 }
 
-/// Whether an assertion without words of its own is made here. What has words stands in the place of the code, and not every harness asks it.
+/// Whether an assertion without a message stands here. One with a message belongs to a replacement of the code, which
+/// not every harness uses.
 fn is_asserted(all: &[TokenTree], place: usize) -> bool {
     let [
         TokenTree::Ident(name),
@@ -60,7 +62,7 @@ fn is_asserted(all: &[TokenTree], place: usize) -> bool {
     })
 }
 
-/// A string after so many arguments.
+/// Whether a string follows after this many arguments.
 fn has_words(arguments: &TokenStream, before: usize) -> bool {
     let parser = Punctuated::<Expr, Token![,]>::parse_terminated;
     let Ok(all) = parser.parse2(plain(arguments.clone())) else {
@@ -78,7 +80,8 @@ fn has_words(arguments: &TokenStream, before: usize) -> bool {
     all.iter().nth(before).is_some_and(words)
 }
 
-/// The body of `macro_rules! assert_reached`, which has the cover in it, and what only a test without the checker has.
+/// Whether this place does not count: the body of `macro_rules! assert_reached`, which contains the cover, or code of
+/// a test without the checker.
 fn is_out_of_it(all: &[TokenTree], place: usize) -> bool {
     let before = |back: usize| {
         let tree = place.checked_sub(back).map(|at| &all[at]);
@@ -89,7 +92,7 @@ fn is_out_of_it(all: &[TokenTree], place: usize) -> bool {
     reached || tests
 }
 
-/// Where those assertions of a block are after which there is a cover in it.
+/// Places of those assertions in a block that a cover of the block follows.
 fn of_block(group: &Group) -> Vec<LineColumn> {
     if group.delimiter() != Delimiter::Brace {
         return Vec::new();

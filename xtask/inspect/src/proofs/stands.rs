@@ -9,17 +9,17 @@ use std::rc::Rc;
 
 use super::items::{EMPTY, How, Item, Items, Kind, add};
 
-/// The number of what a property states, with all that it rests on in the proofs; and that of the code that it reaches.
+/// Two hashes of a property: of its statement with all that it uses in the proofs, and of the code that it reaches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Numbers {
     pub statement: u64,
     pub code: u64,
 }
 
-/// The rank of the proofs among the crates; what is below is code.
+/// Rank of the proofs among the crates; lower ranks are code.
 pub const PROOFS: usize = 3;
 
-/// All items, by what they may be reached by.
+/// All items, indexed by the ways in which they can be reached.
 pub struct Ground<'i> {
     items: &'i Items,
     by_name: BTreeMap<&'i str, Vec<usize>>,
@@ -29,25 +29,25 @@ pub struct Ground<'i> {
     kinds: BTreeMap<&'i str, BTreeSet<(usize, &'i Kind)>>,
     /// Macros with properties in them: who names their arguments does not reach them.
     of_properties: BTreeSet<&'i str>,
-    /// Macros with an `impl` for what they are told.
+    /// Macros with an `impl` for their arguments.
     implementing: BTreeSet<&'i str>,
-    /// Of files.
+    /// Names of modules that are files.
     modules: BTreeSet<&'i str>,
     /// Where a macro is called.
     called: BTreeMap<&'i str, BTreeSet<usize>>,
     /// Names that modules have from elsewhere: all where one has `use …::*`.
     handed_on: BTreeSet<(&'i str, &'i str)>,
-    /// What an item names for sure, as far as it was asked.
+    /// The items that an item certainly uses, as far as they were looked up.
     seen: RefCell<HashMap<usize, Rc<[usize]>>>,
 }
 
-/// What is reached from one property.
+/// The items that one property reaches.
 struct Reach<'g, 'i> {
     ground: &'g Ground<'i>,
     reached: BTreeSet<usize>,
     /// Each with the rank of the item that names it so.
     names: HashMap<&'i str, BTreeSet<(usize, &'i How)>>,
-    /// With the rank of the item.
+    /// The types, each with the rank of its item.
     types: BTreeSet<(&'i str, usize)>,
     waiting: VecDeque<usize>,
 }
@@ -210,7 +210,7 @@ impl<'i> Ground<'i> {
         found
     }
 
-    /// Whether a call may make what it is told this name of.
+    /// Whether a macro call may form this name from its arguments.
     fn may_make(&self, name: &str, call: &Item) -> bool {
         let others = self.by_name.get(name).into_iter().flatten();
         let mut others = others.map(|at| &self.items.all[*at]);
@@ -237,7 +237,7 @@ impl<'i> Ground<'i> {
         files
     }
 
-    /// Whether what one item names so can be another.
+    /// Whether a name in one item can refer to another.
     fn sees(
         &self,
         from: &Item,
@@ -346,7 +346,7 @@ impl<'i> Reach<'_, 'i> {
         }
     }
 
-    /// Whether an item is reached by what is known.
+    /// Whether the known items reach an item.
     fn holds(&self, item: &Item) -> bool {
         let ground = self.ground;
         match &item.kind {

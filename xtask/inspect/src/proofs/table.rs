@@ -8,7 +8,7 @@ use super::properties::{self, Property};
 use super::report::Verdict;
 use super::usage::Usage;
 
-/// Its file, beside the checker's report.
+/// File of the table, beside the checker's report.
 pub const NAME: &str = "table.md";
 
 /// Writes the table of a whole run.
@@ -18,7 +18,7 @@ pub fn write(path: &Path, found: &BTreeMap<String, Verdict>, about: &str) -> Res
     std::fs::write(path, table).map_err(|why| format!("{}: {why}", path.display()))
 }
 
-/// One row a property; where it is proved at several widths, each has its line in the last columns.
+/// One row for each property; one that is proved at several widths has a line for each in the last columns.
 fn table(
     found: &BTreeMap<String, Verdict>,
     properties: &[Property],
@@ -98,7 +98,7 @@ fn is_of(harness: &str, property: &Property) -> bool {
     matches!(parts.as_slice(), [file, .., name, "proof"] if *file == property.file && *name == property.name)
 }
 
-/// The digits in the path of a harness, before its name or at the end of it; a machine of states has none.
+/// The digits in the path of a harness, before its name or at its end; a state machine has none.
 fn width(harness: &str) -> String {
     let parts: Vec<&str> = harness.split("::").collect();
     let digits = |part: &&str| {

@@ -174,7 +174,7 @@ fn no_report_and_an_empty_one_are_not_a_pass() {
     ));
 }
 
-/// What the checker says of a status that is not known here is not a success.
+/// A status that is unknown here does not count as success.
 #[test]
 fn an_unknown_status_is_no_answer() {
     let text = include_str!("fixtures/every-end.json").replace(

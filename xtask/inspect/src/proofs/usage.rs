@@ -1,13 +1,13 @@
-//! What the checker's processes took, as the launcher measured it.
+//! Memory and time of the checker's processes, as the launcher measured them.
 
 use std::collections::HashMap;
 
-/// What the processes of one harness took.
+/// Memory and time of one harness.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Usage {
-    /// All together, at their highest.
+    /// Highest memory of all its processes together.
     pub memory_kib: u64,
-    /// All together.
+    /// Processor time of all its processes together.
     pub processor_s: f64,
 }
 

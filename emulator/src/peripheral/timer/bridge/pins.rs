@@ -1,5 +1,5 @@
-//! What an oscilloscope sees at TIM1's pins at a moment, with the dead time that the program has set. The motor's model does not look at
-//! this: it goes by shares of a period.
+//! The levels of TIM1's pins at a moment, as an oscilloscope shows them, with the dead time that the program has set.
+//! The motor's model does not use them: it works with shares of a period.
 
 use super::super::gates::{GateDriver, Leg};
 use super::{BDTR, BridgeTimer, CCER, CR1};
@@ -44,7 +44,7 @@ impl BridgeTimer {
         })
     }
 
-    /// What the transistors of each phase do at a moment.
+    /// The state of each phase's transistors at a moment.
     #[must_use]
     pub fn legs(&self, now: u64) -> [Leg; 3] {
         let pins = self.pins(now);

@@ -12,20 +12,20 @@ use touchstone_protocol::MeasuringPart;
 
 /// Ticks at the beginning that are left out: the current dies out.
 const EDGE: usize = 8;
-/// A coast is looked at until it has this part of its first speed.
+/// A coast is examined until it has this part of its first speed.
 const SLOWEST: f64 = 0.5;
 /// A coast that begins with less than this part of the fastest one's speed is left out: a torque shakes it too much.
 const SLOW: f64 = 0.6;
-/// And is worth something with so many turns.
+/// Fewest turns of a usable coast.
 const TURNS_LEAST: f64 = 3.0;
-/// Degree of the polynomial: what is left of `e^-t` over that range is far below a count.
+/// Degree of the polynomial: over that range, what is left of `e^-t` is far below a count.
 const DEGREE: usize = 6;
 /// How often the error that was found is taken out of the angle.
 const ROUNDS: usize = 3;
 /// Half of the ticks over which a speed is taken.
 const HALF_WINDOW: usize = 10;
 
-/// What the coasts of a measurement say; nothing where none was long enough, or only one way.
+/// The error that a measurement's coasts show; `None` where none was long enough, or all went in one direction.
 #[must_use]
 pub fn said(ticks: &[CalibrationTick], known: &KnownEncoder) -> Option<Said> {
     let runs = ticks.chunk_by(|a, b| a.part == b.part);

@@ -1,23 +1,23 @@
-//! What the encoder's error costs a wall, and when its magnet should be seated anew.
+//! The cost of the encoder's error for a wall, and when to seat its magnet anew.
 
 use super::Eccentricity;
 use std::f64::consts::TAU;
 
-/// Places of a turn that are looked at.
+/// Places of a turn that are examined.
 const PLACES: u32 = 720;
 
-/// More than this is too much, electrical degrees: the check of a kept alignment allows for 15 of its 20 (`touchstone_drive::calibration`), and a right
+/// More than this is too much, electrical degrees. The check of a kept alignment allows for 15 of its 20 (`touchstone_drive::calibration`), and a right
 /// one would be refused at some places. It is 3.4 % of the torque.
 pub const ELECTRICAL_MOST_DEG: f64 = 15.0;
-/// More than this is too much, as a part of the stiffness: what the scorecard lets a wall be off under a hand that rests.
+/// Largest tolerable error as a share of the stiffness: the scorecard's limit for a wall under a hand that rests.
 pub const STIFFNESS_MOST: f64 = 0.05;
 
-/// What it costs.
+/// The cost of an eccentric encoder for a wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// The largest error, rad: so far from its place a wall may be.
+    /// Largest error of a wall's place, rad.
     pub place_rad: f64,
-    /// The same for the motor, electrical degrees.
+    /// Error of the motor's field, electrical degrees.
     pub electrical_deg: f64,
     /// Part of the torque that is lost at the worst place: `1 - cos(p ε)`.
     pub torque_lost: f64,
@@ -35,7 +35,7 @@ pub enum Reseat {
 }
 
 impl Eccentricity {
-    /// What it costs with so many pole pairs.
+    /// The cost with this many pole pairs.
     #[must_use]
     pub fn cost(&self, pole_pairs: f64) -> Cost {
         let places = (0..PLACES).map(|place| TAU * f64::from(place) / f64::from(PLACES));
@@ -54,7 +54,7 @@ impl Eccentricity {
         }
     }
 
-    /// By how much faster than the shaft the reading turns.
+    /// Share by which the reading turns faster than the shaft.
     fn slope(&self, angle_rad: f64) -> f64 {
         let parts = self.harmonics.iter().zip(1..);
         parts

@@ -1,7 +1,7 @@
 //! The field as witness: it is turned by the clock, one electrical turn and then a mechanical one, and all of it back.
 //!
-//! The end of the motion is known to the tick, since the calibration ends with it or its measurement begins; the way back is the ticks before
-//! that, the way there those before the way back. Of each way the last mechanical turn is looked at, in which the field's speed is steady. A
+//! The end of the motion is known to the tick, since the calibration ends with it or its measurement begins. The way back is the ticks before
+//! that, the way there those before the way back. Of each way the last mechanical turn is examined, in which the field's speed is steady. A
 //! reading is a place `C`, the field's turning, and the error: `reading = C + s ω t + ε`. `C` has the friction's lag in it, and since `C + s ω t` is
 //! the shaft's angle then, so has what the error goes with.
 //!
@@ -16,17 +16,17 @@ use std::f64::consts::TAU;
 
 /// Ticks at both ends of a turn that are left out: the count belongs to the field of the tick before, and the field turns round.
 const EDGE: f64 = 3.0;
-/// So many of a turn's ticks have to be there.
+/// Share of a turn's ticks that must have arrived.
 const HEARD_LEAST: f64 = 0.8;
-/// An acceleration is a second difference over so long, s: below a period of the swinging.
+/// Time of the second difference that gives an acceleration, s: below a period of the swinging.
 const DIFFERENCE_S: f64 = 6e-3;
 /// Furthest that the shaft may be off what fits, effective value, electrical degrees: a hand, or a calibration that only checks an alignment.
 const OFF_MOST_DEG: f64 = 10.0;
-/// Both ways may differ by so much, rad, 0.2 degrees, or by this part of the amplitude.
+/// Largest difference of both directions, rad, 0.2 degrees, or this share of the amplitude.
 const DISAGREE_MOST_RAD: f64 = 3.5e-3;
 const DISAGREE_MOST: f64 = 0.2;
 
-/// What a calibration's field says.
+/// The error that a calibration's field shows.
 ///
 /// # Errors
 /// [`NotSeen`].
@@ -67,7 +67,7 @@ struct Way {
 }
 
 impl Way {
-    /// The turn that ended so many ticks before the last one.
+    /// The turn that ended this many ticks before the last one.
     fn new(
         ticks: &[CalibrationTick],
         end: f64,

@@ -10,12 +10,12 @@ pub(super) struct Normal {
     rows: usize,
 }
 
-/// What they give.
+/// Solution of the normal equations.
 pub(super) struct Solved {
     pub values: DVector<f64>,
     /// Standard uncertainties, had the rows errors of their own.
     pub uncertainties: DVector<f64>,
-    /// Effective value of what is left.
+    /// Effective value of the residual.
     pub residual_rms: f64,
 }
 
@@ -40,7 +40,7 @@ impl Normal {
         self.rows += 1;
     }
 
-    /// Nothing where the columns say the same, or there are too few rows.
+    /// Solves the system; `None` where the columns depend on each other or there are too few rows.
     pub fn solve(self) -> Option<Solved> {
         let columns = self.right.len();
         let free = self.rows.checked_sub(columns).filter(|free| *free > 0)?;
@@ -58,7 +58,7 @@ impl Normal {
     }
 }
 
-/// Of `a cos + b sin`, `A e^(jφ)` of `A sin(· + φ)`.
+/// The phasor `A e^(jφ)` of `a cos + b sin`, which is `A sin(· + φ)`.
 pub(super) const fn of_cos_sin(cos: f64, sin: f64) -> Complex<f64> {
     Complex::new(sin, cos)
 }

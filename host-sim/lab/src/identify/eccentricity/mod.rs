@@ -21,7 +21,7 @@
 //! Both together are what is reported: the field's value, and no less of an uncertainty than what the two differ by; or the coast's, where the field is
 //! further from it than twice what the coast may be off.
 //!
-//! **Not told apart by either:** orders above two (a magnetic encoder's own fourth, its interpolation) are left in what does not fit; a rotor
+//! **Not told apart by either:** orders above two (a magnetic encoder's own fourth, its interpolation) are left in what does not fit. A rotor
 //! whose poles are unevenly spaced, as far as the windings do not average over all of them, looks to the field like the encoder's error; an
 //! eddy current brake that differs from place to place has a ripple that falls as `1/ω` and lies between the coast's two.
 
@@ -38,15 +38,15 @@ pub use cost::{Cost, Reseat};
 /// Orders of a turn that are looked for.
 pub const ORDERS: usize = 2;
 /// Fastest field with which the calibration is to be run for this, electrical turns a second: it has its speed within the electrical turn that is
-/// not looked at.
+/// not examined.
 pub const FIELD_FASTEST_TURNS_PER_S: f64 = 4.0;
-/// What a person should see of it is more than this part of a count.
+/// An error is worth showing above this share of a count.
 const COUNT_SHARE: f64 = 0.25;
 
-/// What a device says of one control tick of a calibration.
+/// A device's data of one control tick of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CalibrationTick {
-    /// Its number.
+    /// Number of the tick.
     pub tick: u32,
     /// Part of the measurement; nothing while the field is turned.
     pub part: Option<MeasuringPart>,
@@ -54,7 +54,7 @@ pub struct CalibrationTick {
     pub count: i32,
 }
 
-/// What is known beforehand.
+/// Known properties of the encoder and its motor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownEncoder {
     /// Control rate, Hz.
@@ -74,11 +74,11 @@ pub struct Harmonic {
     pub amplitude_rad: f64,
     /// `φ`, rad.
     pub phase_rad: f64,
-    /// What is not known of it, rad: how far, in whatever direction, `A e^(jφ)` may be off.
+    /// Uncertainty, rad: how far `A e^(jφ)` may be off in any direction.
     pub uncertainty_rad: f64,
 }
 
-/// Which motion was believed.
+/// The motion from which the value was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Witness {
     /// The field's.
@@ -87,12 +87,12 @@ pub enum Witness {
     Coast,
 }
 
-/// What one motion says: `A e^(jφ)` of each order and how far it may be off, rad.
+/// The result of one kind of motion: `A e^(jφ)` of each order and its uncertainty, rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Said {
-    /// By orders from 1.
+    /// The components by order, from order 1.
     pub parts: [Complex<f64>; ORDERS],
-    /// What its two ways, or its noise, leave open.
+    /// Uncertainty from the difference of both directions, or from noise.
     pub uncertainty_rad: [f64; ORDERS],
     /// What does not fit, effective value, rad.
     pub residual_rms_rad: f64,
@@ -103,17 +103,17 @@ pub struct Said {
 pub struct Eccentricity {
     /// By orders from 1. Phases are counted from the place where the calibration ended: from the zero that it set.
     pub harmonics: [Harmonic; ORDERS],
-    /// Which motion said so.
+    /// The motion from which each order was taken.
     pub witness: [Witness; ORDERS],
     /// How far the field and the coasts are apart, rad; nothing where there was no coast long enough.
     pub apart_rad: Option<[f64; ORDERS]>,
-    /// What of the field's motion does not fit, effective value, rad.
+    /// The part of the field's motion that does not fit, effective value, rad.
     pub residual_rms_rad: f64,
     /// A step of the encoder, rad.
     pub count_rad: f64,
 }
 
-/// Why there is nothing to be made of it.
+/// Why the error cannot be found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotSeen {
     /// The field was not turned a whole turn both ways, or that was not heard.
@@ -123,7 +123,7 @@ pub enum NotSeen {
     Incomplete {
         /// How many.
         heard: usize,
-        /// Of how many.
+        /// Number of ticks needed.
         needed: usize,
     },
     /// The rotor did not go with the field.
@@ -134,16 +134,16 @@ pub enum NotSeen {
         /// Effective value.
         degrees: f64,
     },
-    /// Both ways disagree.
+    /// The two directions disagree.
     #[error("the turn there and the turn back disagree about the encoder by {degrees:.2} degrees")]
     DoesNotRepeat {
-        /// By how much.
+        /// Difference between the two turns, degrees.
         degrees: f64,
     },
 }
 
 impl Eccentricity {
-    /// What a calibration told.
+    /// Evaluates a calibration's telemetry.
     ///
     /// # Errors
     /// [`NotSeen`].
@@ -201,7 +201,7 @@ impl Eccentricity {
             .sum()
     }
 
-    /// Whether an order is more than what is not known of it, and than a part of a count.
+    /// Whether an order exceeds its uncertainty and a share of a count.
     #[must_use]
     pub fn stands_out(&self, index: usize) -> bool {
         let it = &self.harmonics[index];

@@ -1,4 +1,4 @@
-//! What a board told and its shaft did under the scorecard's programme, read from a table.
+//! A board's telemetry and its shaft's motion under the scorecard's programme, read from a table.
 
 use super::super::cases::Deed;
 use super::deed_word;
@@ -9,7 +9,7 @@ use touchstone_sim::run::Tick;
 use touchstone_sim::run::wall::Inside;
 use touchstone_sim::scene::{Grip, Scene};
 
-/// The columns that are read: what the board told, then what only a test stand sees.
+/// The columns: the board's telemetry, then what only a test stand measures.
 const COLUMNS: [&str; 10] = [
     "grip",
     "deed",
@@ -38,10 +38,10 @@ pub struct BoardRecording {
 }
 
 impl BoardRecording {
-    /// Reads it.
+    /// Reads a recording.
     ///
     /// # Errors
-    /// A file that cannot be read or is none of a programme; a tick in which the wall was off.
+    /// A file that cannot be read or is no recording of a programme; a tick in which the wall was off.
     pub fn read(file: &Path) -> Result<Self> {
         let wrong = |problem: String| {
             Error::Io {
@@ -96,7 +96,7 @@ impl BoardRecording {
     /// The scene with the wall where it was.
     ///
     /// # Errors
-    /// It is further than a count from where the scene has it.
+    /// The surface is further than a count from its place in the scene.
     pub(super) fn scene(&self, scene: &Scene) -> Result<Scene> {
         let mut here = scene.clone();
         let Some(surface_rad) = self.surface_rad else {
@@ -111,7 +111,7 @@ impl BoardRecording {
         Ok(here)
     }
 
-    /// Something that is wrong with it as a whole.
+    /// An error about the recording as a whole.
     pub(super) fn wrong(&self, problem: impl Into<String>) -> Error {
         Error::Io {
             path: self.file.clone(),
@@ -120,10 +120,10 @@ impl BoardRecording {
         }
     }
 
-    /// The ticks of a deed, as the simulator's loop would have told them; `None` where it was not played.
+    /// The ticks of an action, in the form of the simulator's loop; `None` where it was not played.
     ///
     /// # Errors
-    /// It has another length than the scene, or its wall is not the scene's.
+    /// The action has another length than the scene's, or its wall is not the scene's.
     pub fn ticks(&self, scene: &Scene, grip: Grip, deed: Deed) -> Result<Option<Vec<Tick>>> {
         let word = deed_word(deed);
         let Some(rows) = self.deeds.get(&(grip.name().to_owned(), word.clone())) else {

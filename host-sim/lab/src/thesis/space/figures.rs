@@ -4,13 +4,15 @@ use super::record::{Record, dot};
 use super::{Approach, Object, Phase};
 use crate::report::figure::{Axis, Figure, Range, Shape};
 
-const ROLES: [&str; 3] = ["hip", "surf", "force"];
+/// Classes of the lines: three that differ in colour.
+const ROLES: [&str; 3] = ["law-a", "law-d", "law-g"];
 const AXES: [&str; 3] = ["x1", "x2", "x3"];
 
-/// The figure of the thesis that a cell answers to.
+/// The figure of the thesis that a cell answers to; what ships has none.
 #[must_use]
 pub fn reference(object: Object, approach: Approach) -> &'static str {
     match (object, approach) {
+        (_, Approach::Shipped) => "not in the thesis",
         (Object::Horizontal, Approach::Spring | Approach::SpringDamper | Approach::Bounding) => {
             "Fig. 5.9"
         }
@@ -85,7 +87,7 @@ fn stiffness(run: &Record) -> Figure {
         lines,
     );
     figure.line(
-        "want",
+        "kde",
         "desired",
         Shape::Horizontal(run.cell.k_desired_n_per_mm * 1e3),
     );
@@ -155,8 +157,8 @@ fn view(run: &Record) -> Figure {
         Axis::new("upwards", "m", y),
     );
     figure.line("surf", "object", Shape::Path(outline));
-    figure.line("force", "force, 2 mm a newton", Shape::Path(arrows));
-    figure.line("hip", "HIP", Shape::Path(vec![path]));
+    figure.line("law-a", "force, 2 mm a newton", Shape::Path(arrows));
+    figure.line("law-g", "HIP", Shape::Path(vec![path]));
     figure.description = "Seen along (1, -2, 1).".to_owned();
     figure
 }

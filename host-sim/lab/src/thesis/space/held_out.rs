@@ -22,23 +22,23 @@ use touchstone_world::plant::{FIRM_TRANSLATION, Hand, LIGHT_TRANSLATION};
 
 /// How many walls a check has.
 pub const DRAWS: usize = 200;
-/// Of so many one is the ball.
+/// One wall of this many is the ball.
 const BALL_EACH: usize = 5;
-/// So far from the centre is a plane's place, m.
+/// Largest distance of a plane's place from the centre, m.
 const FURTHEST_M: f64 = 0.03;
 const PUSHES_N: (f64, f64) = (4.0, 9.0);
 const DELAYS_TICKS: [f64; 3] = [0.0, 0.1, 0.5];
-/// Of what a hand holds on a ball, `R` times its stiffness across, it may push with so much.
+/// Share of the largest push with which a hand stays on the ball, which is `R` times its stiffness across.
 const BALL_SHARE: f64 = 0.6;
 
 /// A wall that was drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drawn {
-    /// What is pressed.
+    /// The surface that is pressed.
     pub surface: PressedSurface,
     /// Between the light (0) and the firm hand (1), evenly on a logarithmic scale.
     pub grip: f64,
-    /// What it pushes with, N.
+    /// Force of the push, N.
     pub push_n: f64,
     /// How the device differs.
     pub deviation: Deviation,
@@ -100,7 +100,7 @@ impl Drawn {
         }
     }
 
-    /// For people.
+    /// Text for people.
     #[must_use]
     pub fn text(&self) -> String {
         let [x, y, z] = self.surface.normal();
@@ -132,16 +132,16 @@ pub fn drawn(seed: u64, count: usize) -> Vec<Drawn> {
         .collect()
 }
 
-/// A wall, and what came of it.
+/// A wall and its result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldOutCell {
     /// The wall.
     pub drawn: Drawn,
-    /// Its figures; ripple has no limit.
+    /// The wall's figures; ripple has no limit.
     pub found: DirectionFigures,
     /// The longest force that was wanted of the motors, N.
     pub longest_n: f64,
-    /// Where a figure is beyond its limit: which one change brings all within, the first of them.
+    /// For a wall beyond a limit: the first single change that brings all its figures within.
     pub cause: Option<HeldOutCause>,
     limits: Limits,
 }
@@ -177,7 +177,7 @@ impl HeldOutCell {
         })
     }
 
-    /// The same, and where it is beyond a limit again with one thing changed at a time.
+    /// Plays a wall, and where it is beyond a limit, plays it again with one thing changed at a time.
     fn explained(
         drawn: Drawn,
         law: &Settings,
@@ -200,13 +200,13 @@ impl HeldOutCell {
         Ok(cell)
     }
 
-    /// Whether the motors were asked for all that they have.
+    /// Whether the motors were at their limit.
     #[must_use]
     pub fn is_at_limit(&self) -> bool {
         self.longest_n >= (1.0 - 1e-3) * Mechanism::Cartesian.force_n()
     }
 
-    /// What is beyond its limit, and by what share of it.
+    /// Figures beyond their limits, and by what share.
     #[must_use]
     pub fn fails(&self) -> Vec<(Measure, f64)> {
         let shares = self.found.figures.shares(&self.limits);
@@ -219,7 +219,7 @@ impl HeldOutCell {
 /// A check.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldOut {
-    /// Its seed.
+    /// Seed of the draw.
     pub seed: u64,
     /// Every wall.
     pub cells: Vec<HeldOutCell>,
@@ -230,9 +230,9 @@ pub struct HeldOut {
 pub struct WorstOfAll {
     /// The figure.
     pub measure: Measure,
-    /// Its value; absent where it left all numbers.
+    /// The figure's value; `None` where the run diverged.
     pub value: Option<f64>,
-    /// In the middle of all walls.
+    /// Median over all walls.
     pub median: Option<f64>,
     /// How many walls are beyond its limit.
     pub beyond: usize,
@@ -254,7 +254,7 @@ impl HeldOut {
     /// Plays another setting on them.
     ///
     /// # Errors
-    /// As [`Self::played`].
+    /// Same as [`Self::played`].
     pub fn with(
         seed: u64,
         count: usize,
@@ -302,14 +302,14 @@ impl HeldOut {
             .count()
     }
 
-    /// Of those, how many have a cause.
+    /// How many of them have this cause.
     #[must_use]
     pub fn failed_by(&self, cause: HeldOutCause) -> usize {
         let same = |cell: &&HeldOutCell| cell.cause == Some(cause);
         self.cells.iter().filter(same).count()
     }
 
-    /// The causes that occur, in words with how often each does; "none" where there are none.
+    /// The causes in words, each with its number of cases; "none" where there are none.
     #[must_use]
     pub fn causes(&self) -> String {
         let all = HeldOutCause::TRIED
@@ -335,7 +335,7 @@ impl HeldOut {
             .try_fold(0.0, |most: f64, settle| settle.map(|s| most.max(s)))
     }
 
-    /// As a claim.
+    /// The check as a claim.
     #[must_use]
     pub fn claim(&self) -> Claim {
         let worst = self.worst();
@@ -418,7 +418,8 @@ mod tests {
         assert!(found.failed() < lost.failed(), "{}", found.claim().measured);
     }
 
-    /// One thing changed at a time: a push that the motors cannot answer, a delay that lets a hand get energy out, and what nothing by itself explains.
+    /// One thing is changed at a time. A push that the motors cannot give, a delay that lets a hand get energy out,
+    /// and a case that no single change explains.
     #[test]
     fn a_wall_beyond_a_limit_has_its_cause() {
         let law = OMEGA3_WALL.settings(RATE_HZ, Mechanism::Cartesian.force_n());

@@ -5,27 +5,27 @@ use super::mechanism::Mechanism;
 use crate::identify::lever::PRESS_SHARE;
 use serde::Serialize;
 
-/// Why a wall is beyond a limit: what of it has to be otherwise, and nothing else, for every figure to be within.
+/// Why a wall is beyond a limit: the single change that brings every figure within.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum HeldOutCause {
-    /// The push: the motors were asked for all that they have, and with the scorecard's own push they are not.
+    /// The push: the motors were at their limit, and are not with the scorecard's own push.
     MotorsLimit,
     /// The delay: without it it is within.
     Delay,
-    /// Damping other than the law was told.
+    /// The device's damping, which differs from what the law assumes.
     Damping,
-    /// Inertia other than the law was told.
+    /// The device's inertia, which differs from what the law assumes.
     Inertia,
-    /// None of these by itself.
+    /// No single change.
     NoneAlone,
 }
 
 impl HeldOutCause {
-    /// Those that are tried, in this order.
+    /// The causes that are tried, in this order.
     pub const TRIED: [Self; 4] = [Self::MotorsLimit, Self::Delay, Self::Damping, Self::Inertia];
 
-    /// For people.
+    /// Text for people.
     #[must_use]
     pub const fn text(self) -> &'static str {
         match self {

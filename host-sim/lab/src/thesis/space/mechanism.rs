@@ -1,4 +1,5 @@
-//! What a comparison in three axes is played on: a mass that is alike in every direction, or a delta mechanism; as it is, or as it may also be.
+//! The device of a comparison in three axes: a mass that is alike in every direction, or a delta mechanism; nominal or
+//! varied.
 
 use crate::scorecard::cases::Change;
 use serde::{Deserialize, Serialize};
@@ -18,16 +19,16 @@ pub enum Mechanism {
     Delta,
 }
 
-/// Of the Falcon, as CHAI3D has it, N.
+/// Longest force of the Falcon, according to CHAI3D, N.
 const FALCON_FORCE_N: f64 = 8.0;
-/// The least damping of the delta within 35 mm of its centre, N·s/m, rounded down; a test asks the mechanism.
+/// The least damping of the delta within 35 mm of its centre, N·s/m, rounded down; a test computes it.
 pub const DELTA_DAMPING: f64 = 0.5;
 
 impl Mechanism {
-    /// All.
+    /// All mechanisms.
     pub const ALL: [Mechanism; 2] = [Mechanism::Cartesian, Mechanism::Delta];
 
-    /// Its word on a command line and in a scene.
+    /// The mechanism's word on a command line and in a scene.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -36,7 +37,7 @@ impl Mechanism {
         }
     }
 
-    /// For people.
+    /// Text for people.
     #[must_use]
     pub fn about(self) -> &'static str {
         match self {
@@ -54,7 +55,7 @@ impl Mechanism {
         }
     }
 
-    /// Damping that is there in every direction, N·s/m: what law and guard are told.
+    /// Least damping in every direction, N·s/m: the value that law and guard count on.
     #[must_use]
     pub fn damping(self) -> f64 {
         match self {
@@ -84,7 +85,7 @@ impl Mechanism {
         [critical, 5.0 * critical]
     }
 
-    /// What a hand pushes with, N: half of the longest force.
+    /// The hand's push, N: half of the longest force.
     #[must_use]
     pub fn push_n(self) -> f64 {
         0.5 * self.force_n()
@@ -100,21 +101,21 @@ impl Mechanism {
     }
 }
 
-/// How a device differs from what is said of it: times, and ticks.
+/// How a device differs from its nominal values: factors, and a delay in ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Deviation {
-    /// Times its inertia.
+    /// Factor on the inertia.
     pub inertia: f64,
-    /// Times its damping.
+    /// Factor on the damping.
     pub damping: f64,
-    /// Times its counts.
+    /// Factor on the counts.
     pub counts: f64,
-    /// A command acts so many ticks after its sample.
+    /// A command acts this many ticks after its sample.
     pub delay_ticks: f64,
 }
 
 impl Deviation {
-    /// None.
+    /// No difference.
     pub const NONE: Self = Self {
         inertia: 1.0,
         damping: 1.0,
@@ -122,7 +123,7 @@ impl Deviation {
         delay_ticks: 0.0,
     };
 
-    /// That of a device of the scorecard.
+    /// The difference of a scorecard's device.
     #[must_use]
     pub fn of(change: Change) -> Self {
         let mut deviation = Self::NONE;
@@ -137,14 +138,14 @@ impl Deviation {
     }
 }
 
-/// What a tick came to.
+/// Result of one tick.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Crossed {
     /// The mean force on the effector, N.
     pub force_n: [f64; 3],
     /// Work of the motors, J.
     pub motors_j: f64,
-    /// What was dissipated, J.
+    /// Dissipated energy, J.
     pub loss: Loss,
 }
 
@@ -184,10 +185,10 @@ pub struct HeldMechanism {
 type Held = Cartesian<HeldLinear>;
 
 impl HeldMechanism {
-    /// At rest where the hand means to be.
+    /// A mechanism at rest at the hand's rest point.
     ///
     /// # Errors
-    /// [`Stopped`] for what no device or hand can have, or a place out of reach.
+    /// [`Stopped`] for an impossible device or hand, or a place out of reach.
     pub fn new(
         mechanism: Mechanism,
         deviation: &Deviation,
@@ -260,7 +261,7 @@ impl HeldMechanism {
     /// Where its encoders say that it is, m.
     ///
     /// # Errors
-    /// [`Stopped`] where they say what cannot be.
+    /// [`Stopped`] if the counts belong to no position.
     pub fn measured_m(&mut self) -> Result<[f64; 3], Stopped> {
         match &mut self.body {
             Body::Cartesian { state, .. } => {
@@ -281,7 +282,7 @@ impl HeldMechanism {
         }
     }
 
-    /// Crosses a tick: what was commanded before until this acts.
+    /// Advances by one tick; the former command acts until the new one does.
     ///
     /// # Errors
     /// [`Stopped`] where the mechanism has no such place.

@@ -32,6 +32,8 @@ use touchstone_control::{
 };
 use touchstone_world::plant::{FIRM_TRANSLATION, OMEGA3};
 
+use tuned_wall::TunedWall;
+
 /// The thesis' control rate, Hz (§5).
 pub const RATE_HZ: u32 = 1000;
 /// Radius of the sphere, mm. The thesis gives none: one in the centre of the workspace, to slide around.
@@ -46,9 +48,9 @@ pub enum Object {
     #[default]
     #[serde(rename = "plane")]
     Horizontal,
-    /// In none of the axes (§5.2.2).
+    /// A plane whose normal lies along none of the axes (§5.2.2).
     Inclined,
-    /// In the centre of the workspace (§5.2.3).
+    /// A ball in the centre of the workspace (§5.2.3).
     Sphere,
 }
 
@@ -67,12 +69,14 @@ pub enum Approach {
     /// The enhanced law along the normal.
     #[default]
     Magnitude,
+    /// The wall that ships for the mechanism: tuned, on estimated states, behind the energy guard. Not in the thesis.
+    Shipped,
 }
 
 /// One cell of the comparison.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
-    /// What it is played on.
+    /// The mechanism of the run.
     pub mechanism: Mechanism,
     /// The object.
     pub object: Object,
@@ -83,10 +87,10 @@ pub struct Cell {
 }
 
 impl Object {
-    /// All.
+    /// All objects.
     pub const ALL: [Object; 3] = [Object::Horizontal, Object::Inclined, Object::Sphere];
 
-    /// For people.
+    /// Text for people.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -96,7 +100,7 @@ impl Object {
         }
     }
 
-    /// Its surface, in the unit of the laws, centimetres.
+    /// The object's surface, in the unit of the laws, centimetres.
     #[must_use]
     pub fn shape(self) -> Shape<N> {
         match self {
@@ -115,7 +119,7 @@ impl Object {
         }
     }
 
-    /// The place so deep below the surface where it is probed, m.
+    /// The place at this depth below the probed point of the surface, m.
     #[must_use]
     pub fn at_depth_m(self, depth_m: f64) -> [f64; 3] {
         let radius_m = match self {
@@ -125,7 +129,7 @@ impl Object {
         self.normal().map(|n| (radius_m - depth_m) * n)
     }
 
-    /// Out of the object where it is probed.
+    /// The direction out of the object where it is probed.
     #[must_use]
     pub fn normal(self) -> [f64; 3] {
         match self {
@@ -139,16 +143,17 @@ impl Object {
 }
 
 impl Approach {
-    /// All.
-    pub const ALL: [Approach; 5] = [
+    /// All approaches.
+    pub const ALL: [Approach; 6] = [
         Approach::Spring,
         Approach::SpringDamper,
         Approach::Bounding,
         Approach::PerAxis,
         Approach::Magnitude,
+        Approach::Shipped,
     ];
 
-    /// For people.
+    /// Text for people.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -157,6 +162,7 @@ impl Approach {
             Self::Bounding => "force bounding",
             Self::PerAxis => "per axis",
             Self::Magnitude => "magnitude",
+            Self::Shipped => "shipped",
         }
     }
 
@@ -165,26 +171,38 @@ impl Approach {
             Self::Spring => LawKind::Spring,
             Self::SpringDamper => LawKind::SpringDamper,
             Self::Bounding => LawKind::Fba,
-            Self::PerAxis | Self::Magnitude => LawKind::EnhancedSfa,
+            Self::PerAxis | Self::Magnitude | Self::Shipped => LawKind::EnhancedSfa,
         }
     }
 }
 
-/// All cells of a mechanism.
+/// The stiffness of the wall that ships for a mechanism, N/mm: the one that it was tuned for.
+#[must_use]
+pub fn shipped_n_per_mm(mechanism: Mechanism) -> f64 {
+    1e-3 * TunedWall::of(mechanism, RATE_HZ).k_desired_n_per_m
+}
+
+/// All cells of a mechanism: the thesis' approaches at two stiffnesses, and what ships at its own.
 #[must_use]
 pub fn cells(mechanism: Mechanism) -> Vec<Cell> {
     let mut cells = Vec::new();
     for object in Object::ALL {
+        let mut add = |approach, k_desired_n_per_mm| {
+            cells.push(Cell {
+                mechanism,
+                object,
+                k_desired_n_per_mm,
+                approach,
+            });
+        };
         for k_desired_n_per_mm in mechanism.stiffnesses_n_per_mm() {
             for approach in Approach::ALL {
-                cells.push(Cell {
-                    mechanism,
-                    object,
-                    k_desired_n_per_mm,
-                    approach,
-                });
+                if approach != Approach::Shipped {
+                    add(approach, k_desired_n_per_mm);
+                }
             }
         }
+        add(Approach::Shipped, shipped_n_per_mm(mechanism));
     }
     cells
 }
@@ -229,7 +247,8 @@ fn place(mm: [f64; 3]) -> Vector<Position<N>> {
     Vector(mm.map(position))
 }
 
-/// The same in a mechanism's proportions: `k_c` goes with its damping, and with it every stiffness, damping and mass of the law; the press with its force.
+/// The settings scaled to a mechanism. `k_c` is in proportion to its damping, and so are the law's stiffnesses,
+/// dampings and masses; the press is in proportion to its force.
 #[must_use]
 pub fn settings_for(mechanism: Mechanism, law: LawKind, k_desired_n_per_mm: f64) -> Settings {
     let omega = settings(law, k_desired_n_per_mm);
@@ -259,9 +278,16 @@ pub fn settings_for(mechanism: Mechanism, law: LawKind, k_desired_n_per_mm: f64)
 
 /// A wall of a cell.
 fn wall(cell: &Cell) -> Result<SpaceWall<N, Shape<N>, AnyLaw<N>>, SettingsError> {
+    let mechanism = cell.mechanism;
+    if cell.approach == Approach::Shipped {
+        let tuned = TunedWall::of(mechanism, RATE_HZ);
+        let law = tuned.settings(RATE_HZ, mechanism.force_n());
+        let estimator = Some(tuned.estimator());
+        return pressed::guarded(cell.object.shape(), &law, estimator.as_ref(), mechanism);
+    }
     let unit = LengthUnit::Centimetre;
     let law = unit.law::<N>(&settings_for(
-        cell.mechanism,
+        mechanism,
         cell.approach.law(),
         cell.k_desired_n_per_mm,
     ))?;
@@ -270,7 +296,7 @@ fn wall(cell: &Cell) -> Result<SpaceWall<N, Shape<N>, AnyLaw<N>>, SettingsError>
         (Approach::PerAxis, law) => Shell::PerAxis(PerAxis::new([law; 3], Leaving::Projection)),
         (_, law) => Shell::Magnitude(Magnitude::new(law)),
     };
-    let limit = Force(N::signal_from_f64(cell.mechanism.force_n()));
+    let limit = Force(N::signal_from_f64(mechanism.force_n()));
     Ok(SpaceWall::new(
         cell.object.shape(),
         SurfacePoint::new(Rule::Closest),
@@ -313,7 +339,7 @@ fn played(
         let time_s = f64::from(tick) * interval_s;
         let hip_m = held.place_m();
         let measured_mm = held.measured_m()?.map(|x| x * 1e3);
-        // Without a guard there is no overspeed.
+        // Beyond the guard's overspeed there is no force.
         let force = wall.tick(place(measured_mm)).unwrap_or_default();
         let rest_m = rest_m(time_s);
         let before = held.stored_j(rest_m)?;
@@ -335,10 +361,10 @@ fn played(
     Ok(())
 }
 
-/// Runs all cells on all cores, in their order; `done` is told of each that is finished.
+/// Runs all cells on all cores, in their order; calls `done` after each.
 ///
 /// # Errors
-/// As [`run`].
+/// Same as [`run`].
 pub fn run_all(cells: &[Cell], done: impl Fn() + Sync) -> Result<Vec<Record>, SettingsError> {
     cells
         .par_iter()

@@ -1,4 +1,4 @@
-//! What the hand means to do: its rest point over time.
+//! The hand's motion: its rest point over time.
 
 use super::{Object, RADIUS_MM};
 use touchstone_world::plant::FIRM_TRANSLATION;
@@ -6,13 +6,13 @@ use touchstone_world::plant::FIRM_TRANSLATION;
 /// A stretch of the motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
-    /// From outside into the object, and out a little, and in again.
+    /// The hand moves from outside into the object, a little out and in again.
     Probe,
     /// Rest under the full push.
     Hold,
     /// Along the surface.
     Slide,
-    /// Out.
+    /// The hand lets go.
     Release,
 }
 
@@ -35,14 +35,14 @@ pub struct ProbingMotion {
     push_n: f64,
 }
 
-/// From 0 to 1 without a jump of the speed.
+/// A rise from 0 to 1 without a jump of the speed.
 fn smooth(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
 impl ProbingMotion {
-    /// Around this object.
+    /// The motion around this object.
     #[must_use]
     pub fn of(object: Object) -> Self {
         let n = object.normal();

@@ -1,4 +1,4 @@
-//! A surface that a hand presses and moves in, deed by deed of the scorecard, on a mechanism in three axes.
+//! A surface that a hand presses and moves in, action by action of the scorecard, on a mechanism in three axes.
 
 use super::mechanism::{Deviation, HeldMechanism, Mechanism, Stopped};
 use super::record::dot;
@@ -17,7 +17,7 @@ use touchstone_control::{
 };
 use touchstone_world::plant::Hand;
 
-/// What is pressed.
+/// The surface that is pressed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PressedSurface {
     /// A plane through a place, m, with its normal.
@@ -27,7 +27,7 @@ pub enum PressedSurface {
 }
 
 impl PressedSurface {
-    /// Out of it where it is pressed.
+    /// The normal at the pressed point, outwards.
     #[must_use]
     pub fn normal(&self) -> [f64; 3] {
         match self {
@@ -49,7 +49,7 @@ impl PressedSurface {
         }
     }
 
-    /// Where a hand means to be that wants so deep, m.
+    /// The rest point of a hand that wants to be at this depth, m.
     fn at_depth_m(&self, depth_m: f64) -> [f64; 3] {
         match self {
             Self::Plane(through_m, normal) => {
@@ -77,26 +77,26 @@ impl PressedSurface {
 /// A surface with a law, on a device in a hand.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PressedWall {
-    /// What is pressed.
+    /// The surface that is pressed.
     pub surface: PressedSurface,
     /// The law, SI; its rate is the loop's.
     pub law: Settings,
-    /// What its estimators are told, where it has estimated states.
+    /// The estimators' settings, for estimated states.
     pub estimator: Option<EstimatorSettings>,
-    /// What it is played on.
+    /// The mechanism.
     pub mechanism: Mechanism,
-    /// How that differs from what is said of it.
+    /// How the mechanism differs from its nominal values.
     pub deviation: Deviation,
     /// The hand.
     pub hand: Hand,
-    /// What the hand pushes with in the end, N.
+    /// The hand's final push, N.
     pub push_n: f64,
 }
 
-/// Of a push, what the hand touches with before.
+/// Share of a push with which the hand touches first.
 const TOUCH_SHARE: f64 = 0.2;
 
-/// What the guard is told of a mechanism, SI.
+/// The guard's settings for a mechanism, SI.
 #[must_use]
 pub fn guard(mechanism: Mechanism) -> GuardSettings {
     GuardSettings {
@@ -107,35 +107,47 @@ pub fn guard(mechanism: Mechanism) -> GuardSettings {
     }
 }
 
+/// A wall along the normal behind the energy guard; on estimated states where the estimator's settings are given.
+///
+/// # Errors
+/// Settings that law or guard cannot have.
+pub(super) fn guarded(
+    shape: Shape<N>,
+    law: &Settings,
+    estimator: Option<&EstimatorSettings>,
+    mechanism: Mechanism,
+) -> Result<SpaceWall<N, Shape<N>, AnyLaw<N>>, SettingsError> {
+    let unit = LengthUnit::Centimetre;
+    let mut wall = SpaceWall::new(
+        shape,
+        SurfacePoint::new(Rule::Closest),
+        Shell::Magnitude(Magnitude::new(unit.law::<N>(law)?)),
+        Force::from_f64(law.force_limit.to_num()),
+    );
+    if let Some(estimator) = estimator {
+        let axes = [*estimator; 3];
+        wall.estimator = Some(unit.estimator(&axes, law.rate_hz, law.force_limit)?);
+    }
+    let (guard, device) = unit.guard(
+        &guard(mechanism),
+        &GuardedDevice {
+            rate_hz: law.rate_hz,
+            force_limit: law.force_limit,
+            count: Si::from_num(mechanism.count_m()),
+        },
+    );
+    let guard = VectorGuard::new(&guard, &device)?;
+    wall.guard = Some((guard, guard.full()));
+    Ok(wall)
+}
+
 impl PressedWall {
     fn wall(&self) -> Result<SpaceWall<N, Shape<N>, AnyLaw<N>>, SettingsError> {
-        let unit = LengthUnit::Centimetre;
-        let law = unit.law::<N>(&self.law)?;
-        let limit = Force::from_f64(self.law.force_limit.to_num());
-        let mut wall = SpaceWall::new(
-            self.surface.shape(),
-            SurfacePoint::new(Rule::Closest),
-            Shell::Magnitude(Magnitude::new(law)),
-            limit,
-        );
-        if let Some(told) = &self.estimator {
-            let axes = [*told; 3];
-            wall.estimator = Some(unit.estimator(&axes, self.law.rate_hz, self.law.force_limit)?);
-        }
-        let (guard, device) = unit.guard(
-            &guard(self.mechanism),
-            &GuardedDevice {
-                rate_hz: self.law.rate_hz,
-                force_limit: self.law.force_limit,
-                count: Si::from_num(self.mechanism.count_m()),
-            },
-        );
-        let guard = VectorGuard::new(&guard, &device)?;
-        wall.guard = Some((guard, guard.full()));
-        Ok(wall)
+        let (law, estimator) = (&self.law, self.estimator.as_ref());
+        guarded(self.surface.shape(), law, estimator, self.mechanism)
     }
 
-    /// How a hand comes to it.
+    /// How a hand approaches the wall.
     #[must_use]
     pub fn approach(&self) -> Approach {
         let count_m = self.mechanism.count_m() / self.deviation.counts;
@@ -150,7 +162,7 @@ impl PressedWall {
         }
     }
 
-    /// Plays a deed.
+    /// Plays an action.
     ///
     /// # Errors
     /// Settings that law or guard cannot have.
@@ -158,7 +170,8 @@ impl PressedWall {
         self.played_with_force(deed).map(|(found, _)| found)
     }
 
-    /// The same, and the longest force that was wanted of the motors, N. Where the mechanism comes to a place that it does not have, all is lost.
+    /// Same as [`PressedWall::played`], with the longest force that was wanted of the motors, N. Where the mechanism comes
+    /// to a place that it does not have, all figures are lost.
     ///
     /// # Errors
     /// Settings that law or guard cannot have.

@@ -1,11 +1,11 @@
-//! What a run leaves behind, and what is read off it.
+//! The recording of a run, and the figures from it.
 
 use super::{Cell, Object, Phase, RADIUS_MM};
 
 /// A run, tick by tick.
 #[derive(Debug, Clone)]
 pub struct Record {
-    /// What was run.
+    /// The cell that was run.
     pub cell: Cell,
     /// Time, s.
     pub time_s: Vec<f64>,
@@ -17,7 +17,7 @@ pub struct Record {
     pub force_n: Vec<[f64; 3]>,
     /// Whether the mechanism came to a place that it does not have, and the run ended there.
     pub stopped: bool,
-    /// By how much the books of device and hand do not close at worst, J.
+    /// Largest error in the energy balance of device and hand, J.
     pub audit_j: f64,
     pub(super) start_energy_j: Option<f64>,
 }
@@ -158,7 +158,7 @@ impl Record {
             .fold(0.0, f64::max)
     }
 
-    /// The largest change of the force within a tick in a stretch, over the normal force: what is along the surface of it.
+    /// The largest change of the force along the surface within a tick, over the normal force, in a stretch.
     #[must_use]
     pub fn largest_jump(&self, ticks: std::ops::Range<usize>) -> f64 {
         ticks

@@ -1,29 +1,29 @@
 //! A scene of three axes: what `touchstone run` plays of a file with `dof = 3`.
 
 use super::mechanism::Mechanism;
-use super::{Approach, Cell, Object};
+use super::{Approach, Cell, Object, shipped_n_per_mm};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// A scene; what is left out has its default.
+/// A scene; fields that are left out have their defaults.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpaceScene {
     /// Heading.
     #[serde(default = "unnamed")]
     pub name: String,
-    /// What it is about.
+    /// Description of the scene.
     #[serde(default)]
     pub description: String,
     /// Degrees of freedom: 3.
     pub dof: u8,
-    /// What is touched.
+    /// The object.
     #[serde(default)]
     pub object: SpaceObject,
     /// How the force is made.
     #[serde(default)]
     pub law: SpaceLaw,
-    /// What it is played on.
+    /// The mechanism.
     #[serde(default)]
     pub mechanism: SpaceMechanism,
 }
@@ -32,7 +32,7 @@ pub struct SpaceScene {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpaceObject {
-    /// Which.
+    /// The kind of object.
     #[serde(default)]
     pub kind: Object,
 }
@@ -41,10 +41,10 @@ pub struct SpaceObject {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpaceLaw {
-    /// Which.
+    /// The approach: a control law on its way of finding the direction of force.
     #[serde(default)]
     pub approach: Approach,
-    /// Desired stiffness, N/mm; left out: five times the critical one of the mechanism.
+    /// Desired stiffness, N/mm; left out: five times the critical one of the mechanism, or that of the wall that ships.
     #[serde(default)]
     pub k_desired_n_per_mm: Option<f64>,
 }
@@ -53,7 +53,7 @@ pub struct SpaceLaw {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpaceMechanism {
-    /// Which.
+    /// The kind of mechanism.
     #[serde(default)]
     pub kind: Mechanism,
 }
@@ -62,7 +62,7 @@ fn unnamed() -> String {
     "three axes".to_owned()
 }
 
-/// Stiffest that can be asked for, N/mm.
+/// Largest allowed stiffness, N/mm.
 pub const STIFFEST_N_PER_MM: f64 = 50.0;
 
 impl SpaceScene {
@@ -74,36 +74,43 @@ impl SpaceScene {
         if self.dof != 3 {
             return Err(("dof", "must be 3".to_owned()));
         }
-        let kind = self.mechanism.kind;
-        let stiff = self
-            .law
-            .k_desired_n_per_mm
-            .unwrap_or(kind.stiffnesses_n_per_mm()[1]);
+        let own = self.own_stiffness_n_per_mm();
+        let stiff = self.law.k_desired_n_per_mm.unwrap_or(own);
         if !(stiff > 0.0 && stiff <= STIFFEST_N_PER_MM) {
             let range = format!("must be above 0 and at most {STIFFEST_N_PER_MM}");
             return Err(("law.k_desired_n_per_mm", range));
+        }
+        if self.law.approach == Approach::Shipped && stiff != own {
+            let tuned = format!("must be {own} or left out: the shipped wall was tuned for that");
+            return Err(("law.k_desired_n_per_mm", tuned));
         }
         self.law.k_desired_n_per_mm = Some(stiff);
         Ok(self)
     }
 
+    /// The default stiffness, N/mm.
+    fn own_stiffness_n_per_mm(&self) -> f64 {
+        let mechanism = self.mechanism.kind;
+        match self.law.approach {
+            Approach::Shipped => shipped_n_per_mm(mechanism),
+            _ => mechanism.stiffnesses_n_per_mm()[1],
+        }
+    }
+
     /// The cell of the comparison that it is.
     #[must_use]
     pub fn cell(&self) -> Cell {
-        let mechanism = self.mechanism.kind;
+        let given = self.law.k_desired_n_per_mm;
         Cell {
-            mechanism,
+            mechanism: self.mechanism.kind,
             object: self.object.kind,
-            k_desired_n_per_mm: self
-                .law
-                .k_desired_n_per_mm
-                .unwrap_or(mechanism.stiffnesses_n_per_mm()[1]),
+            k_desired_n_per_mm: given.unwrap_or(self.own_stiffness_n_per_mm()),
             approach: self.law.approach,
         }
     }
 }
 
-/// Its JSON schema; `docs/schema/space-scene.schema.json` is its text.
+/// The scene's JSON schema; `docs/schema/space-scene.schema.json` is its text.
 #[must_use]
 pub fn schema() -> Value {
     let table = |about: &str, properties: Value| {
@@ -132,7 +139,7 @@ pub fn schema() -> Value {
                     "type": "number",
                     "exclusiveMinimum": 0,
                     "maximum": STIFFEST_N_PER_MM,
-                    "description": "desired stiffness, N/mm; left out: five times the critical one of the mechanism",
+                    "description": "desired stiffness, N/mm; left out: five times the critical one of the mechanism, or that of the wall that ships",
                 },
             })),
             "mechanism": table("what it is played on", json!({"kind": {"enum": Mechanism::ALL}})),
@@ -169,10 +176,13 @@ mod tests {
             (delta.mechanism, delta.object),
             (Mechanism::Delta, Object::Sphere)
         );
+        let shipped = read(json!({"dof": 3, "law": {"approach": "shipped"}}));
+        assert_eq!(shipped.expect("a scene").cell().k_desired_n_per_mm, 25.0);
         for wrong in [
             json!({"dof": 2}),
             json!({"dof": 3, "mechanism": {"kind": "detla"}}),
             json!({"dof": 3, "law": {"k_desired_n_per_mm": 0.0}}),
+            json!({"dof": 3, "law": {"approach": "shipped", "k_desired_n_per_mm": 5.0}}),
             json!({"dof": 3, "law": {"k_desired": 1.0}}),
         ] {
             assert!(read(wrong.clone()).is_err(), "{wrong}");

@@ -17,15 +17,15 @@ use rayon::prelude::*;
 use touchstone_control::SettingsError;
 use touchstone_world::plant::{FIRM_TRANSLATION, Hand, LIGHT_TRANSLATION, MEDIUM_TRANSLATION};
 
-/// The hands; of every figure the worst of them counts.
+/// The hands; of every figure the worst over them counts.
 pub const HANDS: [Hand; 3] = [LIGHT_TRANSLATION, MEDIUM_TRANSLATION, FIRM_TRANSLATION];
 
 /// A direction in which a surface is pressed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NormalOfWall {
-    /// For people.
+    /// Text for people.
     pub name: &'static str,
-    /// Out of the object, of length 1.
+    /// The unit normal out of the object.
     pub normal: [f64; 3],
 }
 
@@ -33,7 +33,7 @@ const fn plane(name: &'static str, normal: [f64; 3]) -> NormalOfWall {
     NormalOfWall { name, normal }
 }
 
-/// All that are pressed.
+/// All directions that are pressed.
 pub const NORMALS: [NormalOfWall; 9] = [
     plane("+x", [1.0, 0.0, 0.0]),
     plane("-x", [-1.0, 0.0, 0.0]),
@@ -52,7 +52,7 @@ struct Played {
     mechanism: Mechanism,
     tuned: TunedWall,
     rate_hz: u32,
-    /// On estimated states; otherwise on differences of counts.
+    /// Uses estimated states; otherwise differences of counts.
     estimated: bool,
 }
 
@@ -80,7 +80,7 @@ impl Played {
         }
     }
 
-    /// Whether this wall is asked to hold a case: near the end of sampling not all are.
+    /// Whether this wall must hold in a case: near the end of sampling it need not in all.
     fn is_asked(&self, case: &Case) -> bool {
         let per_s = (self.tuned.k_desired_n_per_m / self.tuned.axis_kg).sqrt();
         let per_tick = per_s / f64::from(self.rate_hz);
@@ -88,10 +88,10 @@ impl Played {
     }
 }
 
-/// A direction, and what came of every device.
+/// A direction, with the result of every device.
 #[derive(Debug, Clone)]
 pub struct DirectionCard {
-    /// Which.
+    /// The direction of the wall's normal.
     pub at: NormalOfWall,
     /// Every device: the worst of three hands.
     pub cells: Vec<(&'static str, DirectionFigures, Limits)>,
@@ -108,7 +108,7 @@ impl DirectionCard {
             })
     }
 
-    /// What is beyond its limit: device and figure.
+    /// Device and figure of everything beyond its limit.
     #[must_use]
     pub fn fails(&self) -> Vec<(&'static str, Measure)> {
         let mut fails = Vec::new();
@@ -136,7 +136,7 @@ pub fn cards(
     cards_of(&Played::as_tuned(mechanism, rate_hz), normals)
 }
 
-/// The same of any wall.
+/// The cards of any wall.
 fn cards_of(
     played: &Played,
     normals: &[NormalOfWall],
@@ -255,7 +255,7 @@ mod tests {
         holds(Mechanism::Cartesian, RATE_HZ, &NORMALS);
     }
 
-    /// Two settings serve the rates of the device.
+    /// Two settings cover the rates of the device.
     #[test]
     fn the_tuned_law_is_within_every_limit_at_other_rates() {
         for rate_hz in [1500, 2000, 4000] {
@@ -263,7 +263,7 @@ mod tests {
         }
     }
 
-    /// The setting for the mechanism's own mass and damping; the omega.3's is beyond its limits on the mechanism as it is.
+    /// The setting that was tuned for the delta; the omega.3's setting is beyond its limits on the nominal delta.
     #[test]
     fn a_delta_is_within_every_limit_by_a_law_of_its_own() {
         holds(Mechanism::Delta, RATE_HZ, &NORMALS[..4]);
@@ -279,7 +279,7 @@ mod tests {
         );
     }
 
-    /// What the estimator is there for: the same law on differences of counts is beyond its limits.
+    /// The purpose of the estimator: the same law on differences of counts is beyond its limits.
     #[test]
     fn on_measured_states_it_is_not() {
         let played = Played {

@@ -18,9 +18,9 @@ pub struct TunedWall {
     pub k_desired_n_per_m: f64,
     /// Slowest and fastest rate at which it is within its limits, Hz.
     pub rates_hz: (u32, u32),
-    /// The axis that it was tuned for, kg; half and double of it may have it.
+    /// Mass of the axis that it was tuned for, kg; an axis of half to double of it may use the wall.
     pub axis_kg: f64,
-    /// The damping that the law is told, N·s/m; an axis with half of it or more may have it.
+    /// Damping that the law counts on, N·s/m; an axis with half of it or more may use the wall.
     pub damping_n_s_per_m: f64,
     /// The damping that an axis may have at most, N·s/m.
     pub most_damping_n_s_per_m: f64,
@@ -48,7 +48,7 @@ pub struct TunedWall {
     pub estimator_kg: f64,
 }
 
-/// Seed 1, 2,358 settings looked at: 1e-4 kg·m² are 0.148 kg at 26.0 mm, and with it 25 N/mm are 16.89 N·m/rad, 2.5 N·s/m 1.689e-3 N·m·s/rad, 12 N 0.3119 N·m and
+/// Seed 1, 2,358 settings examined: 1e-4 kg·m² are 0.148 kg at 26.0 mm, and with it 25 N/mm are 16.89 N·m/rad, 2.5 N·s/m 1.689e-3 N·m·s/rad, 12 N 0.3119 N·m and
 /// 0.01 mm a count of 16,332 a turn; a press of 8 N, at 1 kHz.
 ///
 /// But for the estimator's delay: with the 0.7143 ms that were found every direction is within every limit but one, 0.16 mJ that a hand of 0.8 kg, heavier than the knob's, gets out of a
@@ -73,7 +73,7 @@ pub const OMEGA3_WALL: TunedWall = TunedWall {
     estimator_kg: 0.2133,
 };
 
-/// The same axis at 2 kHz (`--quick`, seed 1, 187 settings looked at). Within every limit from 2 to 4 kHz; at 1.5 kHz a device that is a whole tick late rings in it.
+/// The same axis at 2 kHz (`--quick`, seed 1, 187 settings examined). Within every limit from 2 to 4 kHz; at 1.5 kHz a device that is a whole tick late rings in it.
 pub const OMEGA3_FAST_WALL: TunedWall = TunedWall {
     rates_hz: (2000, 4000),
     k_soft: 20570.0,
@@ -114,7 +114,7 @@ pub const DELTA_WALL: TunedWall = TunedWall {
     estimator_kg: 0.187,
 };
 
-/// All.
+/// All tuned walls.
 pub const TUNED_WALLS: [TunedWall; 3] = [OMEGA3_WALL, OMEGA3_FAST_WALL, DELTA_WALL];
 
 impl TunedWall {
@@ -167,7 +167,7 @@ impl TunedWall {
         }
     }
 
-    /// What the law is told of every device: the one that it was tuned for.
+    /// The estimator's settings for every device: those of the axis that the wall was tuned for.
     #[must_use]
     pub fn estimator(&self) -> EstimatorSettings {
         let si = Si::saturating_from_num::<f64>;

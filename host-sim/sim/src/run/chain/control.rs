@@ -7,7 +7,7 @@ use crate::run::wall::{Inside, Wall};
 pub trait Control {
     /// Torque of the motor along `+x`, N·m, at a true angle, rad.
     fn torque_n_m(&mut self, angle_rad: f64) -> f64;
-    /// The same to the bit, with what a record wants to know.
+    /// Same as `torque`, bit for bit, with the details that a recording needs.
     fn answer(&mut self, angle_rad: f64) -> Answer;
     /// What became of the last torque, N·m along `+x`, where an effect changed it.
     fn commanded(&mut self, torque_n_m: f64);
@@ -22,16 +22,16 @@ pub struct Answer {
     pub torque_n_m: f64,
     /// Force of the law, out of the wall, N·m.
     pub force_n_m: f64,
-    /// Penetration that the law was told, rad.
+    /// Penetration that the law got, rad.
     pub told_rad: f64,
     /// The law's inside after the tick.
     pub inside: Inside,
 }
 
-/// The innermost part: a law that is told the angle by a sensor. An ideal motor plays its force.
+/// The innermost part: a law that gets the angle from a sensor. An ideal motor plays its force.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampled<S, W> {
-    /// What tells the law the angle.
+    /// The sensor that gives the law the angle.
     pub sensor: S,
     /// The law at its surface.
     pub wall: W,

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use touchstone_world::plant::{Kinematics, Stepper};
 
-/// What one tick did at the wall's port and in the device.
+/// Energies of one tick at the wall's port and in the device.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Flow {
     /// Torque of the motor along `+x`, its mean over the tick, N·m.
@@ -12,19 +12,19 @@ pub struct Flow {
     pub motor_j: f64,
     /// Dissipated in the device, J.
     pub device_loss_j: f64,
-    /// Gained by the device otherwise than by the motion of its whole inertia, J: by springs, gravity and magnets in it.
+    /// Energy that springs, gravity and magnets in the device stored, J; the motion of its inertia is not included.
     pub stored_j: f64,
 }
 
 /// Carries a command through whatever lies before the plant, and the plant over one tick.
 pub trait Crossing {
-    /// What a tick changes in the plant.
+    /// The state of the plant.
     type State: Kinematics;
 
     /// Crosses one tick.
     fn cross(&mut self, state: &mut Self::State, torque_n_m: f64, rest_rad: f64);
 
-    /// The same to the bit; says what it did.
+    /// Same as `cross`, bit for bit; returns the energies.
     fn cross_with_flow(&mut self, state: &mut Self::State, torque_n_m: f64, rest_rad: f64) -> Flow;
 
     /// Where the device was when the torque changed in the last tick, rad, if the law's side wants to know.
@@ -71,7 +71,7 @@ impl<S: Stepper> Crossing for Prompt<S> {
     }
 }
 
-/// Whatever else a scene names between torque and plant is reached by an indirect call, so that the loop is not compiled anew
+/// Every other effect between torque and plant is reached by an indirect call, so that the loop is not compiled again
 /// for it.
 impl<S: Kinematics> Crossing for Box<dyn Crossing<State = S>> {
     type State = S;
@@ -101,7 +101,7 @@ pub struct Delayed<S> {
     after: S,
     /// Commands on their way, the oldest first; the first of them acts now.
     queue: VecDeque<f64>,
-    /// Where the device was when the torque changed, rad, if that is asked for.
+    /// Where the device was when the torque changed, rad, if that is measured.
     changed_at_rad: Option<f64>,
 }
 
@@ -117,7 +117,7 @@ impl<S: Stepper> Delayed<S> {
         }
     }
 
-    /// The same, and where the device is when the torque changes is measured.
+    /// A crossing that also measures the device's position when the torque changes.
     #[must_use]
     pub fn measured(self, start_rad: f64) -> Self {
         Self {

@@ -14,7 +14,7 @@ const DOUBLINGS: u32 = 10;
 /// Every tick comes late by up to `jitter`, and every command later than its delay by up to `spread`, each equally likely anywhere
 /// in between, to the nearest part of a period. Commands keep their order.
 ///
-/// A tick is the time from one sample to the next, so it is longer or shorter than a period; records give the time at which it
+/// A tick is the time from one sample to the next, so it is longer or shorter than a period. Records give the time at which it
 /// should have been, and the hand's rest point is that of the same time.
 #[derive(Debug, Clone)]
 pub struct Irregular<S> {
@@ -48,7 +48,7 @@ impl<S: Stepper> Irregular<S> {
     /// Prepares steps; `plant` makes a stepper for an interval, s.
     ///
     /// # Errors
-    /// Whatever `plant` refuses.
+    /// Settings that `plant` refuses.
     pub fn new<E>(
         plant: impl Fn(f64) -> Result<S, E>,
         period_s: f64,
@@ -76,7 +76,7 @@ impl<S: Stepper> Irregular<S> {
         })
     }
 
-    /// The same, and where the device is when the torque changes is measured.
+    /// A crossing that also measures the device's position when the torque changes.
     #[must_use]
     pub fn measured(self, start_rad: f64) -> Self {
         Self {
@@ -85,7 +85,7 @@ impl<S: Stepper> Irregular<S> {
         }
     }
 
-    /// So many parts at random, 0 to `most`.
+    /// A random number of parts, 0 to `most`.
     fn drawn(stream: &mut Stream, most: u64) -> u64 {
         (stream.uniform() * (most + 1) as f64) as u64
     }

@@ -14,7 +14,7 @@ pub struct Lossy {
 }
 
 impl Lossy {
-    /// Loses a share of the ticks, each by itself.
+    /// Loses a share of the ticks, independently of each other.
     #[must_use]
     pub fn around(inner: Box<dyn Control>, share: f64, stream: Stream) -> Box<dyn Control> {
         Box::new(Self {

@@ -1,9 +1,9 @@
-//! Errors of sensors: white noise, an error that comes back every turn, what a current sensor makes of the torque.
+//! Errors of sensors: white noise, an error that repeats every turn, and the error of a current sensor.
 
 use super::stage::Stage;
 
-/// Numbers without an order that anybody could see, by seed and by what they are for: a stream that a scene does not ask for takes
-/// nothing from the others. The same on every machine.
+/// A stream of random numbers, by seed and purpose: a stream that a scene does not use takes nothing from the others.
+/// The same on every machine.
 ///
 /// Steele, Lea and Flood's SplitMix64 (OOPSLA 2014): a counter, and a function that mixes its bits.
 #[derive(Debug, Clone, Copy)]
@@ -12,7 +12,7 @@ pub struct Stream {
     spare: Option<f64>,
 }
 
-/// What a stream is for.
+/// Purpose of a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Channel {
     /// Noise of the position sensor.
@@ -45,7 +45,7 @@ impl Stream {
         }
     }
 
-    /// From 0 to below 1, each of the `2^53` equally likely.
+    /// A random number from 0 to below 1, each of `2^53` values equally likely.
     #[inline(always)]
     pub fn uniform(&mut self) -> f64 {
         self.counter = self.counter.wrapping_add(GOLDEN);
@@ -86,7 +86,7 @@ impl Stage for Noisy {
 pub struct Eccentric {
     /// `A`, rad.
     pub amplitude_rad: f64,
-    /// `n`.
+    /// Periods in a turn: `n`.
     pub per_rev: f64,
     /// `phi`, rad.
     pub phase_rad: f64,

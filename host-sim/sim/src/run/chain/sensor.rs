@@ -2,13 +2,13 @@
 
 use crate::run::wall::Wall;
 
-/// Tells the law where the device is.
+/// Gives the law the device's position.
 pub trait Sensor {
     /// Lets the wall read the angle; gives its force, N·m out of the wall.
     fn read<W: Wall>(&self, wall: &mut W, angle_rad: f64) -> f64;
-    /// Tells the wall the angle at which the motor's torque changed.
+    /// Gives the wall the angle at which the motor's torque changed.
     fn tell_change<W: Wall>(&self, wall: &mut W, angle_rad: f64);
-    /// The penetration that the wall is told at an angle, rad.
+    /// The penetration that the wall gets at an angle, rad.
     fn told_rad(&self, angle_rad: f64) -> f64;
 }
 
@@ -35,7 +35,7 @@ impl Sensor for ExactAngle {
     }
 }
 
-/// The exact angle, told as it is and not from a surface: for several walls.
+/// The exact angle from zero, not from a surface, for scenes with several walls.
 #[derive(Debug, Clone, Copy)]
 pub struct ExactPlace {
     /// `x_s` of the first wall, rad, from which a record counts.
@@ -70,7 +70,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// With a count so wide, rad, before a surface.
+    /// A sensor with counts of this width, rad, and a surface.
     #[must_use]
     pub fn of(step_rad: f64, surface_rad: f64) -> Self {
         Self {

@@ -2,9 +2,9 @@
 
 use super::control::{Answer, Control};
 
-/// An effect between the world and what is inside of it: it changes the angle on its way in, the torque on its way out, or both.
+/// An effect around the law: it changes the angle on its way in, the torque on its way out, or both.
 pub trait Stage {
-    /// Whether the device knows what the stage makes of the torque: a limit it knows, an error of a sensor it does not.
+    /// Whether the device knows the changed torque: it knows a limit, but not an error of a sensor.
     const TOLD: bool = true;
 
     /// The angle that is passed on to the law's side, rad.
@@ -27,7 +27,7 @@ pub struct Staged<S> {
 }
 
 impl<S: Stage + 'static> Staged<S> {
-    /// Puts a stage around what there is so far.
+    /// Puts a stage around the present loop.
     #[must_use]
     pub fn around(inner: Box<dyn Control>, stage: S) -> Box<dyn Control> {
         Box::new(Self { stage, inner })
@@ -35,7 +35,7 @@ impl<S: Stage + 'static> Staged<S> {
 }
 
 impl<S: Stage> Staged<S> {
-    /// The torque after this stage; what is inside is told where that is another one.
+    /// The torque after this stage; if it differs, the inner stages learn of it.
     #[inline(always)]
     fn passed_on(&mut self, wanted_n_m: f64) -> f64 {
         let torque_n_m = self.stage.torque_n_m(wanted_n_m);
@@ -90,7 +90,7 @@ impl Stage for Limited {
     }
 }
 
-/// An amplifier's steps: the nearest of them.
+/// An amplifier with steps: the torque becomes the nearest step.
 #[derive(Debug, Clone, Copy)]
 pub struct Stepped {
     /// Step, N·m.

@@ -6,7 +6,7 @@ use touchstone_world::plant::Kinematics;
 
 use super::crossing::{Crossing, Flow};
 
-/// What a tick changes about the rest point of the hand, before plant and hand cross it.
+/// A change of the hand's rest point in a tick, before plant and hand cross it.
 pub trait Unsteady<S> {
     /// The rest point of this tick, rad.
     fn rest_rad(&mut self, state: &S, rest_rad: f64) -> f64;
@@ -19,7 +19,7 @@ pub struct Handled<S, U> {
 }
 
 impl<S: Kinematics + 'static, U: Unsteady<S> + 'static> Handled<S, U> {
-    /// Puts a hand's unsteadiness before what there is so far.
+    /// Puts a hand's unsteadiness before the present crossing.
     #[must_use]
     pub fn before(inner: Box<dyn Crossing<State = S>>, hand: U) -> Box<dyn Crossing<State = S>> {
         Box::new(Self { inner, hand })
@@ -44,7 +44,7 @@ impl<S: Kinematics, U: Unsteady<S>> Crossing for Handled<S, U> {
     }
 }
 
-/// Tremor: the rest point swings by itself.
+/// Tremor: the rest point swings.
 #[derive(Debug, Clone, Copy)]
 pub struct Tremor {
     /// Amplitude of the rest point, rad.
@@ -67,14 +67,14 @@ impl<S> Unsteady<S> for Tremor {
 /// hand's spring gives that torque: `k_h dr = -k_r (x_h - r)`, both of back then.
 #[derive(Debug, Clone)]
 pub struct Reflex {
-    /// `k_r/k_h`.
+    /// Gain: `k_r/k_h`.
     gain: f64,
     /// Stretches on their way, rad; the oldest first. At the start nothing was stretched.
     stretches: VecDeque<f64>,
 }
 
 impl Reflex {
-    /// After so many whole ticks.
+    /// A reaction after this many whole ticks.
     #[must_use]
     pub fn new(gain: f64, ticks: usize) -> Self {
         let mut stretches = VecDeque::with_capacity(ticks + 1);

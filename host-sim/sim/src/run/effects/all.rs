@@ -1,4 +1,4 @@
-//! The table made of its parts, and how to find one's way in it.
+//! The table of effects, joined from its parts, and searches in it.
 
 use super::{Effect, WORLD, touch};
 
@@ -16,7 +16,7 @@ const ALL: [Effect; WORLD.len() + touch::ROWS.len()] = {
     all
 };
 
-/// All effects, from the sensor to the hand; then what there is to touch, and how a damper comes to its velocity.
+/// All effects, from the sensor to the hand; then environments, and velocity filters.
 pub const EFFECTS: &[Effect] = &ALL;
 
 /// The effect of this name.
@@ -25,7 +25,7 @@ pub fn by_name(name: &str) -> Option<&'static Effect> {
     EFFECTS.iter().find(|effect| effect.name == name)
 }
 
-/// Whether two effects are two values of one thing, so that a scene has one of them at most.
+/// Whether two effects are two values of one setting, so that a scene can have only one of them.
 #[must_use]
 pub fn exclude_each_other(a: &Effect, b: &Effect) -> bool {
     let one_thing = |of: fn(&Effect) -> bool| of(a) && of(b);

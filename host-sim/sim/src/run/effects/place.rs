@@ -1,34 +1,34 @@
 //! Where in the loop effects stand.
 
-/// Where in the loop an effect stands, and with it what naming it costs at least.
+/// Place of an effect in the loop, which also decides its least cost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// The innermost part: how the law is told the angle.
+    /// The innermost part: the sensor that gives the law the angle.
     Sensor,
     /// A stage on the way of the angle to the law.
     Angle,
     /// A stage on the way of the torque to the motor.
     Torque,
-    /// Around the whole of the law's side.
+    /// The effect wraps the whole controller side.
     Law,
     /// Between torque and plant, and in time.
     Crossing,
-    /// In the exact step of the plant.
+    /// The effect is part of the plant's exact step.
     Exact,
     /// A linear state more in the exact step of a drive train.
     State,
-    /// At the shaft of a drive train, in substeps.
+    /// The effect acts at the shaft of a drive train, in substeps.
     Shaft,
     /// Between a motion and the hand.
     Hand,
-    /// Beside the wall, before its guard.
+    /// The effect acts in addition to the wall, before its guard.
     Environment,
-    /// In the law: what its damper takes for the velocity.
+    /// The effect is in the law: the velocity of its damper.
     Velocity,
 }
 
 impl Place {
-    /// In words.
+    /// The name in words.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {

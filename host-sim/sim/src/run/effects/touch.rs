@@ -1,4 +1,4 @@
-//! The rows of what there is to touch beside the wall, and of how a damper comes to its velocity.
+//! The rows of things to touch in addition to the wall, and of how a damper comes to its velocity.
 
 use super::{Effect, Place};
 use crate::scene::{DetentRing, Endstops, Environment, FurtherWall, Scene};
@@ -12,7 +12,7 @@ fn of_environment(scene: &Scene, has: impl Fn(&Environment) -> bool) -> bool {
     scene.environment.as_ref().is_some_and(has)
 }
 
-/// Without what was taken out of it; nothing where nothing is left.
+/// Removes a part of the environment, and the whole environment if it is then empty.
 fn rid(scene: &mut Scene, take: impl Fn(&mut Environment)) {
     if let Some(environment) = &mut scene.environment {
         take(environment);
@@ -40,7 +40,7 @@ fn as_told(scene: &mut Scene) {
     scene.law.velocity.from = VelocityKind::Told;
 }
 
-/// Of a velocity, which has no magnitude of its own.
+/// The row of a velocity filter, which has no magnitude.
 const fn velocity(
     name: &'static str,
     typical: &'static str,

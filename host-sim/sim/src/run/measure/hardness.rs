@@ -17,12 +17,12 @@ pub struct RateHardness {
     f: f64,
     xx: f64,
     xf: f64,
-    /// Where the first force met the device: sums around it do not cancel.
+    /// Angle of the first contact; sums are taken around it to avoid cancellation.
     origin_rad: f64,
 }
 
 impl RateHardness {
-    /// For a period of the ticks, s.
+    /// A measure for ticks of this period, s.
     #[must_use]
     pub fn new(period_s: f64) -> Self {
         Self {
@@ -38,8 +38,9 @@ impl RateHardness {
         }
     }
 
-    /// Takes a tick: true penetration at its sample, rad, and the force that was held over it, N·m out of the wall. So what a hold
-    /// lags by itself is not taken for hardness: in a motion that slows down every lag makes the slope steeper.
+    /// Takes a tick: true penetration at its sample, rad, and the force that was held over it, N·m out of the wall. In
+    /// a motion that slows down, any lag of the force makes the slope steeper. Pairing sample and held force keeps the
+    /// hold's own lag out of the measure.
     pub fn record(&mut self, penetration_rad: f64, force_n_m: f64) {
         let touched = self.n > 0.0;
         if self.over || (!touched && force_n_m <= 0.0) {

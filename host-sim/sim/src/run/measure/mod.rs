@@ -1,7 +1,7 @@
-//! What a hand feels of a wall, in numbers; one measure a file, each fed tick by tick.
+//! Measures of what a hand feels of a wall; one measure a file, each fed tick by tick.
 //!
-//! All of them take the true motion and the motor's true force (after limits, steps and delay), never what the law was told: a
-//! measure that is regressed on the law's own input cannot say that the law is wrong.
+//! All of them use the true motion and the motor's true force (after limits, steps and delay), never the law's own
+//! input: a measure against that input could not show that the law is wrong.
 
 mod hardness;
 mod penetration;

@@ -12,8 +12,8 @@ impl PeakPenetration {
         self.peak_rad = self.peak_rad.max(penetration_rad);
     }
 
-    /// Peak over what the push would reach at rest in a spring of the desired stiffness, `F/k_de`; 1 where nothing overshoots
-    /// and the wall is as stiff as it should be.
+    /// Peak penetration over the one that the push would reach at rest in a spring of the desired stiffness, `F/k_de`.
+    /// It is 1 where nothing overshoots and the wall is as stiff as wanted.
     #[must_use]
     pub fn ratio(&self, push_n_m: f64, k_desired: f64) -> f64 {
         self.peak_rad * k_desired / push_n_m

@@ -9,7 +9,7 @@ pub struct Release {
 }
 
 impl Release {
-    /// From this tick on.
+    /// Measures from this tick on.
     #[must_use]
     pub fn new(from: u64) -> Self {
         Self {
@@ -33,7 +33,7 @@ impl Release {
         self.speed_rad_per_s
     }
 
-    /// Largest distance outside the surface, rad. The hand's own rest outside is part of it.
+    /// Largest distance outside the surface, rad. It includes the hand's own rest point outside.
     #[must_use]
     pub fn excursion_rad(&self) -> f64 {
         self.excursion_rad

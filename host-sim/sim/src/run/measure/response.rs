@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 /// A motion in a steady rhythm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wiggle {
-    /// Its frequency, Hz.
+    /// Frequency of the motion, Hz.
     pub frequency_hz: f64,
     /// First tick and the one past the last of whole periods at full amplitude.
     pub window: (u64, u64),
@@ -15,7 +15,7 @@ pub struct Wiggle {
 /// `F/x` at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DynamicStiffness {
-    /// Hz.
+    /// Frequency, Hz.
     pub frequency_hz: f64,
     /// Amplitude of the force over that of the penetration, N·m/rad.
     pub modulus_n_m_per_rad: f64,
@@ -23,7 +23,7 @@ pub struct DynamicStiffness {
     pub phase_deg: f64,
 }
 
-/// What a signal adds to a fit of mean, cosine and sine.
+/// Sums of a signal for a fit of mean, cosine and sine.
 #[derive(Debug, Clone, Copy, Default)]
 struct Signal {
     sum: f64,
@@ -56,7 +56,7 @@ pub struct Response {
 }
 
 impl Response {
-    /// For a motion and a period of the ticks, s.
+    /// A measure for a motion and ticks of this period, s.
     #[must_use]
     pub fn new(wiggle: Wiggle, period_s: f64) -> Self {
         Self {

@@ -72,7 +72,7 @@ pub struct Ripple {
 }
 
 impl Ripple {
-    /// Over the ticks from the first to before the second of `window`.
+    /// Measures over the ticks of `window`, without its end.
     #[must_use]
     pub fn new(window: (u64, u64), rate_hz: f64) -> Self {
         Self {
@@ -101,7 +101,7 @@ impl Ripple {
         self.steps.rms()
     }
 
-    /// Root mean square of what is above [`HIGH_PASS_HZ`], N·m; `None` also where the rate is below four times that.
+    /// Root mean square of the part above [`HIGH_PASS_HZ`], N·m; `None` also where the rate is below four times that.
     #[must_use]
     pub fn above_50_hz_rms_n_m(&self) -> Option<f64> {
         self.high.rms()

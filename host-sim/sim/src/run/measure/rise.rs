@@ -25,7 +25,7 @@ pub struct ContactRise {
 }
 
 impl ContactRise {
-    /// For a period of the ticks, s.
+    /// A measure for ticks of this period, s.
     #[must_use]
     pub fn new(period_s: f64) -> Self {
         let change = (CHANGE_S / period_s).round().max(1.0) as usize;

@@ -14,12 +14,12 @@ pub struct Settle {
     settled: u64,
 }
 
-/// When a press had settled, in ticks.
+/// Ticks until a press had settled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settled {
-    /// From the first touch.
+    /// Ticks from the first touch.
     pub from_first_touch: u64,
-    /// From the end of the press' ramp; 0 where the press had settled before.
+    /// Ticks from the end of the press' ramp; 0 if the press had settled before.
     pub from_ramp_end: u64,
 }
 

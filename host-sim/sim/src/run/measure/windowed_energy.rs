@@ -1,9 +1,10 @@
 //! The most energy that a port gives in any window of time.
 
-/// The largest fall of an energy below what it was at any time before.
+/// The largest fall of an energy below an earlier value.
 ///
-/// Counted from the start only, what was put in early hides what is given away late; a window may begin and end anywhere.
-/// A spring gives back what was stored in it, so even a passive wall has a value here: that of its deepest press.
+/// A sum from the start would let energy that was put in early hide energy that is given away late; here a window may
+/// begin and end anywhere. A spring gives back what it stored, so even a passive wall has a value: that of its deepest
+/// press.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct WorstWindow {
     highest_j: f64,

@@ -2,8 +2,8 @@
 
 use super::Recording;
 
-/// Samples, each of which holds until the next: what the hand's rest point does in the loop. Nothing is placed, smoothed or put
-/// in between, so that what was recorded tick by tick comes back to the bit.
+/// Samples, each of which holds until the next, as the hand's rest point does in the loop. Nothing is moved, smoothed
+/// or interpolated, so that a recording tick by tick comes back bit for bit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Held {
     times_s: Vec<f64>,

@@ -116,7 +116,7 @@ impl RestPath {
         }
     }
 
-    /// The rest point of a motion that is none, rad: it stays there.
+    /// The rest point of a hand without a motion, rad: it stays there.
     pub fn still_rad(&self) -> Option<f64> {
         match self.shape {
             Shape::Still(angle) => Some(angle),
@@ -124,7 +124,7 @@ impl RestPath {
         }
     }
 
-    /// What was chosen for a recording, in one line for people; `None` for the other motions.
+    /// The choices made for a recording, in one line for people; `None` for other motions.
     pub fn note(&self) -> Option<&str> {
         self.note.as_deref()
     }

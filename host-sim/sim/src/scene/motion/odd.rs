@@ -1,17 +1,18 @@
-//! What is odd about a recording, each told by the number that gave it away.
+//! Oddities of a recording, each with the number that shows it.
 
 use super::recording::Recording;
 use std::f64::consts::TAU;
 
 /// Faster than a hand turns a knob, rad/s: a wrist reaches some 25.
 const FASTEST_RAD_PER_S: f64 = 60.0;
-/// A speed is one over at least this time, so that a sensor's step between two close samples is none, s.
+/// Least time over which a speed is taken, so that a sensor's step between two close samples does not count as a
+/// motion, s.
 const OVER_S: f64 = 5e-3;
-/// A gap is longer than this, s: a hand does much in it that the curve does not know.
+/// Least length of a gap, s: in it a hand does much that the curve does not have.
 const GAP_S: f64 = 0.1;
 
 impl Recording {
-    /// Notes, none for a recording as it should be.
+    /// Notes on oddities of a recording; empty for a good one.
     #[must_use]
     pub fn odd(&self) -> Vec<String> {
         [self.gap(), self.bursts(), self.wraps(), self.speed()]

@@ -28,7 +28,7 @@ pub(super) struct Press {
     wiggle_hz: f64,
 }
 
-/// Below this stiffness a wall is none: a newton metre would take a million radians, N·m/rad.
+/// Below this stiffness there is no wall: a newton metre would take a million radians, N·m/rad.
 const LEAST_STIFFNESS: f64 = 1e-6;
 
 /// Rest point's shift for one newton metre of static torque against a wall that displays its desired stiffness,

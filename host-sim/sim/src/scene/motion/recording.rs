@@ -33,7 +33,7 @@ const LARGEST_RAD: f64 = 1e6;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     file: PathBuf,
-    /// Column of the angle, as it is named in the file.
+    /// Name of the angle's column in the file.
     angle: String,
     times_s: Vec<f64>,
     angles_rad: Vec<f64>,
@@ -88,7 +88,7 @@ impl Recording {
     /// Reads a recording from text; `file` is its name in messages.
     ///
     /// # Errors
-    /// As [`Recording::read`].
+    /// Same as [`Recording::read`].
     pub fn parse(text: &str, file: &Path) -> Result<Recording> {
         let error = |line: usize, field: &str, problem: String, fix: &str| Error::File {
             file: file.to_owned(),
@@ -295,7 +295,7 @@ impl Recording {
         Curve::smooth(&self.times_s, &rest)
     }
 
-    /// What was chosen, in one line.
+    /// The choices for this recording, in one line.
     pub(super) fn note(&self, surface_rad: f64, spec: &Recorded, curve: &Curve) -> String {
         let (low, high) = curve.range();
         let odd: String = self.odd().iter().map(|odd| format!("; {odd}")).collect();
@@ -351,7 +351,7 @@ fn own_angle(header: &csv::StringRecord) -> Option<Column> {
     })
 }
 
-/// What a column of times begins with.
+/// Beginnings of the names of columns of time.
 const TIMES: [&str; 7] = [
     "time",
     "t",
@@ -362,7 +362,7 @@ const TIMES: [&str; 7] = [
     "clock",
 ];
 
-/// Units as they are written out.
+/// Units written as words.
 const WORDS: [(&str, &str); 15] = [
     ("sec", "s"),
     ("secs", "s"),

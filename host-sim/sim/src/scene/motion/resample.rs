@@ -2,7 +2,7 @@
 //!
 //! Two steps. Between the samples a monotone cubic (PCHIP: Fritsch and Carlson, with the harmonic mean of the
 //! neighbouring slopes): it passes through every sample, its slope is continuous, and it never leaves the range of
-//! its two neighbours; a natural spline or a windowed sinc would ring on every step of the sensor. Then a Gaussian
+//! its two neighbours. A natural spline or a windowed sinc would ring on every step of the sensor. Then a Gaussian
 //! low-pass: the sensor's steps are no motion, and as voluntary motion ends near 10 Hz nothing is lost above 20 Hz.
 //! The Gaussian's weights are all positive, so it cannot ring nor overshoot either, it has no delay, and it is the
 //! anti-alias filter where the recording is faster than the control rate.
@@ -18,13 +18,14 @@ const STEP_S: f64 = 1e-3;
 /// Most steps of a curve: an hour in milliseconds, 29 MB.
 pub(super) const MOST_STEPS: f64 = 3.6e6;
 
-/// Finest step, s: what a recording has above its half is no hand, and the low-pass costs the square of its inverse.
+/// Finest step, s. Above half its rate a recording has no motion of a hand, and the low-pass costs the square of the
+/// step's inverse.
 const FINEST_S: f64 = 1e-4;
 
 /// Steps of a curve that is smoothed in steps of less than [`STEP_S`].
 const MOST_FINE_STEPS: f64 = 6e5;
 
-/// Step for a recording of this length with so many samples, s: the mean interval, as samples may come in bursts.
+/// Step for a recording of this length with this many samples, s: the mean interval, as samples may come in bursts.
 pub(super) fn step_s(length_s: f64, samples: usize) -> f64 {
     let mean_s = length_s / samples.saturating_sub(1).max(1) as f64;
     mean_s

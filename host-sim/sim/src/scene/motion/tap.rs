@@ -39,9 +39,8 @@ pub(super) struct TapPath {
     rest: [Complex<f64>; 4],
     /// Time constant of the pad, damping over stiffness, s.
     pad_s: f64,
-    /// What the harmonics, which suppose that taps follow each other for ever, leave in the pad at the start of each,
-    /// as rest point. It dies away with the pad's time constant; it is taken off at the start and put back at the
-    /// end.
+    /// The rest point's remainder at the start of each tap, since the harmonics assume that taps follow each other for
+    /// ever. It dies away with the pad's time constant. It is subtracted at the start and added back at the end.
     left_over: f64,
 }
 

@@ -6,7 +6,7 @@ use super::{Field, field, number};
 use touchstone_control::Choice as _;
 use touchstone_control::environment::Side;
 
-/// As the wall's own.
+/// Range of a wall's stiffness, that of `[wall]`.
 const STIFFNESS: super::Range = Within(0.0, 500_000.0);
 
 /// The fields of a further wall.

@@ -302,7 +302,7 @@ const NUMBER: &[Field] = &[field(
     "the number format that the law computes in",
 )];
 
-/// Of the law's table: its rows as fields, and all fields in their order.
+/// Makes fields from the rows of the law's table, and joins all fields in their order.
 macro_rules! table {
     (
         timing { $($timing:tt)* } wall { $($wall:tt)* } law { $($law:tt)* }

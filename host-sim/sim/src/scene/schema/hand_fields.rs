@@ -1,4 +1,4 @@
-//! The fields of the operator: hand, what it does by itself, motion.
+//! The fields of the operator: the hand, its unsteadiness, its motion.
 
 use super::Kind::{Choice, Flag, Text};
 use super::Range::{Any, AtLeast, NotNegative, NotZero, Positive, UpTo, Within};

@@ -1,7 +1,7 @@
 //! Every field of a scene in one table: name, unit, range and meaning.
 //!
 //! Parsing, `--set`, error messages and printing all read this table, so a field that is added to the types in this
-//! module needs one entry in `schema/fields.rs`; a test compares the two. The law's fields are those of
+//! module needs one entry in `schema/fields.rs`. A test compares the two. The law's fields are those of
 //! [`touchstone_control::law_settings`].
 
 mod environment_fields;
@@ -12,7 +12,7 @@ pub use fields::FIELDS;
 pub(crate) use fields::OPTIONAL_TABLES;
 pub(crate) use hand_fields::MOTION_KIND;
 
-/// What a field may hold.
+/// The values that a field may have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
     /// Any text.
@@ -88,11 +88,11 @@ pub struct Field {
     pub path: &'static str,
     /// Suffix of its unit; empty where it has none.
     pub unit: &'static str,
-    /// What it may hold.
+    /// The values that the setting may hold.
     pub kind: Kind,
-    /// What it is, to stand after "give".
+    /// Description that can stand after "give".
     pub about: &'static str,
-    /// What it means not to set it; `None` where it has a default value.
+    /// The meaning of leaving it out; `None` if it has a default value.
     pub absent: Option<&'static str>,
     /// Motions that have it; empty outside `[operator.motion]`.
     pub motions: &'static [&'static str],

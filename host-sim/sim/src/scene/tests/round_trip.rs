@@ -382,7 +382,7 @@ fn shipped_scenes_are_what_their_names_say() {
     );
 }
 
-/// What a person writes of a setting of the law means the same in a scene and on a device, to the bit.
+/// A setting of the law in a user's words means the same in a scene and on a device, bit for bit.
 #[test]
 fn a_setting_means_the_same_in_a_scene_and_on_a_device() {
     use touchstone_control::{Field, PositionSettings, Settings};

@@ -7,8 +7,8 @@
 //! M = m 1 + I slopesᵀ slopes        c: the joints' accelerations of an effector that goes straight on
 //! ```
 //!
-//! These are Lagrange's equations of `m v²/2 + Σ I (dθ/dt)²/2`, without gravity, as if it were compensated. They have no closed solution: an interval is
-//! crossed by the classical method of Runge and Kutta in substeps, and work and losses are integrated with it, so that the books say
+//! These are Lagrange's equations of `m v²/2 + Σ I (dθ/dt)²/2`, without gravity, as if it were compensated. They have no closed solution. An interval is
+//! crossed by the classical method of Runge and Kutta in substeps, and work and losses are integrated with it, so that the energy balance says
 //! what the method leaves out.
 
 use super::geometry::{DeltaGeometry, DeltaPose, FALCON_GEOMETRY, Unreachable};
@@ -61,7 +61,7 @@ pub const FALCON: DeltaDevice = DeltaDevice {
     count_rad: std::f64::consts::TAU / 1280.0 * 14.25 / 110.0,
 };
 
-/// Of a forearm's mass, what moves with its elbow.
+/// Share of a forearm's mass that moves with its elbow.
 const WITH_ELBOW: f64 = 2.0 / 3.0;
 
 impl DeltaDevice {
@@ -86,7 +86,7 @@ impl DeltaDevice {
             + pose.slopes.tr_mul(&pose.slopes) * self.joint_inertia_kg_m2()
     }
 
-    /// What the motors' friction holds against a motion, N·s/m.
+    /// Damping of the effector by the motors' friction, N·s/m.
     #[must_use]
     pub fn damping_n_s_per_m(&self, pose: &DeltaPose) -> Matrix3<f64> {
         pose.slopes.tr_mul(&pose.slopes) * self.joint_damping
@@ -106,7 +106,7 @@ impl DeltaDevice {
     /// Where the encoders say that the effector is: of joints in whole counts.
     ///
     /// # Errors
-    /// Counts without a place.
+    /// Counts that belong to no position.
     pub fn measured(&self, pose: &DeltaPose) -> Result<DeltaPose, Unreachable> {
         let counted = pose
             .joints_rad
@@ -130,16 +130,16 @@ impl DeltaDevice {
 pub struct DeltaState {
     /// Place of the effector, m.
     pub place_m: Vector3<f64>,
-    /// Its velocity, m/s.
+    /// Velocity of the effector, m/s.
     pub velocity: Vector3<f64>,
     /// Place of the hand's mass, m.
     pub hand_m: Vector3<f64>,
-    /// Its velocity, m/s.
+    /// Velocity of the hand, m/s.
     pub hand_velocity: Vector3<f64>,
 }
 
 impl DeltaState {
-    /// At rest at a place, the hand with it.
+    /// Effector and hand at rest at a place.
     #[must_use]
     pub fn at_rest(place_m: [f64; 3]) -> Self {
         let place_m = Vector3::from(place_m);
@@ -155,12 +155,12 @@ impl DeltaState {
 /// Twelve numbers of a state, then work of the motors and losses of device and hand.
 type Entries = SVector<f64, 15>;
 
-/// What a step came to, J.
+/// Energies of a step, J.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DeltaWork {
     /// Work of the motors.
     pub motors_j: f64,
-    /// What was dissipated.
+    /// Dissipated energy.
     pub loss: Loss,
 }
 
@@ -177,10 +177,10 @@ pub struct DeltaPlant {
 const SUBSTEP_S: f64 = 1.25e-4;
 
 impl DeltaPlant {
-    /// In a hand, or alone.
+    /// A delta with a hand, or without.
     ///
     /// # Errors
-    /// [`Invalid`] for what no device or hand can have.
+    /// [`Invalid`] for an impossible device or hand.
     pub fn new(
         device: &DeltaDevice,
         hand: Option<&Hand>,
@@ -199,7 +199,7 @@ impl DeltaPlant {
         })
     }
 
-    /// In so many substeps instead.
+    /// The same plant with this many substeps.
     #[must_use]
     pub fn in_substeps(mut self, substeps: u32) -> Self {
         self.substeps = substeps.max(1);

@@ -24,7 +24,7 @@ pub struct DeltaGeometry {
     pub ends_m: f64,
     /// From the base's centre to each motor's axis, less that from the effector's centre to its joints, m.
     pub reach_m: f64,
-    /// What the legs' joints at the effector lie beside those at the base, m.
+    /// Sideways distance of the legs' joints at the effector from those at the base, m.
     pub aside_m: f64,
     /// Directions of the legs around the vertical, rad.
     pub legs_rad: [f64; 3],
@@ -84,7 +84,7 @@ pub struct DeltaPose {
     pub joints_rad: Vector3<f64>,
     /// Radians of each joint per metre: `dθ = slopes · dx`, and by the power that both have in common `F = slopesᵀ τ`.
     pub slopes: Matrix3<f64>,
-    /// Of each leg: `X`, `W`, `v`, `sqrt(b² - v²)`, `L`, and what turns the arm.
+    /// For each leg: `X`, `W`, `v`, `sqrt(b² - v²)`, `L`, and the arm's turn.
     legs: [Leg; 3],
 }
 
@@ -110,7 +110,7 @@ impl DeltaGeometry {
     /// The joints of a place.
     ///
     /// # Errors
-    /// It cannot be reached, or is so close to a singular place that forces and torques have no common measure.
+    /// The position cannot be reached, or is too close to a singular one.
     pub fn pose(&self, place_m: Vector3<f64>) -> Result<DeltaPose, Unreachable> {
         let mut joints_rad = Vector3::zeros();
         let mut slopes = Matrix3::zeros();
@@ -174,7 +174,7 @@ impl DeltaGeometry {
     /// The place of joint angles, by Newton's method from a place nearby.
     ///
     /// # Errors
-    /// There is none, or none that can be used.
+    /// There is no such position, or it cannot be used.
     pub fn place(
         &self,
         joints_rad: Vector3<f64>,

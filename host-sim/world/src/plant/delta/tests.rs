@@ -29,7 +29,7 @@ fn joints_and_back_are_the_place() {
     assert!(worst < 1e-13, "{worst}");
 }
 
-/// Forearms are as long as they are, worked out by hand from the joints.
+/// The forearms keep their length; computed independently from the joints.
 #[test]
 fn the_loops_are_closed() {
     let geometry = FALCON.geometry;
@@ -68,7 +68,7 @@ fn slopes_and_curvature_are_derivatives() {
     assert!(first < 1e-6 && second < 1e-3, "{first} {second}");
 }
 
-/// What the motors give is what the effector gets: F·v = τ·dθ/dt.
+/// The motors' power equals the effector's: F·v = τ·dθ/dt.
 #[test]
 fn power_is_the_same_on_both_sides() {
     for (i, place) in places().enumerate() {

@@ -9,7 +9,7 @@ use crate::plant::taylor::{RECIPROCAL, Series, TERMS};
 /// Stops and starts that are followed within one tick. A plant with sensible numbers has one or two.
 const MAX_EVENTS: u32 = 8;
 
-/// What the device is doing between two events.
+/// The device's motion between two events.
 #[derive(Clone, Copy)]
 pub(super) enum Mode {
     /// Turning in the direction of this sign.
@@ -139,7 +139,7 @@ impl HeldCoulomb {
                 };
                 let acceleration = (held + pad - device.damping * v) / device.inertia;
                 piece.v.0[k + 1] = step * acceleration;
-                // From rest a device only ever sets off along the torque that moved it: at break-away with equal levels
+                // From rest a device only ever sets off along the torque that moved it. At break-away with equal levels
                 // of friction the net torque is zero, and rounding must not turn it round.
                 if k == 0 && v == 0.0 && sign * acceleration < 0.0 {
                     piece.v.0[1] = 0.0;

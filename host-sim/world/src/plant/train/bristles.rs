@@ -5,7 +5,7 @@ use super::friction::{LuGre, level};
 /// Advances the bristles; gives their mean torque against the positive direction, N·m.
 ///
 /// With the rate `a = s0 |v|/g` frozen, `z' = v - a z` is solved exactly for the substep's mean velocity, and the torque is found
-/// together with that velocity: stiff bristles and fast sliding need no short substeps to be stable. The rate is that of the mean
+/// together with that velocity. Stiff bristles and fast sliding need no short substeps to be stable. The rate is that of the mean
 /// velocity, of which a first pass with the velocity at the start gives the value.
 #[inline(always)]
 pub(super) fn advance(

@@ -27,17 +27,17 @@ pub struct LuGre {
 /// Friction at the shaft.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Friction {
-    /// None.
+    /// No friction.
     #[default]
     None,
     /// Set-valued at rest; in motion `kinetic + (breakaway - kinetic) exp(-(v/stribeck)^2)`, or `kinetic` alone.
     Dry {
-        /// For positive and for negative motion.
+        /// Levels for positive and for negative motion.
         directions: [Sliding; 2],
         /// Stribeck's velocity, rad/s; absent: the break-away torque is for rest alone.
         stribeck: Option<f64>,
     },
-    /// By bristles.
+    /// Friction modelled by bristles.
     Bristles(LuGre),
 }
 

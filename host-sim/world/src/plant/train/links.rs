@@ -74,7 +74,7 @@ pub struct Links {
     pub current: Option<Current>,
     /// Absent: knob and motor are one.
     pub transmission: Option<Transmission>,
-    /// Absent: nobody holds the knob.
+    /// The hand; `None` without one.
     pub hand: Option<Hand>,
 }
 

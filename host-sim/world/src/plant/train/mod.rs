@@ -47,8 +47,8 @@ pub struct DriveTrain<const N: usize, const K: usize> {
 }
 
 impl<const N: usize, const K: usize> DriveTrain<N, K> {
-    /// Prepares intervals of `interval_s` seconds (zero or more) in so many substeps; one is enough for a train without torques that
-    /// are not linear, and is what such a train gets.
+    /// Prepares intervals of `interval_s` seconds (zero or more) in a number of substeps. A train without torques that
+    /// are not linear needs one, and gets one.
     ///
     /// # Errors
     /// [`Invalid`] when something is out of range, or when the links do not have `N` states.
@@ -82,8 +82,8 @@ impl<const N: usize, const K: usize> DriveTrain<N, K> {
         })
     }
 
-    /// What the motion depends on: the state with angles counted from the device's own, so that turning the whole scene changes
-    /// nothing, and what is held.
+    /// The drive: the state with angles relative to the device's own, so that turning the whole scene changes nothing,
+    /// and the held inputs.
     #[inline(always)]
     fn drive(&self, z: &[f64; N], torque: f64, rest: f64) -> [f64; K] {
         let x = z[0];

@@ -15,23 +15,23 @@ pub struct Harmonic {
 }
 
 impl Harmonic {
-    /// Its torque at an angle, N·m along the positive direction.
+    /// The cogging torque at an angle, N·m along the positive direction.
     #[inline(always)]
     #[must_use]
     pub fn torque(&self, angle: f64) -> f64 {
         -self.amplitude * libm::sin(self.per_rev * angle + self.phase)
     }
 
-    /// Its potential, J.
+    /// The cogging's potential, J.
     fn potential_j(&self, angle: f64) -> f64 {
         -self.amplitude / self.per_rev * libm::cos(self.per_rev * angle + self.phase)
     }
 }
 
-/// What acts at the shaft.
+/// Torques at the shaft that are not linear.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Shaft {
-    /// Its friction.
+    /// Friction of the shaft.
     pub friction: Friction,
     /// Torques that go with its angle.
     pub harmonics: Vec<Harmonic>,

@@ -1,4 +1,5 @@
-//! Recordings as people have them: what must read the same, what is refused by its line, what is noted by its number.
+//! Recordings as people have them: which must read the same, which are refused with their line, which are noted with
+//! their number.
 
 use std::fmt::Write as _;
 use std::path::Path;
