@@ -16,8 +16,8 @@ pub const SPACE: u64 = 2_620;
 pub const LAW: u64 = 850;
 
 /// The control interrupt, in any state and with any fault. 20.6 us: with the current loop twice on top 32 of a period's 100 us at the
-/// fastest rate, 10 kHz. Two frames of an encoder on a bus are some 900 of it, spent waiting. 3,400 is aimed at, and what it takes here:
-/// another compiler may take some more.
+/// fastest rate, 10 kHz. While the frames of an encoder are on the bus the last tick's record is kept and sent. 3,400 is aimed
+/// at, and 3,484 what it takes here: another compiler may take some more.
 pub const CONTROL: u64 = 3_500;
 
 /// How much of the processor control interrupt and current loop may take at 10 kHz, every run the worst, %: with wait states for all that

@@ -167,8 +167,8 @@ impl Device {
 
     /// The last tick's record.
     #[must_use]
-    pub const fn record(&self) -> Record {
-        self.memory.record
+    pub const fn record(&self) -> &Record {
+        &self.memory.record
     }
 
     /// The present part of a measurement of the motor; `None` while none runs.

@@ -7,11 +7,12 @@ use heapless::Deque;
 use touchstone_drive::autostart::Autostart;
 use touchstone_drive::config::Config;
 use touchstone_drive::{
-    ControlInput, ControlOutput, CurrentCommand, CurrentMode, CurrentReport, Device,
-    DeviceSettings, DriveCommand, EncoderKind, EncoderReading, Ring, TickTiming, wire,
+    ControlInput, ControlOutput, CurrentCommand, CurrentMode, Device, DeviceSettings, DriveCommand,
+    EncoderKind, EncoderReading, Ring, TickTiming, wire,
 };
 use touchstone_protocol::{Command, FaultCode, MeasuringPart, Outputs, State, Telemetry};
 
+use crate::board::magnetic;
 use crate::exchange::{BREAK, BROWN_OUT, COMMAND, CONFIG, HEARD, REPORT};
 use crate::shared::Guarded;
 use crate::{analogue, board, pwm};
@@ -21,8 +22,6 @@ pub const QUEUED: usize = 16;
 
 /// The readings of an interrupt for a tick, apart from the encoder.
 pub struct Readings {
-    /// The current loop's mailbox.
-    pub report: CurrentReport,
     /// The timer's break has pulled.
     pub hardware_break: bool,
     /// The supply has sagged.
@@ -57,20 +56,13 @@ pub struct Control {
     #[cfg(feature = "g474re")]
     pub autostart: Autostart,
     since_sent: u16,
+    /// The last tick's record is not in the ring yet.
+    is_unkept: bool,
     duration: u32,
     encoder: EncoderKind,
     next_encoder: EncoderKind,
     rate_hz: u32,
     brown_out_told: bool,
-}
-
-/// Reads the encoder.
-#[inline]
-fn reading(kind: EncoderKind) -> EncoderReading {
-    match kind {
-        EncoderKind::Incremental => board::encoder_count(),
-        EncoderKind::As5047p | EncoderKind::Mt6701 => board::read_magnetic(kind),
-    }
 }
 
 /// Whether a frame came since the last tick. The thread, which says so, does not run in between.
@@ -120,6 +112,7 @@ impl Control {
             #[cfg(feature = "g474re")]
             autostart: Autostart::new(false, touchstone_drive::ResetReason::PowerOn, false),
             since_sent: 0,
+            is_unkept: false,
             duration: 0,
             encoder: settings.encoder.kind,
             next_encoder: settings.encoder.kind,
@@ -135,12 +128,19 @@ impl Control {
             self.brown_out_told = true;
             self.device.report_fault(FaultCode::BrownOut, 0);
         }
+        // While an encoder on a bus answers, the processor has nothing else to do than what does not need the answer.
+        let begun = magnetic::begin(self.encoder);
+        let report = REPORT.get();
+        self.keep();
+        let last = begun.and_then(|()| magnetic::go_on(self.encoder));
+        self.send();
         let command = self.command.take();
+        let encoder = self.encoder_end(last);
         let output = tick_of(
             &mut self.device,
             &ControlInput {
-                encoder: reading(self.encoder),
-                current: readings.report,
+                encoder,
+                current: report,
                 command,
                 hardware_break: readings.hardware_break,
                 gate_driver_error: board::driver_complains(),
@@ -158,7 +158,7 @@ impl Control {
             self.accepted = Some(output.accepted.unwrap_or(false));
         }
         self.drive(output.outputs, output.drive);
-        // SAFETY: once in a tick, and the control interrupt runs it.
+        // SAFETY: nothing else holds it here, and the control interrupt runs it.
         let ring = unsafe { RING.mine() };
         if output.reconfigure {
             self.reconfigure();
@@ -168,15 +168,49 @@ impl Control {
             ring.thaw();
             self.clear_latches();
         }
-        ring.push(&output.record);
-        self.send(&output.record);
+        self.is_unkept = true;
         self.lateness_max = self.lateness_max.max(readings.lateness);
     }
 
     /// Between two ticks: the encoder when the force changes.
     #[inline]
     pub fn read_change(&mut self) {
-        self.device.read_change(reading(self.encoder));
+        let last = magnetic::begin(self.encoder).and_then(|()| magnetic::go_on(self.encoder));
+        self.device.read_change(self.encoder_end(last));
+    }
+
+    /// What the encoder says now: its last frame's answer, or the timer's count.
+    #[inline(always)]
+    fn encoder_end(&self, last: Option<magnetic::Last>) -> EncoderReading {
+        match self.encoder {
+            EncoderKind::Incremental => board::encoder_count(),
+            EncoderKind::As5047p | EncoderKind::Mt6701 => magnetic::end(last),
+        }
+    }
+
+    /// Puts the last tick's record into the ring.
+    #[inline(always)]
+    fn keep(&mut self) {
+        if core::mem::take(&mut self.is_unkept) {
+            // SAFETY: nothing else holds it here, and the control interrupt runs it.
+            unsafe { RING.mine() }.push(self.device.record());
+            self.since_sent = self.since_sent.saturating_add(1);
+        }
+    }
+
+    /// Puts the last tick's record into the telemetry, where it is its turn.
+    #[inline(always)]
+    fn send(&mut self) {
+        if self.decimation == 0 || self.since_sent < self.decimation {
+            return;
+        }
+        self.since_sent = 0;
+        let telemetry = Telemetry::from(self.device.record());
+        if self.telemetry.push_back(telemetry).is_err() {
+            self.dropped = self.dropped.saturating_add(1);
+        } else if let Some(part) = self.device.measuring() {
+            self.add_measuring(part);
+        }
     }
 
     /// Records how many cycles the tick took.
@@ -219,7 +253,7 @@ impl Control {
         // SAFETY: the control tick alone gives.
         unsafe { CONFIG.give(self.device.current_config()) };
         self.encoder = self.next_encoder;
-        board::prepare_magnetic(self.encoder);
+        board::magnetic::prepare(self.encoder);
     }
 
     fn clear_latches(&mut self) {
@@ -230,21 +264,8 @@ impl Control {
         pwm::clear_break();
     }
 
-    fn send(&mut self, record: &touchstone_drive::Record) {
-        self.since_sent = self.since_sent.saturating_add(1);
-        if self.decimation == 0 || self.since_sent < self.decimation {
-            return;
-        }
-        self.since_sent = 0;
-        if self.telemetry.push_back(Telemetry::from(record)).is_err() {
-            self.dropped = self.dropped.saturating_add(1);
-        } else if let Some(part) = self.device.measuring() {
-            self.add_measuring(part);
-        }
-    }
-
-    /// Adds a measurement's part beside the record, in its place in the queue: a record built elsewhere would be
-    /// copied in every tick of the wall. The report is read again for the same reason; it is at most a period younger.
+    /// What a measurement tells beside the record, in its place in the queue: a record that is built elsewhere is copied in every tick
+    /// of the wall. The report is read anew for the same reason; it is a period younger at most.
     #[cold]
     #[inline(never)]
     fn add_measuring(&mut self, part: MeasuringPart) {

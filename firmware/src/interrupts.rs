@@ -157,7 +157,6 @@ fn LPTIM1() {
     }
     TICK_DUE.store(false, Relaxed);
     control.tick(&Readings {
-        report: REPORT.get(),
         hardware_break: BREAK.load(Relaxed),
         brown_out: BROWN_OUT.load(Relaxed),
         lateness,

@@ -6,7 +6,7 @@ use embassy_stm32::pac::spi::vals::{Br, Cpha, Cpol, Ds, Frxth, Mstr};
 use embassy_stm32::pac::{GPIOD, SPI3};
 use embassy_stm32::{Peri, peripherals, rcc};
 use touchstone_drive::encoder::{
-    AS5047P_READ_ANGLE, EncoderKind, EncoderReading, Frames, Question,
+    AS5047P_READ_ANGLE, Asked, EncoderKind, EncoderReading, Frames, Question,
 };
 
 use crate::cycles;
@@ -48,51 +48,77 @@ pub fn prepare(kind: EncoderKind) {
     SPI3.cr1().modify(|w| w.set_spe(true));
 }
 
-/// Reads the encoder.
-pub fn read(kind: EncoderKind) -> EncoderReading {
-    drain();
-    match kind {
-        EncoderKind::Incremental => EncoderReading::Silent,
-        EncoderKind::As5047p => as5047p(),
-        EncoderKind::Mt6701 => mt6701(),
-    }
-}
-
-/// The frame that the last tick sent to the AS5047P beside the angle's; 0 for none.
+/// What the tick before asked the AS5047P for, beside the angle: 0 for nothing, else its frame.
 static ASKED: AtomicU16 = AtomicU16::new(0);
 
-/// Each frame is answered by the next one. The first requests the angle and brings the answer to the last tick's
-/// request; the second brings the present angle and requests the magnet's field or the error flags.
-fn as5047p() -> EncoderReading {
-    let frame = |word| {
-        select();
-        let answer = exchange16(word);
-        (deselect(), answer)
-    };
-    let asked = Question::of(ASKED.swap(0, Relaxed));
-    let (ended, Some(first)) = frame(AS5047P_READ_ANGLE) else {
-        return EncoderReading::Silent;
-    };
-    let question = Question::after(first);
-    settle(ended);
-    let (_, Some(angle)) = frame(question.frame()) else {
-        return EncoderReading::Silent;
-    };
-    ASKED.store(question.frame(), Relaxed);
-    EncoderReading::As5047p(Frames {
-        angle,
-        before: asked.map(|asked| asked.answered(first)),
-    })
+/// A reading of which the last frame is on the bus.
+pub enum Last {
+    /// What it asks for, and what the first brought of what was asked in the tick before.
+    As5047p(Question, Option<Asked>),
+    /// The bytes so far.
+    Mt6701(u32),
 }
 
-fn mt6701() -> EncoderReading {
-    select();
-    let mut frame = Some(0);
-    for _ in 0..3 {
-        frame = frame.and_then(|frame| Some(frame << 8 | u32::from(exchange8(0)?)));
+/// Puts a reading's first frame on the bus, which takes 512 cycles (256 for the MT6701): time for something else.
+#[inline]
+pub fn begin(kind: EncoderKind) -> Option<()> {
+    if kind == EncoderKind::Incremental {
+        return None;
     }
+    drain();
+    select();
+    match kind {
+        EncoderKind::Incremental => None,
+        EncoderKind::As5047p => send16(AS5047P_READ_ANGLE),
+        EncoderKind::Mt6701 => send8(0),
+    }
+}
+
+/// Waits for that frame, and puts the last on the bus.
+///
+/// Each frame of the AS5047P is answered by the next: the first asks for the angle and brings what the tick before asked for, the
+/// second brings the angle of now and asks for the magnet's field, or for what was wrong with a frame.
+#[inline]
+pub fn go_on(kind: EncoderKind) -> Option<Last> {
+    match kind {
+        EncoderKind::Incremental => None,
+        EncoderKind::As5047p => {
+            let asked = Question::of(ASKED.swap(0, Relaxed));
+            let first = receive16()?;
+            settle(deselect());
+            select();
+            let question = Question::after(first);
+            send16(question.frame())?;
+            Some(Last::As5047p(
+                question,
+                asked.map(|asked| asked.answered(first)),
+            ))
+        }
+        EncoderKind::Mt6701 => {
+            let first = receive8()?;
+            send8(0)?;
+            let second = receive8()?;
+            send8(0)?;
+            Some(Last::Mt6701(u32::from(first) << 8 | u32::from(second)))
+        }
+    }
+}
+
+/// Waits for the last frame: what the encoder says now.
+#[inline]
+pub fn end(last: Option<Last>) -> EncoderReading {
+    let reading = last.and_then(|last| {
+        Some(match last {
+            Last::As5047p(question, before) => {
+                let angle = receive16()?;
+                ASKED.store(question.frame(), Relaxed);
+                EncoderReading::As5047p(Frames { angle, before })
+            }
+            Last::Mt6701(bytes) => EncoderReading::Mt6701(bytes << 8 | u32::from(receive8()?)),
+        })
+    });
     deselect();
-    frame.map_or(EncoderReading::Silent, EncoderReading::Mt6701)
+    reading.unwrap_or(EncoderReading::Silent)
 }
 
 fn select() {
@@ -126,16 +152,24 @@ fn wait(is_there: impl Fn() -> bool) -> Option<()> {
     (0..POLLS).any(|_| is_there()).then_some(())
 }
 
-fn exchange16(word: u16) -> Option<u16> {
+fn send16(word: u16) -> Option<()> {
     wait(|| SPI3.sr().read().txe())?;
     SPI3.dr16().write_value(word);
+    Some(())
+}
+
+fn receive16() -> Option<u16> {
     wait(|| SPI3.sr().read().rxne())?;
     Some(SPI3.dr16().read())
 }
 
-fn exchange8(byte: u8) -> Option<u8> {
+fn send8(byte: u8) -> Option<()> {
     wait(|| SPI3.sr().read().txe())?;
     SPI3.dr8().write_value(byte);
+    Some(())
+}
+
+fn receive8() -> Option<u8> {
     wait(|| SPI3.sr().read().rxne())?;
     Some(SPI3.dr8().read())
 }

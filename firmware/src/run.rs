@@ -108,7 +108,7 @@ fn control(
     if are_refused {
         control.device.report_fault(FaultCode::SettingsInvalid, 0);
     }
-    board::prepare_magnetic(settings.encoder.kind);
+    board::magnetic::prepare(settings.encoder.kind);
     let current = CURRENT_LOOP.init(CurrentLoop::new(control.device.current_config()));
     CONTROL.in_thread(here, |place| *place = Some(control));
     current

@@ -84,6 +84,33 @@ def presets(page, folder):
             check(guarded <= 0.0205 < 0.1 < bare, f"the adversary gets out {1e3 * guarded:.1f} mJ with the guard, {1e3 * bare:.0f} mJ without")
 
 
+def feels(page, folder):
+    """Every feel in the place of the wall: it moves by itself, its walls and detents are known to the page, the pointer turns it, and the scene of
+    the page comes back."""
+    for name in page.run("content.feels.map(([name]) => name)"):
+        choose(page, "feel", name)
+        page.wait(0.3)
+        running(page)
+        page.wait(1.2)
+        facts = page.run("[runs[0].facts.has_wall, runs[0].facts.detents_per_rev, walls(runs[0].facts).length]")
+        told = page.run("document.getElementById('told').textContent")
+        turned = page.run("Math.max(...runs[0].ring.columns.angle_rad.slice(0, runs[0].ring.end)) > 0.01")
+        felt = name == "smooth" or facts[1] > 0 or facts[2] > 0
+        check(shown(page) == "" and facts[0] == 0 and felt and turned and told.startswith(f"{name}."), f"feel {name}: {facts[1]:.0f} detents a turn, {facts[2]} walls")
+        if folder:
+            page.picture(os.path.join(folder, f"feel-{name}.png"))
+    choose(page, "feel", "coarse-detents")
+    page.wait(0.5)
+    before = page.run("(() => { const at = runs[0].last.angle_rad; setAim(at + 1.5); return at; })()")
+    page.wait(0.8)
+    now = page.run("runs[0].last.angle_rad")
+    check(now - before > 0.2, f"a pointer 1.5 rad further turns the knob by {now - before:.2f} rad")
+    choose(page, "feel", "")
+    page.wait(0.3)
+    running(page)
+    check(page.run("runs[0].facts.has_wall") == 1, "the page's own scene comes back")
+
+
 def controls(page):
     page.key("0")
     running(page)
@@ -360,6 +387,7 @@ def simulated(browser, program, seconds, asked_for, pictures):
         try:
             newcomer(page)
             presets(page, pictures)
+            feels(page, pictures)
             controls(page)
             transport(page)
             hands(page)

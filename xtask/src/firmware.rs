@@ -21,6 +21,9 @@ pub const BOARDS: [&str; 5] = [
     "b-g431b-esc1",
 ];
 
+/// Those with 128 KiB of flash, whose program is compiled for size first.
+const SMALL_FLASH: [&str; 2] = ["nucleo-g431rb-ihm16m1", "b-g431b-esc1"];
+
 /// The board of which the first gate runs program and faults.
 pub const REFERENCE: &str = "nucleo-g474re-ihm16m1";
 /// The part of `cargo xtask firmware` that the first gate runs.
@@ -118,4 +121,7 @@ fn arguments(cargo: &mut Command, board: &str, options: &[String], sources: &Pat
         .args(options)
         .args(["--no-default-features", "--features", board])
         .args(["--bin", board]);
+    if SMALL_FLASH.contains(&board) {
+        cargo.args(["--config", "profile.release.opt-level='z'"]);
+    }
 }

@@ -16,7 +16,7 @@ use embassy_stm32::timer::simple_pwm::PwmPin;
 use embassy_stm32::usart::{self, BufferedUart};
 use embassy_stm32::{Peripherals, bind_interrupts, peripherals, rcc};
 use static_cell::StaticCell;
-use touchstone_drive::{EncoderKind, EncoderReading, Hardware, hardware};
+use touchstone_drive::{EncoderReading, Hardware, hardware};
 
 use crate::pwm::{BreakInput, Bridge, Complement};
 use crate::sense::Readings;
@@ -156,13 +156,33 @@ pub fn encoder_count() -> EncoderReading {
 }
 
 /// This board has no port for a magnetic encoder.
-#[inline(always)]
-pub fn prepare_magnetic(_kind: EncoderKind) {}
+pub mod magnetic {
+    use touchstone_drive::{EncoderKind, EncoderReading};
 
-/// This board has no port for a magnetic encoder.
-#[inline(always)]
-pub fn read_magnetic(_kind: EncoderKind) -> EncoderReading {
-    EncoderReading::Silent
+    /// There is no reading.
+    pub enum Last {}
+
+    /// Nothing to do.
+    #[inline(always)]
+    pub fn prepare(_kind: EncoderKind) {}
+
+    /// There is no frame.
+    #[inline(always)]
+    pub fn begin(_kind: EncoderKind) -> Option<()> {
+        None
+    }
+
+    /// There is no frame.
+    #[inline(always)]
+    pub fn go_on(_kind: EncoderKind) -> Option<Last> {
+        None
+    }
+
+    /// Silence.
+    #[inline(always)]
+    pub fn end(_last: Option<Last>) -> EncoderReading {
+        EncoderReading::Silent
+    }
 }
 
 /// The board's button, at PC10, is not used: which level means pressed stands in its schematic, which was not read.

@@ -25,10 +25,11 @@ use embassy_stm32::usart::{self, BufferedUart};
 use embassy_stm32::{Peripherals, bind_interrupts, peripherals};
 use touchstone_drive::{EncoderReading, Hardware, hardware};
 
+pub use crate::magnetic;
 use crate::pwm::{BreakInput, Bridge, Complement};
 use crate::sense::Readings;
 use crate::storage::Storage;
-use crate::{encoder, magnetic, pwm, sense, serial};
+use crate::{encoder, pwm, sense, serial};
 
 /// The power stage.
 pub const HARDWARE: Hardware = hardware::IHM16M1;
@@ -142,8 +143,6 @@ pub fn readings() -> Readings {
 pub fn encoder_count() -> EncoderReading {
     EncoderReading::Counter32(TIM2.cnt().read())
 }
-
-pub use magnetic::{prepare as prepare_magnetic, read as read_magnetic};
 
 /// Whether the button is pressed. A convenience, not an emergency stop: a wire that is broken does not press it.
 #[inline(always)]

@@ -16,10 +16,11 @@ use embassy_stm32::usart::{self, BufferedUart};
 use embassy_stm32::{Peripherals, bind_interrupts, peripherals};
 use touchstone_drive::{EncoderReading, Hardware, hardware};
 
+pub use crate::magnetic;
 use crate::pwm::{BreakInput, Bridge, Complement};
 use crate::sense::Readings;
 use crate::storage::Storage;
-use crate::{analogue, encoder, magnetic, pwm, sense, serial};
+use crate::{analogue, encoder, pwm, sense, serial};
 
 /// The board's name for the desktop.
 pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::NucleoG474re;
@@ -132,8 +133,6 @@ pub fn readings() -> Readings {
 pub fn encoder_count() -> EncoderReading {
     EncoderReading::Counter32(TIM2.cnt().read())
 }
-
-pub use magnetic::{prepare as prepare_magnetic, read as read_magnetic};
 
 /// Whether the button is pressed. A convenience, not an emergency stop: a wire that is broken does not press it.
 #[inline(always)]

@@ -97,7 +97,7 @@ pub fn usage(error: &UsageError, commands: &[&str]) -> Option<String> {
         ErrorKind::InvalidSubcommand => {
             let given = text(ContextKind::InvalidSubcommand).unwrap_or_default();
             let fix = match touchstone_sim::scene::nearest(&given, commands) {
-                _ if touchstone_sim::scene::names().contains(&given.as_str()) => {
+                _ if touchstone_sim::scene::is_shipped(&given) => {
                     format!("it is a scene: touchstone run {given}")
                 }
                 Some(near) => format!("did you mean {near}?"),

@@ -3,6 +3,7 @@
 
 use serde_json::{Value, json};
 use touchstone_protocol::settings::fields;
+use touchstone_sim::scene::names;
 use touchstone_sim::scene::schema::{self as scene, Range};
 
 /// A setting file of a device, as `config import` takes it.
@@ -41,7 +42,10 @@ pub fn scene() -> Value {
         };
         (field.path, described(value, &about, field.unit_shown()))
     });
-    file("A scene of Touchstone", leaves)
+    let about = "the shipped scene from which everything comes that is not written here";
+    let base = json!({"type": "string", "enum": names()});
+    let base = std::iter::once(("base", described(base, about, "")));
+    file("A scene of Touchstone", base.chain(leaves))
 }
 
 fn number(range: Range) -> Value {

@@ -45,7 +45,7 @@ mod wall_options;
 mod whole;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use out::say;
+use out::{say, tell};
 use scene_options::SceneOptions;
 use shell::command_line;
 use std::process::ExitCode;
@@ -112,6 +112,8 @@ enum Command {
         #[arg(long)]
         json_schema: bool,
     },
+    /// Lists what a knob can feel like: detents, switches, dials, each a short scene to run, to change and to send to a board.
+    Feels,
     /// From a connected board to a tuned wall: measures motor and knob, tunes, keeps; goes on where it was interrupted. THE SHAFT SPINS.
     Setup(setup::Options),
     /// Compares a recording of a device with its simulation: where they differ, and which property of the knob would
@@ -215,6 +217,7 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
             out::print(format_args!("{:#}\n", json_schema::scene()))
         }
         Command::Scenes { json_schema: false } => scenes(),
+        Command::Feels => feels(),
         Command::Setup(options) => setup::main(options),
         Command::Flash(options) => flash::main(options),
         Command::Log(options) => log::main(options),
@@ -228,17 +231,39 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
 }
 
 fn scenes() -> Result<()> {
-    let mut scenes = scene::names()
-        .into_iter()
-        .map(|name| Ok((name, Scene::load(name)?.description)))
-        .collect::<Result<Vec<_>>>()?;
+    let mut scenes = described(scene::names())?;
     scenes.push((space_scene::SHIPPED.0, space_scene::SHIPPED.1.to_owned()));
+    listed("scenes", &scenes, &[])
+}
+
+fn feels() -> Result<()> {
+    let ways = [
+        "touchstone run NAME                  one run of it under a hand that turns",
+        "touchstone run NAME --print          the whole scene; keep it as a file, and change it",
+        "touchstone config environment NAME   sends it to a board, or to a knob of `touchstone demo`",
+    ];
+    listed("feels", &described(scene::feels())?, &ways)
+}
+
+/// Shipped scenes with what they show.
+fn described(names: Vec<&'static str>) -> Result<Vec<(&'static str, String)>> {
+    let scenes = names.into_iter();
+    scenes
+        .map(|name| Ok((name, Scene::load(name)?.description)))
+        .collect()
+}
+
+/// A list of scenes, and what one can do with each.
+fn listed(what: &str, scenes: &[(&str, String)], ways: &[&str]) -> Result<()> {
     let entry = |(name, description): &(&str, String)| serde_json::json!({ "name": name, "description": description });
     out::result(
-        || serde_json::json!({ "scenes": scenes.iter().map(entry).collect::<Vec<_>>() }),
+        || serde_json::json!({ what: scenes.iter().map(entry).collect::<Vec<_>>() }),
         || {
-            for (name, description) in &scenes {
+            for (name, description) in scenes {
                 say!("{name:24}{description}");
+            }
+            for way in ways {
+                tell!("{way}");
             }
             Ok(())
         },

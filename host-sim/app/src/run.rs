@@ -76,7 +76,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     let runs = [played(&scene, options.out.is_some())?];
     // A shipped scene is in the program, not in a file.
     let mut inputs = vec![PathBuf::from(&options.scene)];
-    inputs.retain(|_| !scene::names().contains(&options.scene.as_str()));
+    inputs.retain(|_| !scene::is_shipped(&options.scene));
     let input = ReportInput {
         title: &scene.name,
         intro: &scene.description,

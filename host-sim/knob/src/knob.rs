@@ -149,7 +149,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         tamper: T,
     ) -> Self {
         let device = Device::new(settings, hardware).expect("settings");
-        let record = device.record();
+        let record = *device.record();
         Self {
             current: CurrentLoop::new(device.current_config()),
             device,

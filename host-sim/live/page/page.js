@@ -69,6 +69,7 @@ function options(select, list, value) {
 /** Shows what the running scene has. */
 function show() {
   const words = (path) => (fields.get(path)?.words ?? []).map((word) => [word, word]);
+  options($("feel"), [["", `of this page: ${content.name}`], ...content.feels.map(([name]) => [name, name])], feelOf(chosen.base) ? chosen.base : "");
   options($("law"), words("law.kind"), field("law.kind"));
   const other = chosen.b ? (chosen.b.get("law.kind") ?? "same") : "";
   options($("other"), [["", "nothing"], ["same", chosen.b && !chosen.b.get("law.kind") ? `the same, ${pairs(chosen.b).join(", ")}` : "the same law"], ...words("law.kind")], other);
@@ -159,16 +160,26 @@ function preset(step, demonstrate) {
   begin();
 }
 
+/** A knob that clicks, switches or springs back, in the place of the wall; the page's own scene for none. */
+function feel(name) {
+  if (!name) { preset(0); return; }
+  closeFile();
+  chosen = { base: name, step: 0, sets: new Map(), b: null, automatic: !wantsStill, speed: 1, strength: 0.3 };
+  begin();
+}
+const feelOf = (name) => content.feels.find(([own]) => own === name);
+
 /** Starts what is chosen from its beginning. */
 function begin() {
   aim = null;
   for (const button of $("story").children) {
-    if (Number(button.dataset.step) === chosen.step) button.setAttribute("aria-current", "step"); else button.removeAttribute("aria-current");
+    if (Number(button.dataset.step) === chosen.step && !feelOf(chosen.base)) button.setAttribute("aria-current", "step"); else button.removeAttribute("aria-current");
   }
   const chapter = PRESETS[chosen.step - 1];
   const title = document.createElement("strong");
-  title.textContent = chapter ? `${chosen.step}. ${chapter.name}.` : `${content.name}.`;
-  $("told").replaceChildren(title, chapter ? chapter.text : content.description);
+  const felt = feelOf(chosen.base);
+  title.textContent = chapter ? `${chosen.step}. ${chapter.name}.` : `${felt ? felt[0] : content.name}.`;
+  $("told").replaceChildren(title, chapter ? chapter.text : felt ? felt[1] : content.description);
   tell("strength", { n_m_per_rad: chosen.strength });
   open(false);
   tell("automatic", { on: chosen.automatic });
@@ -229,8 +240,8 @@ function restart() {
 function setAim(angle) {
   closeFile();
   if (chosen.automatic) automatic(false);
-  const surface = runs[0]?.facts.surface_rad ?? 0.5;
-  aim = Math.max(surface - 3, Math.min(surface + 3, angle));
+  const about = runs[0] ? middle(runs[0]) : 0.5;
+  aim = Math.max(about - 3, Math.min(about + 3, angle));
   tell("aim", { rad: aim });
 }
 function letGo() { aim = null; tell("aim", { rad: null }); }

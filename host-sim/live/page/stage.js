@@ -2,6 +2,16 @@
 
 const STRIP_S = 0.6, STRIP_ROW = 1.5;
 
+/** Every wall of a run: its surface, rad, and 1 where it is solid above it, -1 where below. */
+const walls = (f) => [[f.has_wall === 0 ? NaN : f.surface_rad, 1], [f.wall2_rad, f.wall2_side], [f.wall3_rad, f.wall3_side], [f.wall4_rad, f.wall4_side], [f.lower_end_rad, -1], [f.upper_end_rad, 1]]
+  .filter(([at]) => Number.isFinite(at));
+/** What a lens and a pointer are about: the wall of the scene, else the knob where it is. */
+const middle = ({ facts, last }) => (facts.has_wall === 0 ? last?.angle_rad ?? facts.angle_rad : facts.surface_rad);
+/** Half the width of a lens on a knob without that wall, rad. */
+const FEEL_HALF = 0.35;
+/** More detents than these in a turn are no marks any more but a ring. */
+const MOST_MARKS = 120;
+
 /** Shows a run's last row in a part of the canvas. */
 class Stage {
   constructor(canvas) {
@@ -24,8 +34,10 @@ class Stage {
   /** Half the width that a lens shows, rad: the same for all lenses, so that what is side by side can be compared. */
   follow(runs) {
     let widest = 0.01;
-    for (const { facts, ring } of runs) {
-      ring.since(STRIP_S, (i) => { widest = Math.max(widest, Math.min(0.6, Math.abs(ring.columns.angle_rad[i] - facts.surface_rad))); });
+    for (const run of runs) {
+      const { facts, ring } = run, at = middle(run);
+      if (facts.has_wall === 0) { widest = Math.max(widest, FEEL_HALF / 1.25); continue; }
+      ring.since(STRIP_S, (i) => { widest = Math.max(widest, Math.min(0.6, Math.abs(ring.columns.angle_rad[i] - at))); });
     }
     // Steps of the scale that last: a lens that breathes cannot be read.
     const wanted = round(widest * 1.25);
@@ -52,15 +64,24 @@ class Stage {
     this.knobs.push({ x, y, r });
     const turn = (angle) => angle - Math.PI / 2, at = (angle, d) => [x + d * Math.cos(turn(angle)), y + d * Math.sin(turn(angle))];
     const { surface_rad: surface } = run.facts, row = run.last;
-    // The wall: a hatched sector, clockwise from its surface.
-    g.fillStyle = ink.wall;
-    g.beginPath();
-    g.moveTo(...at(surface, r * 1.08));
-    g.arc(x, y, r * 1.4, turn(surface), turn(surface + 0.9));
-    g.arc(x, y, r * 1.08, turn(surface + 0.9), turn(surface), true);
-    g.fill();
-    stroke(g, ink.hatch, 1, [], () => { for (let a = surface; a < surface + 0.9; a += 0.09) { g.moveTo(...at(a, r * 1.08)); g.lineTo(...at(a + 0.07, r * 1.4)); } });
-    stroke(g, ink.text, 2.5, [], () => { g.moveTo(...at(surface, r * 1.04)); g.lineTo(...at(surface, r * 1.44)); });
+    // Each wall: a hatched sector from its surface on. One that is more than half a turn away is not there yet.
+    for (const [from, way] of walls(run.facts)) {
+      if (row && Math.abs(from - row.angle_rad) > Math.PI) continue;
+      const low = Math.min(from, from + 0.9 * way), high = low + 0.9;
+      g.fillStyle = ink.wall;
+      g.beginPath();
+      g.moveTo(...at(low, r * 1.08));
+      g.arc(x, y, r * 1.4, turn(low), turn(high));
+      g.arc(x, y, r * 1.08, turn(high), turn(low), true);
+      g.fill();
+      stroke(g, ink.hatch, 1, [], () => { for (let a = low; a < high; a += 0.09) { g.moveTo(...at(a, r * 1.08)); g.lineTo(...at(a + 0.07, r * 1.4)); } });
+      stroke(g, ink.text, 2.5, [], () => { g.moveTo(...at(from, r * 1.04)); g.lineTo(...at(from, r * 1.44)); });
+    }
+    // Detents: a mark at each.
+    const { detents_per_rev: detents, detent_rad: detent } = run.facts;
+    if (detents > 0) {
+      stroke(g, ink.muted, 2, [], () => { for (let i = 0; i < Math.min(detents, MOST_MARKS); i += 1) { const a = detent + (i * 2 * Math.PI) / detents; g.moveTo(...at(a, r * 1.03)); g.lineTo(...at(a, r * 1.12)); } });
+    }
     g.fillStyle = ink.panel;
     g.beginPath();
     g.arc(x, y, r, 0, 7);
@@ -69,13 +90,13 @@ class Stage {
     if (!row) return;
     stroke(g, ink.line, 2, [], () => { for (let i = 0; i < 24; i += 1) { const a = row.angle_rad + (i * Math.PI) / 12; g.moveTo(...at(a, r * 0.9)); g.lineTo(...at(a, r * 0.98)); } });
     // Where the law sees its surface: moved outwards by the offset.
-    if (row.surface_shifted_rad < surface - 1e-4) {
+    if (run.facts.has_wall !== 0 && row.surface_shifted_rad < surface - 1e-4) {
       const moved = Math.max(row.surface_shifted_rad, surface - 2.5);
       stroke(g, ink.shift, 2.5, [4, 3], () => { g.moveTo(...at(moved, r * 1.04)); g.lineTo(...at(moved, r * 1.36)); });
     }
     // The hand's aim, on its own ring, and the spring that pulls the knob there.
     if (run.facts.reach_rad_per_n_m > 0 && hand !== null) {
-      const aim = Math.max(-2.8, Math.min(hand, surface + 2.2));
+      const aim = run.facts.has_wall === 0 ? Math.max(row.angle_rad - 2.8, Math.min(hand, row.angle_rad + 2.8)) : Math.max(-2.8, Math.min(hand, surface + 2.2));
       stroke(g, ink.hand, 2, [2, 4], () => g.arc(x, y, r * 1.2, turn(Math.min(aim, row.angle_rad)), turn(Math.max(aim, row.angle_rad))));
       g.fillStyle = ink.hand;
       g.beginPath();
@@ -106,21 +127,32 @@ class Lens {
   constructor() { this.bins = new Bins(); }
   draw(g, box, run, colour, half, titled) {
     const { facts, last: row } = run;
-    const surface = facts.surface_rad, h = box.h;
+    const surface = middle(run), h = box.h;
     const X = (angle) => box.x + box.w * (0.5 + (angle - surface) / (2 * half)), top = box.y + 18, line = box.y + h * 0.3, strip = box.y + h * 0.56, low = box.y + h - 20;
     g.save();
     g.beginPath();
     g.rect(box.x, box.y, box.w, h);
     g.clip();
-    g.fillStyle = ink.wall;
-    g.fillRect(X(surface), top, box.x + box.w - X(surface), low - top);
-    g.save();
-    g.beginPath();
-    g.rect(X(surface), top, box.w, low - top);
-    g.clip();
-    stroke(g, ink.hatch, 0.7, [], () => { for (let at = X(surface) - h; at < box.x + box.w; at += 12) { g.moveTo(at, low); g.lineTo(at + low - top, top); } });
-    g.restore();
-    stroke(g, ink.text, 2.5, [], () => { g.moveTo(X(surface), top); g.lineTo(X(surface), low); });
+    for (const [from, way] of walls(facts)) {
+      const edge = Math.max(box.x, Math.min(box.x + box.w, X(from))), end = way > 0 ? box.x + box.w : box.x, left = Math.min(edge, end);
+      if (edge === end) continue;
+      g.save();
+      g.beginPath();
+      g.rect(left, top, Math.abs(end - edge), low - top);
+      g.clip();
+      g.fillStyle = ink.wall;
+      g.fillRect(left, top, Math.abs(end - edge), low - top);
+      stroke(g, ink.hatch, 0.7, [], () => { for (let at = left - h; at < left + Math.abs(end - edge); at += 12) { g.moveTo(at, low); g.lineTo(at + low - top, top); } });
+      g.restore();
+      stroke(g, ink.text, 2.5, [], () => { g.moveTo(edge, top); g.lineTo(edge, low); });
+    }
+    // Detents: a line at each, so far as they can be told apart.
+    const { detents_per_rev: detents, detent_rad: detent } = facts, pitch = (2 * Math.PI) / detents;
+    if (detents > 0 && X(pitch) - X(0) > 6) {
+      stroke(g, ink.muted, 1, [2, 3], () => {
+        for (let i = Math.ceil((surface - half - detent) / pitch); detent + i * pitch < surface + half; i += 1) { g.moveTo(X(detent + i * pitch), top); g.lineTo(X(detent + i * pitch), low); }
+      });
+    }
     g.fillStyle = ink.muted;
     g.textBaseline = "bottom";
     g.textAlign = "center";
@@ -134,7 +166,7 @@ class Lens {
     if (titled) {
       g.textAlign = "left";
       g.textBaseline = "top";
-      g.fillText("the surface, enlarged: wall to the right", box.x + 4, box.y + 1);
+      g.fillText(facts.has_wall === 0 ? "around the knob, enlarged" : "the surface, enlarged: wall to the right", box.x + 4, box.y + 1);
     }
     if (row) {
       this.strip(g, run, X, strip, low, colour);
@@ -143,10 +175,11 @@ class Lens {
     g.restore();
   }
   /** The last 0.6 s, falling: a limit cycle is a zigzag. Least and most of each row of pixels, so that no tick is lost and no row is drawn twice. */
-  strip(g, { ring }, X, top, low, colour) {
+  strip(g, { ring, facts }, X, top, low, colour) {
     const rows = Math.max(2, Math.floor((low - top) / STRIP_ROW)), now = ring.at("clock", 0), { clock } = ring.columns;
     g.lineJoin = "bevel";
     for (const [name, paint, wide, dash] of [["surface_shifted_rad", ink.shift, 1.4, 4], ["mass_rad", ink.mass, 1.4, 2], ["angle_rad", colour, 2, 0]]) {
+      if (facts.has_wall === 0 && name !== "angle_rad") continue;
       const values = ring.columns[name];
       const { least, most } = this.bins.clear(rows);
       ring.since(STRIP_S, (i) => {
@@ -177,7 +210,7 @@ class Lens {
     const shown = Math.max(left, Math.min(right, x));
     // The surface that the law uses.
     const shifted = X(row.surface_shifted_rad);
-    if (row.surface_shifted_rad < run.facts.surface_rad - 1e-7) {
+    if (run.facts.has_wall !== 0 && row.surface_shifted_rad < run.facts.surface_rad - 1e-7) {
       const at = Math.max(left, shifted);
       stroke(g, ink.shift, 2.5, [5, 4], () => { g.moveTo(at, top); g.lineTo(at, strip); });
       g.fillStyle = ink.shift;
@@ -186,7 +219,7 @@ class Lens {
       g.fillText(shifted < left ? "◂ offset surface" : "offset surface", at + 4, strip - 2);
     }
     // Where a real wall of the desired stiffness would hold the knob against this force.
-    if (row.force_n_m > 1e-4) {
+    if (run.facts.has_wall !== 0 && row.force_n_m > 1e-4) {
       const ideal = X(run.facts.surface_rad + row.force_n_m / run.facts.k_desired_n_m_per_rad);
       stroke(g, ink.muted, 1.6, [], () => { g.moveTo(ideal, line - 16); g.lineTo(ideal - 6, line - 24); g.lineTo(ideal + 6, line - 24); g.closePath(); });
     }

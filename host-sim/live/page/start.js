@@ -1,16 +1,20 @@
 // What is wired to what, and the frame that is drawn again and again.
 const E = (c, i, name) => c[name][i];
-const inside = (c, i, run) => E(c, i, "angle_rad") - run.facts.surface_rad;
+const isWall = (run) => run.facts.has_wall !== 0;
+/** Where an angle is from the wall's surface; where there is no wall, from zero. */
+const fromSurface = (rad, run) => rad - (isWall(run) ? run.facts.surface_rad : 0);
+const inside = (c, i, run) => fromSurface(E(c, i, "angle_rad"), run);
+const inHand = (c, i, run) => fromSurface(E(c, i, "hand_rad"), run);
 function stiffnessShown(c, i, run) {
   const e = inside(c, i, run);
-  return e > Math.max(2 * run.facts.encoder_step_rad, 2e-4) ? E(c, i, "motor_force_n_m") / e : NaN;
+  return isWall(run) && e > Math.max(2 * run.facts.encoder_step_rad, 2e-4) ? E(c, i, "motor_force_n_m") / e : NaN;
 }
 const line = (name, colour, of, more) => ({ name, colour, of, ...more });
 const FIGURES = [
   { title: "Angle from the surface", unit: "mrad", least: 5, series: [
     line("knob", "a", (c, i, r) => 1e3 * inside(c, i, r)),
-    line("virtual mass", "mass", (c, i, r) => 1e3 * (E(c, i, "mass_rad") - r.facts.surface_rad), { dash: [2, 2], first: true }),
-    line("hand", "hand", (c, i, r) => Math.max(-100, Math.min(300, 1e3 * (E(c, i, "hand_rad") - r.facts.surface_rad))), { dash: [7, 3, 2, 3], first: true, wide: 1.2 })] },
+    line("virtual mass", "mass", (c, i, r) => 1e3 * fromSurface(E(c, i, "mass_rad"), r), { dash: [2, 2], first: true }),
+    line("hand", "hand", (c, i, r) => (isWall(r) ? Math.max(-100, Math.min(300, 1e3 * inHand(c, i, r))) : 1e3 * inHand(c, i, r)), { dash: [7, 3, 2, 3], first: true, wide: 1.2 })] },
   { title: "Force", unit: "mN·m", least: 20, series: [
     line("of the motor, out of the wall", "a", (c, i) => 1e3 * E(c, i, "motor_force_n_m"))] },
   { title: "Displayed stiffness", unit: "N·m/rad", least: 1, level: (run) => run.facts.k_desired_n_m_per_rad, cap: 2.2, series: [
@@ -33,9 +37,9 @@ const phase = new Plane(figureFor("Position and velocity", [], true), "penetrati
 const stage = new Stage($("stage"));
 
 const READOUT = [
-  ["Penetration", (r) => `${(1e3 * (r.last.angle_rad - r.facts.surface_rad)).toFixed(2)} mrad`],
+  ["Penetration", (r) => (isWall(r) ? `${(1e3 * (r.last.angle_rad - r.facts.surface_rad)).toFixed(2)} mrad` : `no wall; at ${((180 / Math.PI) * r.last.angle_rad).toFixed(1)}°`)],
   ["Force", (r) => `${(1e3 * r.last.motor_force_n_m).toFixed(1)} mN·m`],
-  ["Displayed, wanted", (r) => { const c = Object.fromEntries(COLUMNS.map((n) => [n, [r.last[n]]])), k = stiffnessShown(c, 0, r); return `${Number.isFinite(k) ? k.toFixed(2) : "–"} of ${number(r.facts.k_desired_n_m_per_rad)} N·m/rad`; }],
+  ["Displayed, wanted", (r) => { if (!isWall(r)) return "no wall"; const c = Object.fromEntries(COLUMNS.map((n) => [n, [r.last[n]]])), k = stiffnessShown(c, 0, r); return `${Number.isFinite(k) ? k.toFixed(2) : "–"} of ${number(r.facts.k_desired_n_m_per_rad)} N·m/rad`; }],
   ["Shakes by (last 0.3 s)", (r) => { let low = Infinity, high = -Infinity; r.ring.since(0.3, (i) => { const x = r.ring.columns.angle_rad[i]; low = Math.min(low, x); high = Math.max(high, x); }); return `${(1e3 * (high - low)).toFixed(2)} mrad`; }],
   ["Wall's account", (r) => `${(1e3 * r.last.energy_true_j).toFixed(2)} mJ`],
   ["Most the hand got out", (r) => `${(1e3 * r.got).toFixed(2)} mJ`],
@@ -55,9 +59,9 @@ const cells = READOUT.map(([name]) => {
 
 function words(now) {
   READOUT.forEach(([, of], i) => cells[i].forEach((cell, side) => { cell.textContent = runs[side]?.last && runs[side].ring.size ? of(runs[side]) : ""; }));
-  const pushing = aim === null ? 0 : Math.round(100 * Math.max(-1, Math.min(1, (aim - runs[0].facts.surface_rad) / 3)));
+  const pushing = aim === null ? 0 : Math.round(100 * Math.max(-1, Math.min(1, (aim - middle(runs[0])) / 3)));
   $("stage").setAttribute("aria-valuenow", pushing);
-  $("stage").setAttribute("aria-valuetext", runs[0].last ? `${READOUT[0][1](runs[0])} into the wall, ${READOUT[1][1](runs[0])}` : "");
+  $("stage").setAttribute("aria-valuetext", runs[0].last ? `${READOUT[0][1](runs[0])}${isWall(runs[0]) ? " into the wall" : ""}, ${READOUT[1][1](runs[0])}` : "");
   const passed = (now - rate.at) / 1000;
   if (passed >= 1) {
     rate = { at: now, done: counted.done, ticks: (counted.done - rate.done) / passed, frames: 0, fps: rate.frames / passed };
@@ -111,7 +115,7 @@ function frame(now) {
 /** The pointer that would give this rest point. */
 function unmapped(rest) {
   const { surface_rad, reach_rad_per_n_m } = runs[0].facts, deep = rest - surface_rad;
-  return deep > 0 ? surface_rad + deep / Math.max(1, chosen.strength * reach_rad_per_n_m) : rest;
+  return isWall(runs[0]) && deep > 0 ? surface_rad + deep / Math.max(1, chosen.strength * reach_rad_per_n_m) : rest;
 }
 
 // Keys that are held turn the knob.
@@ -171,6 +175,7 @@ on("reset", "click", restart);
 on("automatic", "click", () => automatic(!chosen.automatic));
 on("sound", "click", sound);
 on("speed", "change", () => { chosen.speed = Number($("speed").value); run(running); share(); });
+on("feel", "change", () => feel($("feel").value));
 on("law", "change", () => set("law.kind", $("law").value));
 on("other", "change", () => setOther($("other").value));
 on("stiffness", "input", () => { $("stiffness-n").value = Number((10 ** $("stiffness").value).toPrecision(3)); });

@@ -118,11 +118,13 @@ function back(count) {
 
 /** Where the hand means to be: outside with the pointer, inside as far as the pointer's push needs against a perfect wall. */
 function target() {
-  const { surface_rad, reach_rad_per_n_m, motion_s, rate_hz, angle_rad } = sides[0].facts;
+  const { surface_rad, reach_rad_per_n_m, motion_s, rate_hz, angle_rad, has_wall } = sides[0].facts;
   if (automatic && motion_s > 0) {
     const time = (autoTick / rate_hz) % (motion_s + 0.3);
     return wasm.live_own_rest(sides[0].handle, Math.min(time, motion_s));
   }
+  // Without that wall the hand stays where it is, and the knob follows the pointer as the hand lets it.
+  if (has_wall === 0) return aim ?? hand.x;
   const at = aim ?? Math.min(angle_rad, surface_rad - 0.05);
   const inside = at - surface_rad;
   return inside > 0 ? surface_rad + inside * Math.max(1, strength * reach_rad_per_n_m) : at;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use touchstone_control::Choice as _;
+use touchstone_control::environment::Side;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run;
 use touchstone_sim::run::live::{Live, Moment};
@@ -33,7 +34,7 @@ pub const ROW: [&str; 17] = [
 pub const TRACE_COLUMNS: usize = 14;
 
 /// Numbers of a loop that stay until it is changed.
-pub const FACTS: [&str; 8] = [
+pub const FACTS: [&str; 19] = [
     "rate_hz",
     "surface_rad",
     "k_desired_n_m_per_rad",
@@ -44,6 +45,20 @@ pub const FACTS: [&str; 8] = [
     // Length of the scene's own motion, s; 0 where it has none.
     "motion_s",
     "encoder_step_rad",
+    // 1: there is a wall at `surface_rad`, solid above it; 0: there is none.
+    "has_wall",
+    // What there is beside it; NaN: it is not there. A side is 1 where a wall is solid above its surface, -1 where below.
+    "wall2_rad",
+    "wall2_side",
+    "wall3_rad",
+    "wall3_side",
+    "wall4_rad",
+    "wall4_side",
+    "lower_end_rad",
+    "upper_end_rad",
+    // Detents in a turn; 0: none.
+    "detents_per_rev",
+    "detent_rad",
 ];
 
 /// One loop.
@@ -104,6 +119,17 @@ impl Place {
             .operator
             .hand()
             .map_or(0.0, |hand| hand.compliance_rad_per_n_m() + 1.0 / k_desired);
+        let around = scene.environment.clone().unwrap_or_default();
+        let [wall2, wall3, wall4] = [&around.wall2, &around.wall3, &around.wall4].map(|wall| {
+            wall.as_ref()
+                .map_or([f64::NAN; 2], |wall| [wall.at_rad, sign(wall.solid)])
+        });
+        let (lower, upper) = (around.endstops.as_ref()).map_or((f64::NAN, f64::NAN), |ends| {
+            (ends.lower_rad, ends.upper_rad)
+        });
+        let (per_rev, detent) = (around.detents.as_ref()).map_or((0.0, 0.0), |ring| {
+            (f64::from(ring.per_rev), ring.centre_rad)
+        });
         let facts = [
             rate_hz,
             scene.wall.surface_rad,
@@ -116,6 +142,17 @@ impl Place {
                 .encoder
                 .as_ref()
                 .map_or(0.0, |encoder| encoder.step_rad()),
+            f64::from(u8::from(around.first_wall)),
+            wall2[0],
+            wall2[1],
+            wall3[0],
+            wall3[1],
+            wall4[0],
+            wall4[1],
+            lower,
+            upper,
+            per_rev,
+            detent,
         ];
         Ok(Self {
             live,
@@ -124,6 +161,13 @@ impl Place {
             row: [f64::NAN; ROW.len()],
             facts,
         })
+    }
+}
+
+fn sign(side: Side) -> f64 {
+    match side {
+        Side::Above => 1.0,
+        Side::Below => -1.0,
     }
 }
 

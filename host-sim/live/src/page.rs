@@ -59,6 +59,7 @@ pub fn render(content: &Content) -> String {
         "name": content.name,
         "description": content.description,
         "source": content.source,
+        "feels": feels(),
         "row": ROW,
         "facts": FACTS,
         "trace": TRACE_COLUMNS,
@@ -78,6 +79,17 @@ pub fn render(content: &Content) -> String {
         ("SCRIPT", &script),
     ];
     fill(PAGE, &parts)
+}
+
+/// Name and description of every shipped feel.
+fn feels() -> Vec<(&'static str, String)> {
+    let named = touchstone_sim::scene::feels().into_iter();
+    named
+        .map(|name| {
+            let feel = touchstone_sim::scene::Scene::load(name).expect("a shipped scene");
+            (name, feel.description)
+        })
+        .collect()
 }
 
 /// The module as a page has it: a third of its bytes.

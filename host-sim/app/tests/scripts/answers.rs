@@ -242,3 +242,35 @@ fn the_comparison_says_what_it_cannot_change() {
     }
     assert!(names(&here).is_empty());
 }
+
+/// Feels are listed, run by their names, and are scenes to every command.
+#[test]
+fn feels_are_listed_and_run() {
+    let feels = run(&["feels", "--json"]).ended(0).json();
+    let names: Vec<_> = feels["feels"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|it| it["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(names.len(), 10);
+    assert!(names.contains(&"on-off"));
+    let listed = run(&["feels"]).ended(0).out;
+    assert!(
+        listed.contains("24 clear clicks a turn")
+            && listed.contains("touchstone config environment NAME"),
+        "{listed}"
+    );
+    let report = run(&["run", "on-off", "--json"]).ended(0).json();
+    let summary = report.to_string();
+    assert!(
+        summary.contains("\"rate_hardness\":null"),
+        "a feel has no wall to be hard: {summary}"
+    );
+    assert!(
+        run(&["on-off"])
+            .ended(2)
+            .err
+            .contains("it is a scene: touchstone run on-off")
+    );
+}

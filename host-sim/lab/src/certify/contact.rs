@@ -61,7 +61,10 @@ impl Contact {
             MotionSpec::PressWiggleRelease(press) => {
                 Some(press.push_torque_n_m + press.wiggle_amplitude_n_m)
             }
-            MotionSpec::None | MotionSpec::Tap(_) | MotionSpec::Recorded(_) => None,
+            MotionSpec::None
+            | MotionSpec::Tap(_)
+            | MotionSpec::Turn(_)
+            | MotionSpec::Recorded(_) => None,
         };
         Ok(Self {
             phases: Phases::of(&controller),

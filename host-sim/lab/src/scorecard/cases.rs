@@ -135,9 +135,10 @@ impl Programme {
             MotionSpec::PressWiggleRelease(press) => {
                 pressing(press.push_torque_n_m, press.approach_rad)
             }
-            MotionSpec::None | MotionSpec::Tap(_) | MotionSpec::Recorded(_) => {
-                TouchAndPress::default()
-            }
+            MotionSpec::None
+            | MotionSpec::Tap(_)
+            | MotionSpec::Turn(_)
+            | MotionSpec::Recorded(_) => TouchAndPress::default(),
         };
         let share = MOST_OF_THE_TORQUE * most_torque_n_m(scene) / press.push_torque_n_m;
         if share < 1.0 {

@@ -235,20 +235,23 @@ impl Judge {
         let verdict = self.verdict(&rested);
         let shown = self.shown.0 / self.shown.1;
         let felt = &self.felt;
+        let has_wall = self.terms.has_wall;
         Judgement {
             verdict,
             not_judged: rested.not_judged.filter(|_| verdict == Verdict::NotJudged),
             // The mean over an oscillation that leaves the wall is no stiffness.
             k_displayed: (held
+                && has_wall
                 && !matches!(verdict, Verdict::Unstable | Verdict::NoContact)
                 && shown.is_finite())
             .then_some(shown),
-            rate_hardness: felt.hardness.n_m_per_rad(),
-            extended_rate_hardness: felt.rise.n_m_per_rad(),
-            touch_torque_n_m: felt.rise.torque_n_m(),
+            rate_hardness: felt.hardness.n_m_per_rad().filter(|_| has_wall),
+            extended_rate_hardness: felt.rise.n_m_per_rad().filter(|_| has_wall),
+            touch_torque_n_m: felt.rise.torque_n_m().filter(|_| has_wall),
             peak_penetration_ratio: self
                 .terms
                 .press
+                .filter(|_| has_wall)
                 .map(|press| felt.peak.ratio(press.push_n_m, self.terms.k_desired)),
             dynamic_stiffness: felt.response.and_then(|response| response.stiffness()),
             ripple_rms_n_m: felt.ripple.tick_to_tick_rms_n_m(),
@@ -266,13 +269,13 @@ impl Judge {
             energy_out_worst_window_j: felt.hand_window.worst_j(),
             energy_out_wall_worst_window_j: felt.wall_window.worst_j(),
             guard: self.guard,
-            settled: if verdict < Verdict::LimitCycle {
+            settled: if verdict < Verdict::LimitCycle && has_wall {
                 felt.settle.and_then(|settle| settle.settled())
             } else {
                 None
             },
             penetration_max: if self.finite {
-                self.penetration_max
+                if has_wall { self.penetration_max } else { 0.0 }
             } else {
                 f64::INFINITY
             },
@@ -329,8 +332,9 @@ impl Recorder for Judge {
             GuardWatch::record(&mut self.guard, tick.index, guard);
         }
         self.press(tick, e);
-        self.rest
-            .record(tick, self.touching && !touching, &self.terms);
+        // In a detent the force is none; there is no wall to leave.
+        let left = self.terms.has_wall && self.touching && !touching;
+        self.rest.record(tick, left, &self.terms);
         self.felt
             .record(tick, &self.terms, self.energy_true, self.loss);
         self.touching = touching;

@@ -13,6 +13,8 @@ const SETTLING_S: f64 = 0.5;
 /// The criteria of a run's judgement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Terms {
+    /// Whether there is the wall of `[wall]`, which the measures of a wall are about.
+    pub has_wall: bool,
     /// `x_s`, rad.
     pub surface_rad: f64,
     /// `k_de`, N·m/rad.
@@ -79,6 +81,7 @@ impl Terms {
         let rhythm = rhythm_s(&scene.operator.motion);
         let window = |(from, to): (f64, f64)| (tick(from), tick(to));
         Self {
+            has_wall: (scene.environment.as_ref()).is_none_or(|around| around.first_wall),
             surface_rad: scene.wall.surface_rad,
             k_desired: scene.wall.k_desired_n_m_per_rad,
             inertia_kg_m2: scene.device.inertia_kg_m2,
@@ -125,7 +128,9 @@ fn push(motion: &MotionSpec) -> Option<(f64, f64)> {
             m.push_torque_n_m,
             m.start_s + m.touch_ramp_s + m.touch_s + m.ramp_s,
         )),
-        MotionSpec::None | MotionSpec::Tap(_) | MotionSpec::Recorded(_) => None,
+        MotionSpec::None | MotionSpec::Tap(_) | MotionSpec::Turn(_) | MotionSpec::Recorded(_) => {
+            None
+        }
     }
 }
 

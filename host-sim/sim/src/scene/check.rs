@@ -173,7 +173,8 @@ fn motion(scene: &Scene) -> Option<Problem> {
         MotionSpec::None
         | MotionSpec::RampAndHold(_)
         | MotionSpec::PressWiggleRelease(_)
-        | MotionSpec::TouchAndPress(_) => None,
+        | MotionSpec::TouchAndPress(_)
+        | MotionSpec::Turn(_) => None,
     }
 }
 
@@ -202,6 +203,8 @@ fn duration(scene: &Scene) -> Option<Problem> {
         | MotionSpec::PressWiggleRelease(_)
         | MotionSpec::TouchAndPress(_)) => motion.hold_window_s()?.1,
         MotionSpec::Tap(tap) => tap.start_s + tap::length_s(tap),
+        // The way back may be cut short.
+        MotionSpec::Turn(turn) => turn.start_s + turn.turn_s + turn.stay_s,
         MotionSpec::None | MotionSpec::Recorded(_) => return None,
     };
     let end = (end * 1e6).round() / 1e6;

@@ -13,9 +13,13 @@ use super::operator::{Grip, Hand};
 use super::origin::{Origin, Place};
 use super::problem::Problem;
 use super::schema::{self, Field, Kind, MOTION_KIND};
-use super::unknown::{explain, join, list};
+use super::shipped;
+use super::unknown::{explain, join, list, nearest};
 use super::value::{choices, leaf_value, shown, wrong_type, wrong_value};
 use crate::error::{Error, Result};
+
+/// The top-level key of a text that names the scene below it. A scene itself has none: it is whole.
+const BASE: &str = "base";
 
 /// A scene before its check: fields by their dotted paths.
 #[derive(Debug, Clone)]
@@ -39,6 +43,7 @@ impl Draft {
         let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
         let line = |offset| 1 + ends.partition_point(|end| *end < offset);
         draft.take("", table.get_ref(), &line);
+        draft.take_base()?;
         if let Some(stem) = file.file_stem() {
             draft
                 .fields
@@ -58,6 +63,46 @@ impl Draft {
             );
         }
         Ok(draft)
+    }
+
+    /// What is not written here is that of the shipped scene that `base` names.
+    fn take_base(&mut self) -> Result<()> {
+        let Some(base) = self.fields.remove(BASE) else {
+            return Ok(());
+        };
+        let names = shipped::names();
+        let found = base.as_str().and_then(shipped::text);
+        let Some((text, file)) = found else {
+            let near = base.as_str().and_then(|name| nearest(name, &names));
+            let fix = match near {
+                Some(near) => format!("did you mean \"{near}\"?"),
+                None => format!("give a shipped scene: {}", list(&names)),
+            };
+            let problem = format!("no shipped scene {}", shown(&base));
+            return Err(self.origin.error(BASE, problem, fix));
+        };
+        let below = Draft::from_toml(text, &file)?;
+        // Another hand or motion takes the place of the base's.
+        let writes_hand =
+            self.fields.contains_key("operator.grip") || self.has_table("operator.hand");
+        let motion = match self.fields.get(MOTION_KIND) {
+            Some(Value::String(kind)) => Some(kind.clone()),
+            _ => None,
+        };
+        let is_taken = |path: &str| {
+            let field = schema::at(path);
+            let suits = motion
+                .as_deref()
+                .is_none_or(|kind| field.is_none_or(|it| it.suits(kind)));
+            let is_hand = path == "operator.grip" || path.starts_with("operator.hand");
+            path != "name" && suits && !(writes_hand && is_hand)
+        };
+        self.tables
+            .extend(below.tables.into_iter().filter(|path| is_taken(path)));
+        for (path, value) in below.fields.into_iter().filter(|(path, _)| is_taken(path)) {
+            self.fields.entry(path).or_insert(value);
+        }
+        Ok(())
     }
 
     /// The fields of a scene, each with the place it came from.

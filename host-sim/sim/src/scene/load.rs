@@ -18,16 +18,14 @@ impl Scene {
     /// # Errors
     /// [`Error::Io`] where there is neither, [`Error::File`] for a problem in the file.
     pub fn load(name_or_path: &str) -> Result<Scene> {
-        if let Some((name, text)) = shipped::SHIPPED
-            .iter()
-            .find(|(name, _)| *name == name_or_path)
-        {
-            return Scene::parse(text, Path::new(&format!("scenes/{name}.toml")));
+        if let Some((text, file)) = shipped::text(name_or_path) {
+            return Scene::parse(text, &file);
         }
         let path = PathBuf::from(name_or_path);
         let text = input::text(&path, input::MOST_OF_SCENE).map_err(|error| {
             let names = shipped::names();
-            let fix = match (error.kind(), unknown::nearest(name_or_path, &names)) {
+            let all = [names.clone(), shipped::feels()].concat();
+            let fix = match (error.kind(), unknown::nearest(name_or_path, &all)) {
                 (std::io::ErrorKind::NotFound, Some(near)) => {
                     format!("did you mean the shipped scene {near}?")
                 }

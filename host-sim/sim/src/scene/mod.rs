@@ -41,13 +41,13 @@ pub use law::{FilterSettings, Law, Number, VelocitySettings};
 pub use motion::{Curve, Recording, RestPath, SMOOTHING_HZ};
 pub use operator::{
     APPROACH_RAD, FASTEST_MOTION_HZ, FASTEST_RAMP_S, FASTEST_WIGGLE_HZ, Grip, Hand, MotionSpec,
-    Operator, PressWiggleRelease, RampAndHold, Recorded, Tap, TouchAndPress,
+    Operator, PressWiggleRelease, RampAndHold, Recorded, Tap, TouchAndPress, Turn,
 };
 pub use origin::Origin;
 pub use overrides::path_of;
 pub use preset::Preset;
 pub use renamed::renamed;
-pub use shipped::names;
+pub use shipped::{feels, is_shipped, names};
 pub use touchstone_control::Choice;
 pub use unknown::{list, nearest};
 pub use value::choices;

@@ -130,6 +130,8 @@ pub enum MotionSpec {
     PressWiggleRelease(PressWiggleRelease),
     /// Touches the wall lightly and briskly, stays, then presses, holds, lets go.
     TouchAndPress(TouchAndPress),
+    /// Turns the knob by an angle and back, wall or not.
+    Turn(Turn),
     /// Follows a recording.
     Recorded(Recorded),
 }
@@ -143,6 +145,7 @@ impl MotionSpec {
             MotionSpec::Tap(_) => "tap",
             MotionSpec::PressWiggleRelease(_) => "press-wiggle-release",
             MotionSpec::TouchAndPress(_) => "touch-and-press",
+            MotionSpec::Turn(_) => "turn",
             MotionSpec::Recorded(_) => "recorded",
         }
     }
@@ -166,7 +169,10 @@ impl MotionSpec {
                     (pressed, pressed + m.hold_s),
                 ]
             }
-            MotionSpec::None | MotionSpec::Tap(_) | MotionSpec::Recorded(_) => Vec::new(),
+            MotionSpec::None
+            | MotionSpec::Tap(_)
+            | MotionSpec::Turn(_)
+            | MotionSpec::Recorded(_) => Vec::new(),
         }
     }
 
@@ -176,7 +182,10 @@ impl MotionSpec {
             MotionSpec::RampAndHold(motion) => motion.push_torque_n_m *= share,
             MotionSpec::TouchAndPress(motion) => motion.push_torque_n_m *= share,
             MotionSpec::PressWiggleRelease(motion) => motion.push_torque_n_m *= share,
-            MotionSpec::None | MotionSpec::Tap(_) | MotionSpec::Recorded(_) => {}
+            MotionSpec::None
+            | MotionSpec::Tap(_)
+            | MotionSpec::Turn(_)
+            | MotionSpec::Recorded(_) => {}
         }
     }
 
@@ -259,6 +268,35 @@ impl Default for Tap {
             velocity_rad_per_s: 3.0,
             // Long enough that the tap stays a human motion (about 4 Hz).
             approach_rad: 0.1,
+        }
+    }
+}
+
+/// Turns the knob by an angle, stays, and turns it back. The hand's rest point moves so; the knob follows as hand, detents and walls let
+/// it, and stays behind.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Turn {
+    /// Time at which the hand starts to move, s, 0 or more. Default 0.1.
+    pub start_s: f64,
+    /// Where the hand starts and ends, rad. Default 0.
+    pub from_rad: f64,
+    /// How far it turns, rad, of any sign, not 0. Default 1.
+    pub angle_rad: f64,
+    /// Time of the way there, and of the way back, s, at least 0.05. Default 2.
+    pub turn_s: f64,
+    /// Time that it stays, s, above 0. Default 1.
+    pub stay_s: f64,
+}
+
+impl Default for Turn {
+    fn default() -> Self {
+        Turn {
+            start_s: 0.1,
+            from_rad: 0.0,
+            angle_rad: 1.0,
+            turn_s: 2.0,
+            stay_s: 1.0,
         }
     }
 }

@@ -1,7 +1,9 @@
 //! The scenes that come with the program.
 
+use std::path::PathBuf;
+
 /// Name and text of every shipped scene, the main one first.
-pub(crate) const SHIPPED: &[(&str, &str)] = &[
+const SHIPPED: &[(&str, &str)] = &[
     (
         "thesis-knob",
         include_str!("../../../../scenes/thesis-knob.toml"),
@@ -34,7 +36,73 @@ pub(crate) const SHIPPED: &[(&str, &str)] = &[
     ("identify", include_str!("../../../../scenes/identify.toml")),
 ];
 
+/// Name and text of every feel: what a knob can be like under a hand, each a short scene on top of another.
+const FEELS: &[(&str, &str)] = &[
+    (
+        "smooth",
+        include_str!("../../../../scenes/feels/smooth.toml"),
+    ),
+    (
+        "hard-stops",
+        include_str!("../../../../scenes/feels/hard-stops.toml"),
+    ),
+    (
+        "coarse-detents",
+        include_str!("../../../../scenes/feels/coarse-detents.toml"),
+    ),
+    (
+        "fine-detents",
+        include_str!("../../../../scenes/feels/fine-detents.toml"),
+    ),
+    (
+        "bounded-detents",
+        include_str!("../../../../scenes/feels/bounded-detents.toml"),
+    ),
+    (
+        "five-positions",
+        include_str!("../../../../scenes/feels/five-positions.toml"),
+    ),
+    (
+        "on-off",
+        include_str!("../../../../scenes/feels/on-off.toml"),
+    ),
+    (
+        "return-to-centre",
+        include_str!("../../../../scenes/feels/return-to-centre.toml"),
+    ),
+    (
+        "multi-turn",
+        include_str!("../../../../scenes/feels/multi-turn.toml"),
+    ),
+    (
+        "volume",
+        include_str!("../../../../scenes/feels/volume.toml"),
+    ),
+];
+
 /// Names of the shipped scenes.
 pub fn names() -> Vec<&'static str> {
     SHIPPED.iter().map(|(name, _)| *name).collect()
+}
+
+/// Names of the shipped feels. They are scenes as well.
+pub fn feels() -> Vec<&'static str> {
+    FEELS.iter().map(|(name, _)| *name).collect()
+}
+
+/// Whether a name is that of a shipped scene or feel.
+pub fn is_shipped(name: &str) -> bool {
+    text(name).is_some()
+}
+
+/// The text of a shipped scene or feel, and where it is kept.
+pub(super) fn text(name: &str) -> Option<(&'static str, PathBuf)> {
+    let of = |list: &[(&str, &'static str)]| {
+        list.iter()
+            .find(|(own, _)| *own == name)
+            .map(|(_, text)| *text)
+    };
+    let kept = |folder: &str| PathBuf::from(format!("{folder}/{name}.toml"));
+    let scene = of(SHIPPED).map(|text| (text, kept("scenes")));
+    scene.or_else(|| of(FEELS).map(|text| (text, kept("scenes/feels"))))
 }

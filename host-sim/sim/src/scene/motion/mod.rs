@@ -13,7 +13,7 @@ pub use recording::Recording;
 pub use resample::{Curve, SMOOTHING_HZ};
 
 use super::experiment::Scene;
-use super::operator::{APPROACH_RAD, MotionSpec};
+use super::operator::{APPROACH_RAD, MotionSpec, Turn};
 use crate::error::Result;
 use held::Held;
 use press::Press;
@@ -33,6 +33,7 @@ enum Shape {
     Still(f64),
     Press(Press),
     Tap(TapPath),
+    Turn(Turn),
     Recorded(Curve),
     Held(Held),
 }
@@ -82,6 +83,7 @@ impl RestPath {
             MotionSpec::Tap(spec) => {
                 Shape::Tap(TapPath::new(spec, &hand()?, &scene.device, surface))
             }
+            MotionSpec::Turn(spec) => Shape::Turn(spec.clone()),
             MotionSpec::Recorded(spec) => {
                 let recording = Recording::read(&spec.file)?;
                 if spec.exact {
@@ -111,6 +113,7 @@ impl RestPath {
             Shape::Still(angle) => *angle,
             Shape::Press(press) => press.rest_rad(time_s),
             Shape::Tap(tap) => tap.rest_rad(time_s),
+            Shape::Turn(turn) => turn.rest_rad(time_s),
             Shape::Recorded(curve) => curve.at(time_s),
             Shape::Held(held) => held.at(time_s),
         }
@@ -127,6 +130,15 @@ impl RestPath {
     /// The choices made for a recording, in one line for people; `None` for other motions.
     pub fn note(&self) -> Option<&str> {
         self.note.as_deref()
+    }
+}
+
+impl Turn {
+    fn rest_rad(&self, time_s: f64) -> f64 {
+        let back_s = self.start_s + self.turn_s + self.stay_s;
+        let there = minimum_jerk((time_s - self.start_s) / self.turn_s);
+        let back = minimum_jerk((time_s - back_s) / self.turn_s);
+        self.from_rad + self.angle_rad * (there - back)
     }
 }
 

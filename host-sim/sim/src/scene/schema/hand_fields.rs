@@ -6,15 +6,23 @@ use super::{Field, field, number};
 use crate::scene::operator::{FASTEST_RAMP_S, FASTEST_WIGGLE_HZ};
 
 const PRESSES: &[&str] = &["ramp-and-hold", "press-wiggle-release", "touch-and-press"];
-const TIMED: &[&str] = &[
+const FROM_OUTSIDE: &[&str] = &[
     "ramp-and-hold",
     "tap",
     "press-wiggle-release",
     "touch-and-press",
 ];
+const TIMED: &[&str] = &[
+    "ramp-and-hold",
+    "tap",
+    "press-wiggle-release",
+    "touch-and-press",
+    "turn",
+];
 const TOUCH: &[&str] = &["touch-and-press"];
 const WIGGLE: &[&str] = &["press-wiggle-release"];
 const TAP: &[&str] = &["tap"];
+const TURN: &[&str] = &["turn"];
 const RECORDED: &[&str] = &["recorded"];
 
 /// Grips and motions by their names in scenes.
@@ -25,6 +33,7 @@ const MOTIONS: &[&str] = &[
     "tap",
     "press-wiggle-release",
     "touch-and-press",
+    "turn",
     "recorded",
 ];
 
@@ -183,7 +192,35 @@ pub(super) const OPERATOR: &[Field] = &[
         Positive,
         "the distance outside the wall at which the hand starts",
     )
-    .only(TIMED),
+    .only(FROM_OUTSIDE),
+    number(
+        "operator.motion.from_rad",
+        "rad",
+        Any,
+        "where the hand starts and ends",
+    )
+    .only(TURN),
+    number(
+        "operator.motion.angle_rad",
+        "rad",
+        NotZero,
+        "how far the hand turns",
+    )
+    .only(TURN),
+    number(
+        "operator.motion.turn_s",
+        "s",
+        AtLeast(FASTEST_RAMP_S),
+        "the time of the way there, and of the way back",
+    )
+    .only(TURN),
+    number(
+        "operator.motion.stay_s",
+        "s",
+        Positive,
+        "the time that the hand stays",
+    )
+    .only(TURN),
     field(
         "operator.motion.file",
         "",

@@ -156,7 +156,7 @@ fn unknown_words() {
     );
     refused(
         "[operator.motion]\nkind = \"wave\"\nspeed = 3",
-        "s.toml:2: operator.motion.kind: unknown value \"wave\"; give none, ramp-and-hold, tap, press-wiggle-release, touch-and-press or recorded",
+        "s.toml:2: operator.motion.kind: unknown value \"wave\"; give none, ramp-and-hold, tap, press-wiggle-release, touch-and-press, turn or recorded",
     );
 }
 
@@ -278,7 +278,7 @@ fn the_fix_for_a_fast_tap_is_accepted() {
 fn missing_parts_and_files() {
     refused(
         "[operator]\ngrip = \"light\"\n[operator.motion]\nhold_s = 1",
-        "s.toml:3: operator.motion.kind: missing; give none, ramp-and-hold, tap, press-wiggle-release, touch-and-press or recorded",
+        "s.toml:3: operator.motion.kind: missing; give none, ramp-and-hold, tap, press-wiggle-release, touch-and-press, turn or recorded",
     );
     refused(
         "[operator]\ngrip = \"light\"\n[operator.motion]\nkind = \"recorded\"",

@@ -27,6 +27,10 @@ fn full_scenes() -> Vec<Scene> {
             touch_s: 1.75,
             ..TouchAndPress::default()
         }),
+        MotionSpec::Turn(Turn {
+            angle_rad: -2.5,
+            ..Turn::default()
+        }),
         // Any file that is there will do: its content is not read here.
         MotionSpec::Recorded(Recorded {
             scale: -2.0,

@@ -1,0 +1,65 @@
+//! A force of one's own behind the energy guard: a stiff end stop, sampled too slowly, throws a knob back without it.
+
+use touchstone_control::{
+    Fixed32, Force, Guard, GuardSettings, Guarded, GuardedDevice, Position, SettingsError, Si,
+};
+
+/// What the device is: the guard's bound holds for devices with at least this damping and at most this delay.
+fn guard() -> Result<Guarded<Fixed32>, SettingsError> {
+    let device = GuardedDevice {
+        rate_hz: 1_000,               // ticks a second
+        force_limit: Si::lit("0.5"),  // the motor's torque, N·m
+        count: Si::lit("0.00038350"), // a count of the encoder, rad: 16,384 in a turn
+    };
+    let settings = GuardSettings {
+        on: true,
+        capacity: Si::lit("0.002"), // what a hand may get out at once, J
+        damping: Si::lit("0.0001"), // of the device alone, as measured, N·m·s/rad
+        delay: Si::lit("0.0001"),   // from reading the encoder until the torque acts, s
+        ..GuardSettings::default()
+    };
+    Ok(Guarded::new(Guard::new(&settings, &device)?))
+}
+
+/// Any force of position and velocity, along the angle: here a spring of 200 N·m/rad that pushes back above 0.
+fn own_force(angle_rad: f64, _velocity_rad_per_s: f64) -> f64 {
+    (-200.0 * angle_rad.max(0.0)).max(-0.5)
+}
+
+/// A knob of 50 g·cm² is turned into the stop at 10 rad/s, and is left to itself; how much of its energy, J, it has when it comes out.
+fn comes_out_with_j(mut guard: Option<Guarded<Fixed32>>) -> f64 {
+    let (inertia_kg_m2, damping_n_m_s_per_rad, count_rad) = (5e-6, 1e-4, 0.000_383_5);
+    let (mut angle_rad, mut velocity_rad_per_s) = (-0.02_f64, 10.0_f64);
+    let mut back_j = 0.0_f64;
+    for _ in 0..200 {
+        // Each tick: read the encoder, ask for a force, let the guard decide, command the motor.
+        let measured_rad = (angle_rad / count_rad).floor() * count_rad;
+        let mut torque_n_m = own_force(measured_rad, velocity_rad_per_s);
+        if let Some(guard) = &mut guard {
+            // The guard counts forces that resist a positive motion.
+            let angle = Position::from_si(Si::from_num(measured_rad)).expect("within ±128 rad");
+            let wanted = Force::from_si(Si::from_num(-torque_n_m)).expect("within ±128 N·m");
+            torque_n_m = -guard.tick(angle, None, wanted).to_si().to_num::<f64>();
+        }
+        // The device, in a hundred steps a tick.
+        for _ in 0..100 {
+            let push = torque_n_m - damping_n_m_s_per_rad * velocity_rad_per_s;
+            velocity_rad_per_s += push / inertia_kg_m2 * 1e-5;
+            angle_rad += velocity_rad_per_s * 1e-5;
+        }
+        back_j = back_j.max(0.5 * inertia_kg_m2 * velocity_rad_per_s.min(0.0).powi(2));
+    }
+    back_j
+}
+
+fn main() -> Result<(), SettingsError> {
+    let before_mj = 1e3 * 0.5 * 5e-6 * 100.0;
+    let (bare_mj, guarded_mj) = (
+        1e3 * comes_out_with_j(None),
+        1e3 * comes_out_with_j(Some(guard()?)),
+    );
+    println!(
+        "turned into the stop with {before_mj:.2} mJ; comes back with {bare_mj:.2} mJ without the guard, {guarded_mj:.2} mJ with it"
+    );
+    Ok(())
+}

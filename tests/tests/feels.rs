@@ -1,0 +1,189 @@
+//! What a knob can feel like: every shipped feel under every grip, and scenes on top of another.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use touchstone_sim::run::record::{Trace, Verdict};
+use touchstone_sim::run::run;
+use touchstone_sim::scene::{self, MotionSpec, Scene};
+
+const GRIPS: [&str; 3] = ["light", "medium", "firm"];
+
+fn feel(name: &str, sets: &[&str]) -> Scene {
+    let scene = Scene::load(name).unwrap();
+    scene.with_overrides(sets).unwrap()
+}
+
+fn traced(scene: &Scene) -> Trace {
+    run(scene, true).unwrap().trace.unwrap()
+}
+
+/// Quiet at rest, and within the guard's account.
+#[test]
+fn every_feel_is_quiet_under_every_grip() {
+    for name in scene::feels() {
+        for grip in GRIPS {
+            let scene = feel(name, &[&format!("grip={grip}")]);
+            let summary = run(&scene, false).unwrap().summary;
+            let wanted = match name {
+                "smooth" => Verdict::NoContact,
+                _ => Verdict::Passive,
+            };
+            assert_eq!(summary.verdict, wanted, "{name} {grip}: {summary:?}");
+            let count = TAU / scene.encoder.unwrap().counts_per_rev;
+            let buzz = summary.limit_cycle_peak_to_peak.unwrap_or(0.0);
+            assert!(
+                buzz <= 2.0 * count,
+                "{name} {grip}: {} counts",
+                buzz / count
+            );
+            assert!(summary.guard_account_min_j >= Some(0.0), "{name} {grip}");
+            assert_eq!(summary.guard_tripped_s, None, "{name} {grip}");
+        }
+    }
+}
+
+/// At 2 rad/s what sampling costs is within what the guard is refilled with. Spun faster, clicks get softer.
+#[test]
+fn a_hand_that_turns_calmly_gets_all_of_a_feel() {
+    for name in scene::feels() {
+        for grip in GRIPS {
+            let scene = feel(name, &[&format!("grip={grip}")]);
+            let MotionSpec::Turn(turn) = &scene.operator.motion else {
+                panic!("{name}: no turn")
+            };
+            // A movement from rest to rest is 15/8 as fast in its middle as in the mean.
+            // Beyond an end it would push against the motor's limit, and is given back no more than the guard's account has.
+            let around = scene.environment.as_ref().unwrap();
+            let end = around
+                .endstops
+                .as_ref()
+                .map_or(f64::INFINITY, |ends| ends.upper_rad);
+            let angle_rad = turn.angle_rad.min(end);
+            let turn_s = angle_rad * 15.0 / 8.0 / 2.0;
+            let slow = scene.with(|scene| {
+                if let MotionSpec::Turn(turn) = &mut scene.operator.motion {
+                    (turn.angle_rad, turn.turn_s) = (angle_rad, turn_s);
+                }
+                scene.timing.duration_s = 2.0 * turn_s + 3.0;
+            });
+            let summary = run(&slow.unwrap(), false).unwrap().summary;
+            assert_eq!(summary.guard_limited_ticks, Some(0), "{name} {grip}");
+        }
+    }
+}
+
+/// A hand feels the torque that the scene names, within 5 %, and the knob ends in a detent: as far from the nearest as dry friction holds
+/// it.
+#[test]
+fn detents_have_their_torque_and_hold() {
+    for name in scene::feels() {
+        for grip in GRIPS {
+            let scene = feel(name, &[&format!("grip={grip}")]);
+            let around = scene.environment.clone().unwrap();
+            let Some(ring) = around.detents else { continue };
+            let trace = traced(&scene);
+            let pitch = TAU / f64::from(ring.per_rev);
+            let free = around.endstops.map(|ends| (ends.lower_rad, ends.upper_rad));
+            // At an end stop its wall pushes as well, from before its surface on.
+            let between = |angle: f64| {
+                free.is_none_or(|(lower, upper)| lower + 0.1 < angle && angle < upper - 0.1)
+            };
+            let ticks = trace.angle_rad.iter().zip(&trace.force_n_m);
+            let most = ticks
+                .filter(|(angle, _)| between(**angle))
+                .fold(0.0_f64, |most, (_, force)| most.max(force.abs()));
+            let share = most / ring.strength_n_m;
+            // A light hand does not get out of the strongest detents.
+            let crossed = trace.angle_rad.iter().any(|angle| *angle > pitch);
+            assert!(
+                share <= 1.05 && (share >= 0.95 || !crossed),
+                "{name} {grip}: {share} of the torque"
+            );
+            assert!(
+                crossed || grip == "light",
+                "{name} {grip} stays where it is"
+            );
+            let last = *trace.angle_rad.last().unwrap();
+            let beyond = (last / pitch - (last / pitch).round()) * pitch;
+            // The triangle's slope is 4 A/P.
+            let held =
+                scene.device.friction.unwrap().kinetic_n_m / (4.0 * ring.strength_n_m / pitch);
+            let hand = scene.operator.hand().unwrap().compliance_rad_per_n_m();
+            let pulled = last / hand / (4.0 * ring.strength_n_m / pitch);
+            assert!(
+                beyond.abs() <= held + pulled.abs() + 1e-3,
+                "{name} {grip}: {beyond} rad"
+            );
+        }
+    }
+}
+
+/// No position is lost or counted twice: what a program counts, with a quarter of a pitch as hysteresis, is where the knob is.
+#[test]
+fn positions_are_neither_lost_nor_doubled() {
+    for name in ["coarse-detents", "fine-detents", "multi-turn"] {
+        let scene = feel(name, &[]);
+        let ring = scene.environment.clone().unwrap().detents.unwrap();
+        let pitch = TAU / f64::from(ring.per_rev);
+        let trace = traced(&scene);
+        let (mut position, mut crossings) = (0_i64, 0_u32);
+        for angle in &trace.angle_rad {
+            let beyond = angle / pitch - position as f64;
+            if beyond.abs() > 0.75 {
+                position += beyond.signum() as i64;
+                crossings += 1;
+            }
+            assert!((angle / pitch - position as f64).abs() <= 0.75, "{name}");
+        }
+        assert!(crossings >= 8, "{name}: {crossings} crossings");
+        assert_eq!(
+            position,
+            (trace.angle_rad.last().unwrap() / pitch).round() as i64,
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn a_scene_takes_from_its_base_what_it_does_not_write() {
+    let parse = |text: &str| Scene::parse(text, Path::new("mine.toml"));
+    let base = Scene::load("gimbal-knob").unwrap();
+    let mine = parse("base = \"gimbal-knob\"\n[wall]\nk_desired_n_m_per_rad = 1.0\n").unwrap();
+    assert_eq!(mine.name, "mine");
+    assert_eq!(mine.wall.k_desired_n_m_per_rad, 1.0);
+    assert_eq!(mine.wall.surface_rad, base.wall.surface_rad);
+    assert_eq!(mine.device, base.device);
+    assert_eq!(mine.law, base.law);
+    // Another motion has none of the base's fields, and another hand none of its grip.
+    let other = parse("base = \"gimbal-knob\"\n[operator.hand]\ninertia_kg_m2 = 1e-4\n[operator.motion]\nkind = \"tap\"\n").unwrap();
+    assert_eq!(other.operator.grip.name(), "custom");
+    assert_eq!(other.operator.motion.name(), "tap");
+    // A scene that is printed is whole.
+    assert_eq!(other, parse(&other.to_toml()).unwrap());
+}
+
+#[test]
+fn a_base_that_is_none_is_named_with_its_line() {
+    let refused = |text: &str| {
+        Scene::parse(text, Path::new("mine.toml"))
+            .unwrap_err()
+            .to_string()
+    };
+    assert_eq!(
+        refused("# mine\nbase = \"gimbal-knop\"\n"),
+        "mine.toml:2: base: no shipped scene \"gimbal-knop\"; did you mean \"gimbal-knob\"?"
+    );
+    assert!(
+        refused("base = 3\n").starts_with(
+            "mine.toml:1: base: no shipped scene 3; give a shipped scene: thesis-knob"
+        )
+    );
+    assert!(refused("base = \"./gimbal-knob.toml\"\n").contains("base: no shipped scene"));
+    // What is wrong on top of it is told at its own line.
+    let wrong = refused("base = \"gimbal-knob\"\n[wall]\nk_desired_n_m_per_rad = -1.0\n");
+    assert!(
+        wrong.starts_with("mine.toml:3: wall.k_desired_n_m_per_rad"),
+        "{wrong}"
+    );
+}
