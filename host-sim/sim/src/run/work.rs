@@ -160,10 +160,9 @@ fn steps(scene: &Scene) -> (u64, f64, Option<(&'static str, String)>) {
             Some(cause),
         );
     }
-    if let (Some(hand), true) = (crossed::hand(scene), scene.device.friction.is_some())
-        && let Ok(plant) = HeldCoulomb::new(&crossed::device(scene), &hand, scene.timing.period_s())
-    {
-        let series = plant.series();
+    if let (Some(hand), true) = (crossed::hand(scene), scene.device.friction.is_some()) {
+        let device = crossed::device(scene);
+        let series = HeldCoulomb::series(&device, &hand, scene.timing.period_s());
         let path = match scene.operator.hand {
             Some(_) => "operator.hand.pad_stiffness_n_m_per_rad",
             None => "device.inertia_kg_m2",

@@ -84,6 +84,21 @@ fn guard<const K: usize>(factors: &[f64; K], drive: &[f64; K]) -> f64 {
         .sum()
 }
 
+/// With angles scaled by the fastest eigenfrequency, all rates of the plant are comparable and their norm says how far a series reaches.
+fn fastest_rate(device: &Device, hand: &Hand, m: &SMatrix<f64, 5, 5>) -> f64 {
+    let (k_p, k_h) = (hand.pad_stiffness, hand.stiffness);
+    let scale = (k_p / device.inertia)
+        .max(k_p / hand.inertia)
+        .max(k_h / hand.inertia)
+        .sqrt()
+        .max(f64::MIN_POSITIVE);
+    let scales = [1.0, scale, 1.0, scale];
+    let scaled = SMatrix::<f64, 4, 4>::from_fn(|row, column| {
+        m[(row, column)] * scales[row] / scales[column]
+    });
+    row_sum_norm(&scaled)
+}
+
 /// Share of the rougher bound that allows for rounding beside the finer one, which may be zero.
 const ROUNDING: f64 = 1e-9;
 
@@ -112,19 +127,7 @@ impl HeldCoulomb {
         ];
         let stuck_viscous = matrix![0.0, 0.0, 0.0; 0.0, b_p + b_h, 0.0; 0.0, 0.0, 0.0];
 
-        // With angles scaled by the fastest eigenfrequency, all rates of the plant are comparable and their norm says how
-        // far a series reaches.
-        let j = device.inertia;
-        let scale = (k_p / j)
-            .max(k_p / j_h)
-            .max(k_h / j_h)
-            .sqrt()
-            .max(f64::MIN_POSITIVE);
-        let scales = [1.0, scale, 1.0, scale];
-        let scaled = SMatrix::<f64, 4, 4>::from_fn(|row, column| {
-            m[(row, column)] * scales[row] / scales[column]
-        });
-        let rate = row_sum_norm(&scaled);
+        let rate = fastest_rate(device, hand, &m);
         if rate * interval_s > NORM * MAX_PIECES {
             return Err(Invalid {
                 field: "interval_s",
@@ -151,8 +154,9 @@ impl HeldCoulomb {
 
     /// Power series that a tick with stops takes, at most and events apart; one for a plant that is not stiff.
     #[must_use]
-    pub fn series(&self) -> u64 {
-        (self.sliding.interval_s() / self.piece_s).ceil().max(1.0) as u64
+    pub fn series(device: &Device, hand: &Hand, interval_s: f64) -> u64 {
+        let rate = fastest_rate(device, hand, &drive_matrix(device, hand));
+        ((interval_s * rate / NORM).ceil().min(MAX_PIECES) as u64).max(1)
     }
 
     /// Torque on the device at rest, friction apart: the held torque and the pad's.
