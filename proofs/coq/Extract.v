@@ -6,5 +6,5 @@ Require Import ZArith ExtrOcamlBasic ExtrOcamlZBigInt.
 Extraction Language OCaml.
 (* By quotient_is_div. *)
 Extract Inlined Constant Z.div => "quotient".
-Extraction "specified.ml" quotient tick commanded switched_off full accepted tdpa_tick fba_tick outside enhanced_tick free_at
+Extraction "specified.ml" quotient tick commanded switched_off full made_of tdpa_tick fba_tick outside enhanced_tick free_at
   root_by_digits root_32 root_high_32 root_64 root_high_64.

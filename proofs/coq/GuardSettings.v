@@ -3,7 +3,7 @@
     AcceptedIsValid.v, that it covers the device that it was told AcceptedCovers.v, and what that comes to in joules AcceptedWindow.v.
 
     A setting is a count of 2^-32 of its SI unit, and the code's arithmetic of settings is written out here: products and quotients are
-    rounded down, and nothing is more than the largest number. compare.ml runs [accepted] beside the code. *)
+    rounded down, and nothing is more than the largest number. compare.ml runs [made_of] beside the code. *)
 
 Require Import ZArith Bool.
 From Touchstone Require Import Guard.
@@ -141,10 +141,25 @@ Definition made : guard := {|
   overrun := signal_of overrun_of
 |}.
 
-(** [Guard::new]. *)
+(** [Guard::new] for settings whose delay and lag are at most a tick. *)
 Definition accepted : option guard := if fits then Some made else None.
 
 End Derived.
 
 (** The claims name both. *)
 Arguments accepted : clear implicits.
+
+(** * A digit more than a tick *)
+
+(** A delay of a whole tick is read to the nearest digit and the tick is rounded down, so that delay and lag may be a digit longer than a
+    tick. They are cut to it: the guard is the one of those settings, and what is proved of [accepted] is proved of it. *)
+Definition cut (S : settings) (T : told) : settings :=
+  let delay := Z.min (set_delay S) (@tick_of T) in
+  {| set_capacity := set_capacity S; set_refill := set_refill S; set_share := set_share S; set_damping := set_damping S;
+     set_overspeed := set_overspeed S; set_delay := delay; set_lag := Z.min (set_lag S) (@tick_of T - delay);
+     set_measured := set_measured S |}.
+
+(** [Guard::new]. *)
+Definition made_of (S : settings) (T : told) : option guard :=
+  if between 0 (set_delay S) (Z.min si_one (@tick_of T + 1)) && between 0 (set_lag S) (Z.min si_one (@tick_of T + 1 - set_delay S))
+  then accepted (cut S T) T else None.

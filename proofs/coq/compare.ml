@@ -51,7 +51,7 @@ let take line =
           let set_measured = measured <> zero in
           running :=
             Of_settings
-              (accepted
+              (made_of
                  { set_capacity; set_refill; set_share; set_damping; set_overspeed; set_delay; set_lag; set_measured }
                  { told_rate; told_limit; told_count })
       | "made", [ capacity; refill; damping; furthest; count; late; stray; slack; per_reach; in_flight; overrun ], Of_settings it ->

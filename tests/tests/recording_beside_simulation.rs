@@ -65,6 +65,8 @@ fn kept(test: &str, ticks: impl Iterator<Item = (String, String, String)>) -> Pa
         let _ = writeln!(text, "{tick},{time_s},{count},{penetration},{force},armed,");
     }
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("beside-{test}"));
+    // What an earlier run left there would not be written over.
+    let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).unwrap();
     let file = folder.join("record.csv");
     std::fs::write(&file, text).unwrap();

@@ -31,11 +31,24 @@ struct Derived {
     distance: Si,
     /// `D = d + δ`, rounded up.
     reach: Si,
-    /// Share of a tick after which a force acts, in the mean: exact, for the rate is a whole number. Above 1 only by rounding, so 1 then.
+    /// Share of a tick after which a force acts, in the mean: exact, for the rate is a whole number.
     late: Si,
 }
 
 impl GuardSettings {
+    /// Delay and lag cut to a tick as it is rounded down: accepted settings are at most a digit longer.
+    #[inline]
+    fn within_a_tick(&self, device: &GuardedDevice) -> Self {
+        let tick = over(Si::ONE, Si::saturating_from_num(device.rate_hz));
+        let delay = self.delay.min(tick);
+        let lag = self.lag.min(tick.saturating_sub(delay));
+        Self {
+            delay,
+            lag,
+            ..*self
+        }
+    }
+
     #[inline]
     fn derived(&self, device: &GuardedDevice) -> Derived {
         let rate = Si::saturating_from_num(device.rate_hz);
@@ -50,11 +63,7 @@ impl GuardSettings {
             damping,
             distance,
             reach: distance.saturating_add(device.count),
-            late: self
-                .delay
-                .saturating_add(self.lag)
-                .saturating_mul(rate)
-                .min(Si::ONE),
+            late: self.delay.saturating_add(self.lag).saturating_mul(rate),
         }
     }
 
@@ -87,7 +96,7 @@ impl GuardSettings {
     /// Warnings: settings with which the guard gives more energy away than it need.
     #[must_use]
     pub fn warnings(&self, device: &GuardedDevice) -> [Option<Warning>; 2] {
-        let derived = self.derived(device);
+        let derived = self.within_a_tick(device).derived(device);
         let force = device.force_limit;
         // For the displacement of a tick, and for the part of it that the force acts on after the next sample.
         let needed = force
@@ -133,6 +142,7 @@ impl<N: Number> Guard<N> {
     /// A setting out of its range, or a coefficient that does not fit the number format.
     pub fn new(settings: &GuardSettings, device: &GuardedDevice) -> Result<Self, SettingsError> {
         settings.validate(device)?;
+        let settings = &settings.within_a_tick(device);
         let derived = settings.derived(device);
         let whole = Si::const_from_int;
         let rate = Si::saturating_from_num(device.rate_hz);
