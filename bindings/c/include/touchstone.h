@@ -37,7 +37,8 @@
 #define TS_WALL_WORDS 160
 
 /*
- What a call answers. `TS_OK` is 0; after any other answer the output is 0, so that a firmware that ignores it drives no motor.
+ Result of a call. `TS_OK` is 0; with any other result the output is 0, so that a firmware that ignores the result
+ drives no motor.
  */
 typedef enum {
   /*
@@ -77,7 +78,7 @@ typedef enum {
 typedef int64_t ts_si;
 
 /*
- What the guard must know of the device, and what it promises. Start from `ts_guard_defaults`.
+ Properties of the device that the guard needs, and the size of its promise. Start from `ts_guard_defaults`.
  */
 typedef struct {
   /*
@@ -167,8 +168,8 @@ extern "C" {
 #endif // __cplusplus
 
 /*
- Fills in capacity, refill, share of damping and overspeed as Touchstone's knob has them, and 0 for all that only you know of your device:
- rate, force limit, count and damping, delay and lag. `ts_guard_init` refuses a rate of 0.
+ Fills in capacity, refill, share of damping and overspeed as Touchstone's knob has them, and 0 for all that only you know of your device.
+ Rate, force limit, count and damping, delay and lag. `ts_guard_init` refuses a rate of 0.
  */
 ts_status ts_guard_defaults(ts_guard_config *config);
 
@@ -188,8 +189,9 @@ ts_status ts_guard_check(const ts_guard_config *config,
                          size_t length);
 
 /*
- One control period. `moved` is how far the device moved since the last tick, `wanted` the force of your law, `*allowed` what it may be, with the sign of
- a force that resists a positive `moved` positive. At most `capacity + refill * time` ever reaches the hand beyond what it put in.
+ Runs one control period. `moved` is the displacement since the last tick, `wanted` the force of your law,
+ `*allowed` the force to command; a force that resists a positive `moved` is positive. At most `capacity + refill *
+ time` ever reaches the hand beyond what it put in.
  */
 ts_status ts_guard_tick(ts_guard *guard,
                         ts_position moved,
@@ -197,7 +199,8 @@ ts_status ts_guard_tick(ts_guard *guard,
                         ts_force *allowed);
 
 /*
- The same where the encoder was also read when the last force took effect: `before_change` is the part of `moved` that came before.
+ As `ts_guard_tick`, where the encoder was also read when the last force took effect: `before_change` is the part of
+ `moved` that came before.
  */
 ts_status ts_guard_tick_with_change(ts_guard *guard,
                                     ts_position moved,
@@ -206,7 +209,7 @@ ts_status ts_guard_tick_with_change(ts_guard *guard,
                                     ts_force *allowed);
 
 /*
- Tells the guard that less than it allowed was commanded in the end. A larger force counts as the allowed one.
+ Tells the guard that a smaller force than allowed was commanded. A larger force counts as the allowed one.
  */
 ts_status ts_guard_commanded(ts_guard *guard, ts_force force);
 
@@ -221,13 +224,14 @@ ts_status ts_guard_switched_off(ts_guard *guard);
 ts_status ts_guard_resume(ts_guard *guard);
 
 /*
- What the hand may still get out, J times 2^48; negative after overspeed until refill and damping have made up for it.
+ Energy that the hand may still get out, J times 2^48; negative after overspeed until refill and damping have made
+ up for it.
  */
 ts_status ts_guard_account(ts_guard *guard,
                            ts_energy *account);
 
 /*
- The defaults: the wall of Touchstone's simulated knob. Set at least what is otherwise on your device.
+ The defaults: the wall of Touchstone's simulated knob. Set at least what differs on your device.
  */
 ts_status ts_settings_init(ts_settings *settings);
 
@@ -240,7 +244,7 @@ ts_status ts_settings_set(ts_settings *settings,
                           const char *value);
 
 /*
- Tells estimator and guard the encoder: counts of a whole turn, all edges counted, at least 1.
+ Sets the encoder for estimator and guard: counts of a whole turn, all edges counted, at least 1.
  */
 ts_status ts_settings_set_counts_per_rev(ts_settings *settings, uint32_t counts_per_rev);
 
@@ -263,15 +267,15 @@ ts_status ts_wall_init(ts_wall *wall,
                        ts_settings *settings);
 
 /*
- One control period: how deep the device is in the wall, positive inside, to the force that pushes it out. Command the motor with its
- negative along the angle, and hold it until the next tick.
+ Runs one control period: takes the depth in the wall, positive inside, gives the force that pushes out. Command the
+ motor with its negative along the angle, and hold it until the next tick.
  */
 ts_status ts_wall_tick(ts_wall *wall,
                        ts_position penetration,
                        ts_force *force);
 
 /*
- Tells estimator and guard what was commanded in the end, where that is less than the wall's force.
+ Tells estimator and guard the commanded force, where that is smaller than the wall's.
  */
 ts_status ts_wall_commanded(ts_wall *wall, ts_force force);
 
