@@ -26,6 +26,26 @@ pub struct Measure {
     pub of: fn(&Summary) -> Option<f64>,
 }
 
+impl Measure {
+    /// The heading of its column: the name, with its unit where the name has none.
+    #[must_use]
+    pub fn column(&self) -> String {
+        let unit = match self.unit {
+            "N·m/rad" => "_n_m_per_rad",
+            "N·m" => "_n_m",
+            "rad/s" => "_rad_per_s",
+            "rad" => "_rad",
+            "J" => "_j",
+            "s" => "_s",
+            _ => "",
+        };
+        match self.name.ends_with(unit) {
+            true => self.name.to_owned(),
+            false => format!("{}{unit}", self.name),
+        }
+    }
+}
+
 /// All measures.
 #[must_use]
 pub fn measures() -> Vec<Measure> {
@@ -124,5 +144,40 @@ impl Row {
             verdict.to_owned(),
             measures.iter().map(value).collect(),
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A new unit needs its word here.
+    #[test]
+    fn every_column_says_its_unit_once() {
+        for measure in measures() {
+            let column = measure.column();
+            let says = [
+                "_n_m_per_rad",
+                "_n_m",
+                "_rad_per_s",
+                "_rad",
+                "_j",
+                "_s",
+                "_deg",
+            ];
+            let plain = measure.unit == "1";
+            assert!(
+                plain || says.iter().any(|end| column.ends_with(end)),
+                "{column} in {}",
+                measure.unit
+            );
+            assert!(
+                !column.contains("_j_j") && !column.contains("_rad_rad"),
+                "{column}"
+            );
+        }
+        let named = named(&["k_displayed".to_owned(), "guard_tripped_s".to_owned()]).unwrap();
+        assert_eq!(named[0].column(), "k_displayed_n_m_per_rad");
+        assert_eq!(named[1].column(), "guard_tripped_s");
     }
 }

@@ -112,7 +112,7 @@ impl Sweep {
             self.grid.y.field.path.to_owned(),
             measure::VERDICT.to_owned(),
         ];
-        names.extend(self.measures.iter().map(|measure| measure.name.to_owned()));
+        names.extend(self.measures.iter().map(measure::Measure::column));
         names
     }
 

@@ -204,7 +204,7 @@ fn columns(sweep: &Sweep) -> Vec<[String; 4]> {
         sweep
             .measures
             .iter()
-            .map(|it| text([it.name, "number", it.meaning, it.unit])),
+            .map(|it| text([&it.column(), "number", it.meaning, it.unit])),
     );
     columns
 }
