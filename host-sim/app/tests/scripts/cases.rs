@@ -71,10 +71,16 @@ fn said_of(here: &Path, file: &str) -> Said {
         "--seconds",
         "2",
     ];
-    run_in(
-        here,
-        &[&run[..], &["--csv", "ticks.csv", "--force"]].concat(),
-    )
+    let words = [&run[..], &["--csv", "ticks.csv", "--force"]].concat();
+    // A tick that is 10 ms late is the machine's fault and not the file's: then it is asked again.
+    let mut said = run_in(here, &words);
+    for _ in 0..2 {
+        if !said.err.contains("ms late") {
+            break;
+        }
+        said = run_in(here, &words);
+    }
+    said
 }
 
 fn check(here: &Path, file: &Path, right: &Right) {
