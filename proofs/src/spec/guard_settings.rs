@@ -62,6 +62,14 @@ fn rate(told: &Told) -> Int {
     (told.rate * ONE).min(MOST)
 }
 
+/// Delay and lag, at most a tick as it is rounded down: settings in their ranges are at most a digit longer.
+fn within_a_tick(set: &Settings, told: &Told) -> Settings {
+    let tick = over(ONE, rate(told));
+    let delay = set.delay.min(tick);
+    let lag = set.lag.min(tick - delay);
+    Settings { delay, lag, ..*set }
+}
+
 /// What `validate` lets through.
 #[must_use]
 pub fn in_ranges(set: &Settings, told: &Told) -> bool {
@@ -87,10 +95,11 @@ pub fn in_ranges(set: &Settings, told: &Told) -> bool {
 /// displacement, with the part of it after the next sample and half a count. Second: the account is never refilled.
 #[must_use]
 pub fn warned(set: &Settings, told: &Told) -> [bool; 2] {
+    let set = within_a_tick(set, told);
     let rate = rate(told);
     let distance = plus(plus(over(set.overspeed, rate), told.count), UP);
     let reach = plus(distance, told.count);
-    let late = times(plus(set.delay, set.lag), rate).min(ONE);
+    let late = times(plus(set.delay, set.lag), rate);
     let over_a_tick = times(times(told.limit, reach), plus(ONE, late));
     let needed = plus(over_a_tick, times(told.limit, told.count) / 2);
     [set.capacity < needed, set.refill == 0]
@@ -99,6 +108,7 @@ pub fn warned(set: &Settings, told: &Told) -> [bool; 2] {
 /// The guard that settings in their ranges become, if every coefficient fits.
 #[must_use]
 pub fn made(set: &Settings, told: &Told) -> Option<Guard> {
+    let set = within_a_tick(set, told);
     let rate = rate(told);
     let tick = over(ONE, rate);
     let measured = over(set.overspeed, rate);
@@ -108,7 +118,7 @@ pub fn made(set: &Settings, told: &Told) -> Option<Guard> {
     // The way of a tick may be measured a count longer.
     let distance = plus(plus(measured, told.count), UP);
     let reach = plus(distance, told.count);
-    let late = times(plus(set.delay, set.lag), rate).min(ONE);
+    let late = times(plus(set.delay, set.lag), rate);
 
     // The reserve in flight is rounded up by a quantum and a little, and the positions that both are measured with by one each.
     let rounded = plus(plus(plus(STEP, STEP), STEP), UP);
