@@ -4,7 +4,7 @@ use crate::settings::DeviceSettings;
 use serde::{Deserialize, Serialize};
 
 /// Version of everything that goes over the wire: raised with each change that an older desktop or device would misread.
-pub const PROTOCOL_VERSION: u16 = 7;
+pub const PROTOCOL_VERSION: u16 = 8;
 
 /// A request, and the number by which its answer is known.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,8 +1,10 @@
-//! What there is to touch on one axis: several walls, solid above or below their surfaces, and detents; one guard for all of it.
+//! What there is to touch on one axis: several walls, solid above or below their surfaces, detents, and a drawn profile; one guard for
+//! all of it.
 //!
 //! ```text
 //! angle -> each wall: penetration -> states -> law \
 //!       -> detents ---------------------------------> sum -> saturation -> guard -> force
+//!       -> profile --------------------------------->
 //! ```
 //!
 //! **Nothing is switched.** Every wall has a law with a memory of its own and is told where the device is at every tick, so that a law never
@@ -22,11 +24,13 @@
 mod changing;
 mod detents;
 mod face;
+mod profile;
 mod refused;
 
 use changing::Carried;
 pub use detents::{DetentSettings, Detents, Spacing};
 pub use face::{Counted, Face, Reached, Reading, Side, turn_of};
+pub use profile::{Extent, MOST_POINTS, Profile, ProfileSettings, Shape, WHOLE};
 pub use refused::Refused;
 
 use crate::controller::Controller;
@@ -75,6 +79,7 @@ impl<N: Number> Walled<N> {
 pub struct Environment<N: Number> {
     walls: [Option<Walled<N>>; MOST_WALLS],
     detents: Option<Detents<N>>,
+    profile: Option<Profile<N>>,
     limit: Force<N>,
     /// The energy guard behind the sum of all forces.
     pub guard: Option<Guarded<N>>,
@@ -111,6 +116,7 @@ impl<N: Number> Environment<N> {
         let mut environment = Self {
             walls: [None; MOST_WALLS],
             detents: None,
+            profile: None,
             limit: Force(N::signal(settings.force_limit).ok_or(Refused::Law(
                 SettingsError::OutOfFormat {
                     field: Field::ForceLimit,
@@ -164,6 +170,20 @@ impl<N: Number> Environment<N> {
         Ok(environment)
     }
 
+    /// This environment with a profile, whose force is added to the others'. `force_limit` is that of the law's settings.
+    ///
+    /// # Errors
+    /// The setting of the profile that is refused.
+    #[cold]
+    pub fn with_profile(
+        mut self,
+        profile: &ProfileSettings,
+        force_limit: Si,
+    ) -> Result<Self, Refused> {
+        self.profile = Some(profile.profile(force_limit)?);
+        Ok(self)
+    }
+
     /// This environment in the place of one that ran before, for the next arming: all memory is cleared but the
     /// guard's account.
     #[must_use]
@@ -185,6 +205,9 @@ impl<N: Number> Environment<N> {
             None => Force::zero(),
             Some(detents) => detents.force(at),
         };
+        if let Some(profile) = &self.profile {
+            wanted = wanted + profile.force(at);
+        }
         let (end, commanded) = (self.end, self.commanded);
         self.beyond_reach = false;
         for wall in self.walls.iter_mut().flatten() {

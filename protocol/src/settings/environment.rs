@@ -1,4 +1,4 @@
-//! The environment beside the wall of `wall`, on boards with room for it: further walls, endstops, detents, all behind
+//! The environment beside the wall of `wall`, on boards with room for it: further walls, endstops, detents, a profile, all behind
 //! the law's one guard. It is the simulator's `[environment]`, field by field.
 //!
 //! Not a part of [`DeviceSettings`]: it may be changed while the knob is at work, and boards without room for it have
@@ -6,15 +6,16 @@
 
 use super::{Decimal, DeviceSettings, Reason, SettingsError, fields, refused};
 use heapless::Vec;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use touchstone_control as law;
 use touchstone_control::environment::{
-    DetentSettings, Environment, Face, MOST_WALLS, Refused, Side, WallSettings,
+    DetentSettings, Environment, Extent, Face, MOST_POINTS, MOST_WALLS, ProfileSettings, Refused,
+    Shape, Side, WallSettings,
 };
 use touchstone_control::{Fixed32, Force, Si};
 
 /// No environment takes more bytes on the wire (a test).
-pub const ENVIRONMENT_MAX: usize = 160;
+pub const ENVIRONMENT_MAX: usize = 390;
 
 /// What there is to touch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -29,6 +30,31 @@ pub struct Surround {
     pub detents: Option<DetentsBeside>,
     /// How fast a force may change while the environment is changed under a hand, N·m/s.
     pub change_n_m_per_s: Decimal,
+    /// A torque drawn over the angle.
+    pub profile: Option<ProfileBeside>,
+}
+
+/// A [`Surround`] as devices stored it before there were profiles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct WithoutProfile {
+    first_wall: bool,
+    further: [Option<WallBeside>; 3],
+    endstops: Option<TravelEnds>,
+    detents: Option<DetentsBeside>,
+    change_n_m_per_s: Decimal,
+}
+
+impl From<WithoutProfile> for Surround {
+    fn from(it: WithoutProfile) -> Self {
+        Self {
+            first_wall: it.first_wall,
+            further: it.further,
+            endstops: it.endstops,
+            detents: it.detents,
+            change_n_m_per_s: it.change_n_m_per_s,
+            profile: None,
+        }
+    }
 }
 
 /// A wall beside the first.
@@ -62,6 +88,54 @@ pub struct DetentsBeside {
     pub strength_n_m: Decimal,
     /// Position of one of the detents, rad.
     pub centre_rad: Decimal,
+}
+
+/// A torque drawn over the angle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ProfileBeside {
+    /// Copies in a turn; 0: once, from `start_rad` to `end_rad`.
+    pub per_rev: u16,
+    /// Position of the first point, rad.
+    pub start_rad: Decimal,
+    /// Position of the last point of a profile that is there once, rad.
+    pub end_rad: Decimal,
+    /// The torque of a point of 1, N·m.
+    pub strength_n_m: Decimal,
+    /// The points.
+    pub shape: Points,
+}
+
+/// The points of a profile: on the wire a sequence of 2 to 64 numbers from -10,000 to 10,000.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Points(pub Shape);
+
+impl Serialize for Points {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0.points())
+    }
+}
+
+impl<'de> Deserialize<'de> for Points {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let points = Vec::<i16, MOST_POINTS>::deserialize(deserializer)?;
+        Shape::new(&points)
+            .map(Self)
+            .map_err(serde::de::Error::custom)
+    }
+}
+
+impl ProfileBeside {
+    const fn settings(&self) -> ProfileSettings {
+        ProfileSettings {
+            extent: match self.per_rev {
+                0 => Extent::Until(self.end_rad.0),
+                per_rev => Extent::PerTurn(per_rev),
+            },
+            start: self.start_rad.0,
+            strength: self.strength_n_m.0,
+            shape: self.shape.0,
+        }
+    }
 }
 
 /// The time from which an accepted environment applies.
@@ -101,6 +175,8 @@ const PLACES: [[&str; 2]; 6] = [
 ];
 
 const STRENGTH: &str = "environment.detents.strength_n_m";
+const PROFILE_STRENGTH: &str = "environment.profile.strength_n_m";
+const PROFILE_END: &str = "environment.profile.end_rad";
 
 /// How fast a force may change, N·m/s: the slowest lets go of the largest force in some minutes.
 const CHANGE: (Si, Si) = (Si::lit("0.01"), Si::lit("100"));
@@ -114,6 +190,7 @@ impl Default for Surround {
             endstops: None,
             detents: None,
             change_n_m_per_s: Decimal(const { Si::lit("0.5") }),
+            profile: None,
         }
     }
 }
@@ -125,6 +202,7 @@ impl Surround {
         !self.first_wall
             || self.endstops.is_some()
             || self.detents.is_some()
+            || self.profile.is_some()
             || self.further.iter().any(Option::is_some)
     }
 
@@ -215,8 +293,19 @@ impl Surround {
             }
         };
         let walls: Vec<WallSettings, MOST_WALLS> = placed.into_iter().flatten().collect();
-        Environment::new(&settings.law(), &walls, detents.as_ref())
-            .map_err(|error| why(&error, &placed))
+        let limit = settings.law.force_limit_n_m;
+        let refused = |error| why(&error, &placed);
+        let built = Environment::new(&settings.law(), &walls, detents.as_ref()).map_err(refused)?;
+        let Some(profile) = &self.profile else {
+            return Ok(built);
+        };
+        let (start, end) = (profile.start_rad.0, profile.end_rad.0);
+        fields::within("environment.profile.start_rad", start, surfaces)?;
+        fields::within(PROFILE_END, end, surfaces)?;
+        fields::within(PROFILE_STRENGTH, profile.strength_n_m.0, (Si::ZERO, limit))?;
+        built
+            .with_profile(&profile.settings(), limit)
+            .map_err(refused)
     }
 
     /// Checks the environment with the settings that it stands beside.
@@ -257,12 +346,17 @@ fn why(error: &Refused, placed: &[Option<WallSettings>; MOST_WALLS]) -> Settings
         }
         Refused::Law(error) => refused(error),
         Refused::Strength { strength, .. } => limit(STRENGTH, *strength),
+        Refused::ProfileStrength { strength, .. } => limit(PROFILE_STRENGTH, *strength),
+        Refused::Length(length) => limit(PROFILE_END, *length),
+        // Those of detents have been looked at.
         Refused::PerTurn(per_turn) => limit(
-            "environment.detents.per_rev",
+            "environment.profile.per_rev",
             Si::saturating_from_num(*per_turn),
         ),
         Refused::Pitch(pitch) => limit("environment.detents.per_rev", *pitch),
-        // There is no place for a seventh.
-        Refused::TooManyWalls => limit("environment", Si::ZERO),
+        // There is no place for a seventh wall, and points are looked at when they are read.
+        Refused::TooManyWalls | Refused::Points(_) | Refused::Point(_) => {
+            limit("environment", Si::ZERO)
+        }
     }
 }

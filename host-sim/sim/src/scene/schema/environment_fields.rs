@@ -1,6 +1,6 @@
 //! The fields of `[environment]`.
 
-use super::Kind::{Choice, Flag, Whole};
+use super::Kind::{Choice, Flag, Numbers, Whole};
 use super::Range::{Any, NotNegative, Within};
 use super::{Field, field, number};
 use touchstone_control::Choice as _;
@@ -102,5 +102,35 @@ pub(super) const ENVIRONMENT: &[Field] = &[
         "rad",
         Any,
         "where a detent is",
+    ),
+    field(
+        "environment.profile.per_rev",
+        "",
+        Whole(0, 6283),
+        "the copies of the profile in one turn; 0: once, from start_rad to end_rad",
+    ),
+    number(
+        "environment.profile.start_rad",
+        "rad",
+        Any,
+        "where the first point is",
+    ),
+    number(
+        "environment.profile.end_rad",
+        "rad",
+        Any,
+        "where the last point is, if per_rev = 0",
+    ),
+    number(
+        "environment.profile.strength_n_m",
+        "n_m",
+        NotNegative,
+        "the torque of a point of 1",
+    ),
+    field(
+        "environment.profile.shape",
+        "",
+        Numbers(2, 64, -1.0, 1.0),
+        "2 to 64 points at equal distances, as fractions of the strength; positive ones push towards larger angles",
     ),
 ];
