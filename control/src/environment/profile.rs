@@ -124,7 +124,7 @@ impl ProfileSettings {
     ///
     /// # Errors
     /// The extent or the strength is outside its range.
-    pub(super) fn profile<N: Number>(&self, limit: Si) -> Result<Profile<N>, Refused> {
+    pub fn profile<N: Number>(&self, limit: Si) -> Result<Profile<N>, Refused> {
         let place = match self.extent {
             Extent::PerTurn(per_turn) => {
                 if per_turn == 0 || per_turn > MOST {
