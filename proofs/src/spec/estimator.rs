@@ -15,7 +15,7 @@ const BELOW_SIGNAL: u32 = 54 - 24;
 /// Number of past commands that the estimator keeps.
 pub const REMEMBERED: usize = 3;
 
-/// Product of a weight and a part; [`crate::weighed`] says what replaces it under the checker.
+/// Product of a weight and a part; [`crate::weighed`] says what replaces it under the model checker.
 #[must_use]
 pub fn weighed(weight: Int, part: Int) -> Int {
     weight * part

@@ -17,7 +17,7 @@ const TAU: Int = 452_751_216_129_820_177;
 fn long(x: Int) -> Int {
     x.clamp(-LONG_MOST - 1, LONG_MOST)
 }
-/// The product `a b` of numbers with 56 fractional bits; [`crate::reckoned`] says what replaces it under the checker.
+/// The product `a b` of numbers with 56 fractional bits; [`crate::reckoned`] says what replaces it under the model checker.
 #[must_use]
 pub fn long_times(a: Int, b: Int) -> Int {
     long((a * b) >> 56)
@@ -29,7 +29,7 @@ pub fn long_over(a: Int, b: Int) -> Int {
     let exact = if b == 0 { 0 } else { (a << 56) / b };
     if long(exact) == exact { exact } else { 0 }
 }
-/// `a / b` of two positive settings, with 56 fractional bits; [`crate::reckoned`] says what replaces it under the checker.
+/// `a / b` of two positive settings, with 56 fractional bits; [`crate::reckoned`] says what replaces it under the model checker.
 #[must_use]
 pub fn ratio(a: Int, b: Int) -> Int {
     if b == 0 {
@@ -39,7 +39,8 @@ pub fn ratio(a: Int, b: Int) -> Int {
     }
 }
 
-/// `V = Σ (-β)^k t^(k+1)/(k+1)!` and `X = Σ (-β)^k t^(k+2)/(k+2)!`; [`crate::reckoned`] says what replaces them under the checker.
+/// `V = Σ (-β)^k t^(k+1)/(k+1)!` and `X = Σ (-β)^k t^(k+2)/(k+2)!`; [`crate::reckoned`] says what replaces them under the model
+/// checker.
 #[must_use]
 pub fn integrals(loss: Int, time: Int) -> (Int, Int) {
     let (mut reach, mut drift, mut term) = (0, 0, time);
@@ -123,7 +124,7 @@ impl Device {
     }
 
     /// The correction gains `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V β = 2 + ρ - 3z - α - X γ`, with `1 - z = 1 - exp(-angle)`. `None`
-    /// if one does not fit a word. [`crate::reckoned`] says what replaces them under the checker.
+    /// if one does not fit a word. [`crate::reckoned`] says what replaces them under the model checker.
     #[must_use]
     pub fn correction(&self, angle: Int) -> Option<[Int; 3]> {
         let fast = long_times(angle, integrals(angle, LONG_ONE).0);
@@ -158,7 +159,7 @@ fn weighed<const COMMANDS: usize>(long: &LongFlow<COMMANDS>) -> Option<Flow<COMM
     })
 }
 
-/// The flow over a tick; `None` if a weight does not fit a word. [`crate::reckoned`] says what replaces it under the checker.
+/// The flow over a tick; `None` if a weight does not fit a word. [`crate::reckoned`] says what replaces it under the model checker.
 #[must_use]
 pub fn over_a_tick(device: &Device) -> Option<Flow<3>> {
     weighed(&device.flow(LONG_ONE, -device.delay))

@@ -106,7 +106,7 @@ pub struct Derived {
     pub virtual_damping: Int,
 }
 
-/// Values that follow from several settings; [`crate::reckoned`] says what replaces them under the checker.
+/// Values that follow from several settings; [`crate::reckoned`] says what replaces them under the model checker.
 #[must_use]
 pub fn derived(of: &Settings) -> Derived {
     let per_tick = |damping| times(damping, (of.rate * ONE).min(MOST));

@@ -13,12 +13,12 @@ pub const MOST: Int = i64::MAX as Int;
 pub fn plus(a: Int, b: Int) -> Int {
     (a + b).min(MOST)
 }
-/// The product `a b`; [`crate::reckoned`] says what replaces it under the checker.
+/// The product `a b`; [`crate::reckoned`] says what replaces it under the model checker.
 #[must_use]
 pub fn times(a: Int, b: Int) -> Int {
     ((a * b) >> 32).min(MOST)
 }
-/// The quotient `a / b`, and the largest setting for `b = 0`; [`crate::reckoned`] says what replaces it under the checker.
+/// The quotient `a / b`, and the largest setting for `b = 0`; [`crate::reckoned`] says what replaces it under the model checker.
 #[must_use]
 pub fn over(a: Int, b: Int) -> Int {
     if b <= 0 {
