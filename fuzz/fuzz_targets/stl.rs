@@ -1,5 +1,5 @@
 #![no_main]
-//! STL: the bytes as a file, and as damages of whole files of both forms.
+//! Fuzzes STL meshes: the input as a file, and the input as choices for damaged text and binary files.
 
 #[path = "../../tests/made/choices.rs"]
 mod choices;

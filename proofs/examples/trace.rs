@@ -1,6 +1,7 @@
-//! Prints ticks of the shipped code, for the extracted specification of `proofs/coq/` to reproduce. For the guard,
-//! TDPA, FBA and the enhanced law it prints the coefficients, and for each tick the inputs, the memory and the output.
-//! For the guard it also prints the coefficients made of settings, invalid ones among them; and it prints roots.
+//! Prints ticks of the shipped code; the extracted specification of `proofs/coq/` must reproduce them. For the guard, TDPA, FBA and
+//! the enhanced law it prints the coefficients, and for each tick the inputs, the memory and the output. It also prints the guard's
+//! coefficients for settings, invalid ones included, and integer roots.
+//!
 //! `cargo run --release -p touchstone-proofs --example trace -- TICKS`.
 
 use std::io::{BufWriter, Result, Write};
@@ -31,7 +32,7 @@ fn main() -> Result<()> {
     out.flush()
 }
 
-/// Roots of words of every length, of squares and of their neighbours, where a root steps.
+/// Prints roots of integers of every length, and of squares and their neighbours, where the root changes.
 fn roots(out: &mut impl Write, draws: u64) -> Result<()> {
     let mut random = Random(9);
     for _ in 0..draws {
@@ -58,7 +59,7 @@ fn roots(out: &mut impl Write, draws: u64) -> Result<()> {
     Ok(())
 }
 
-/// TDPA or FBA, over contacts of every kind.
+/// Prints ticks of TDPA or FBA over contacts of every type.
 fn laws(out: &mut impl Write, kind: LawKind, wanted_ticks: u64) -> Result<()> {
     let mut random = Random(5);
     let mut ticks = 0;
@@ -105,7 +106,7 @@ fn laws(out: &mut impl Write, kind: LawKind, wanted_ticks: u64) -> Result<()> {
     Ok(())
 }
 
-/// The enhanced law, over contacts of every kind, with its whole memory.
+/// Prints ticks of the enhanced law over contacts of every type, with its whole memory.
 fn enhanced_laws(out: &mut impl Write, wanted_ticks: u64) -> Result<()> {
     let mut random = Random(6);
     let mut ticks = 0;
@@ -205,7 +206,7 @@ fn coefficients(out: &mut impl Write, law: &Guard<Fixed32>) -> Result<()> {
     writeln!(out)
 }
 
-/// The settings, and the guard that they make or that they are refused.
+/// Prints settings of the guard, and its coefficients or that it is refused.
 fn guard_of(
     out: &mut impl Write,
     settings: &GuardSettings,
@@ -237,7 +238,7 @@ fn guard_of(
     Ok(law)
 }
 
-/// Settings around every end of the accepted ranges, without ticks.
+/// Prints guards for settings around every end of the accepted ranges, without ticks.
 fn settings_alone(out: &mut impl Write, draws: u64) -> Result<()> {
     let mut random = Random(8);
     for _ in 0..draws {
@@ -250,7 +251,7 @@ fn settings_alone(out: &mut impl Write, draws: u64) -> Result<()> {
     Ok(())
 }
 
-/// Moves one setting to an end of its range, a little beyond it, or to a size that leaves the format.
+/// Moves one setting to an end of its range, a little beyond it, or to a size that does not fit the format.
 fn strays(random: &mut Random, settings: &mut GuardSettings, device: &mut GuardedDevice) {
     let whole = Si::const_from_int;
     let end = |random: &mut Random, most: Si| {

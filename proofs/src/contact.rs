@@ -1,10 +1,10 @@
-//! The parts between an object and a law at 8 bits: displacement along a normal, the surface point, friction.
+//! The parts between a virtual object and a law at 8 bits: displacement along a normal, surface point, friction.
 //!
-//! All inputs of each are tried (`cargo xtask prove --every contact`).
+//! All inputs of each part are tried (`cargo xtask prove --every contact`).
 //!
 //! ```text
 //! m = -n'·(x - x'), rounded down, or e - e' where n = n'    p4_displacement
-//! turned by no more than the cone                           p4_point_restricted
+//! normal turns by at most the cone's angle                  p4_point_restricted
 //! z = x - anchor, cut to what the normal force holds        p4_friction_sticks_and_slides
 //! ```
 
@@ -34,7 +34,7 @@ pub(crate) fn force_bits(v: Vector<Force<N>>) -> [i64; 3] {
 pub(crate) fn place_bits(v: Vector<Position<N>>) -> [i64; 3] {
     v.0.map(bits)
 }
-/// `floor(u·v)`.
+/// The scalar product `floor(u·v)`.
 pub(crate) fn along(u: &Direction<N>, v: [i64; 3]) -> i64 {
     let ([a, b, c], [x, y, z]) = (parts(u), v);
     (a * x + b * y + c * z).div_euclid(ONE)
@@ -52,8 +52,9 @@ pub(crate) fn touch(at: [i64; 3], normal: Direction<N>, depth: i64) -> Touch<N> 
 }
 
 property! {
-    /// P4: what a law is told to have moved is the part of the displacement along the normal of the last tick, rounded down; on a surface that did not
-    /// turn the change of the penetration, where both are the same but for rounding; an estimated displacement is taken along the same normal.
+    /// P4 (geometry): the displacement that a law gets is the part of the HIP's displacement along the normal of the last tick,
+    /// rounded down. On a surface that did not turn it is the change of penetration; the two differ only by rounding. An estimated
+    /// displacement is projected on the same normal.
     equation "m = floor(-n'·(x - x')); e - e' where n = n' and |e - e' - m| <= 2"
     over "normals of 3 bits along two axes, places of 3 bits along two axes, depths of 3 bits; turned or not, estimated or not"
     by sampled fn p4_displacement(s) {
@@ -89,7 +90,7 @@ property! {
     }
 }
 property! {
-    /// P4: the closest surface point is the object's, seen from the side of the last tick.
+    /// P4 (geometry): the closest surface point is the object's own, on the side where the HIP was in the last tick.
     equation "closest: nearest(x, side of the last tick)"
     over "a box, two places of 4 bits along two axes"
     by sampled fn p4_point_closest(s) {
@@ -107,7 +108,7 @@ property! {
     }
 }
 property! {
-    /// P4: by the point of penetration the way out is that to where the HIP came in, until it has left.
+    /// P4 (geometry): with the rule "point of penetration" the way out leads to where the HIP came in, until the HIP has left.
     equation "depth u = entry - x"
     over "a box, three places of 4 bits along two axes"
     by sampled fn p4_point_of_penetration(s) {
@@ -142,8 +143,8 @@ property! {
     }
 }
 property! {
-    /// P4: the restricted surface point is the closest one where that lies in the cone; else the direction turns by the cone's angle at most, to what
-    /// 8 bits say of it, and leads out of the object.
+    /// P4 (geometry): the restricted surface point is the closest one if that lies in the cone. Otherwise the direction turns by at
+    /// most the cone's angle, to the precision of 8 bits, and leads out of the object.
     equation "u·u' >= cos a less 6 quanta; u' = nearest where u·nearest >= cos a"
     over "box or ball, two places inside of 4 bits along two axes, cones of 27 to 45 degrees"
     by sampled fn p4_point_restricted(s) {
@@ -189,8 +190,9 @@ property! {
     }
 }
 property! {
-    /// P4: friction sticks to its anchor while the stretch is within what the normal force holds, slides cut to the kinetic part of it, holds again
-    /// below three quarters of that, and pulls against the stretch; without a normal force nothing is kept.
+    /// P4 (geometry): friction sticks to its anchor while the stretch is at most what the normal force holds. Beyond that it
+    /// slides, cut to the kinetic limit, and sticks again below three quarters of it. It pulls against the stretch; without a
+    /// normal force nothing is kept.
     equation "z = x - anchor; slides: |z| > s f_n; cut to k f_n where longer; F = -k z towards zero"
     over "reaches of 4 bits, stiffness of 3 bits, normal force of 3 bits; a place of 4 bits along one axis and of 3 along another, eight times as large, from rest and slid"
     by sampled fn p4_friction_sticks_and_slides(s) {
@@ -247,7 +249,8 @@ property! {
     }
 }
 property! {
-    /// P4: where the surface turns, the stretch of friction is laid into the new tangent plane and is not longer than it was, and the anchor with it.
+    /// P4 (geometry): where the surface turns, the stretch of friction is turned into the new tangent plane and does not get
+    /// longer; the anchor follows.
     equation "|z'| <= |z|, z' = z - (n·z) n to 3 quanta, z' = x - anchor' to 3 quanta"
     over "normals of 3 bits along two axes, a stretch of 4 bits along two axes, four times as large, the HIP at rest"
     by sampled fn p4_friction_turns(s) {

@@ -10,7 +10,7 @@ use touchstone_control::{
     Tension,
 };
 
-/// Integers in which sums of a format's products are exact.
+/// Integers that are wide enough for exact sums of a format's products.
 pub trait Exact:
     Copy
     + Ord
@@ -25,7 +25,7 @@ pub trait Exact:
 impl Exact for i128 {}
 impl Exact for i32 {}
 
-/// A number format whose values a property can choose and look into.
+/// A number format whose values a property can choose freely and read as bits.
 pub trait Format: Number {
     /// Bits of a signal.
     const BITS: u32;
@@ -33,15 +33,15 @@ pub trait Format: Number {
     const GAIN_BITS: u32;
     /// Half the largest gain, rounded down.
     const HALF_GAIN: i64;
-    /// The lowest signal.
+    /// Bits of the lowest signal.
     const LOWEST: Self::Signal;
-    /// The highest signal.
+    /// Bits of the highest signal.
     const HIGHEST: Self::Signal;
     /// Fractional bits of a signal.
     const SIGNAL_BITS: u32;
-    /// Four times the width, and no more: each further bit costs a solver dearly.
+    /// Integer type of four times the width. It is no wider, as each further bit costs a solver much time.
     type Exact: Exact;
-    /// Bits as such an integer.
+    /// Converts bits to that integer type of four times the width.
     fn exact(bits: i64) -> Self::Exact;
     /// Any position.
     fn any_position<S: Source>(s: &mut S) -> Position<Self>;
@@ -67,7 +67,7 @@ pub trait Format: Number {
     fn of_energy(x: Self::Energy) -> i64;
     /// The bits of a tension.
     fn of_tension(x: Self::Product) -> i64;
-    /// The energy cap of every law: a quarter of the format.
+    /// Energy cap that the proofs use for every law: a quarter of the format's range.
     fn energy_cap() -> Energy<Self>;
 }
 

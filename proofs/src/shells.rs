@@ -1,4 +1,4 @@
-//! Shells of three axes, and the wall of their parts, at 8 bits.
+//! Laws on three axes (shells), and the wall that is made of them, at 8 bits.
 //!
 //! All inputs of each are tried (`cargo xtask prove --every shells`).
 //!
@@ -30,7 +30,7 @@ fn spring(stiff: i64) -> Held<N, Spring<N>> {
     })
 }
 
-/// A law that pushes with a quantum, wherever it is.
+/// A test law that pushes with one quantum of force everywhere.
 #[derive(Debug, Clone, Copy)]
 struct Pushes;
 
@@ -50,7 +50,8 @@ impl Along<N> for Pushes {
 }
 
 property! {
-    /// P4: one law along the normal is that law, told penetration and displacement, and its force points out.
+    /// P4 (geometry): a shell with one law along the normal passes penetration and displacement to that law, and its force points
+    /// out of the object.
     equation "F = n f(e, m)"
     over "stiffness of 3 bits, normals of 3 bits an axis, depths of 5 bits"
     by sampled fn p4_magnitude_is_the_law(s) {
@@ -88,7 +89,8 @@ property! {
     }
 }
 property! {
-    /// P4: a law an axis is told the size of its part of the penetration, with a minus outside, and pushes to the side of the surface.
+    /// P4 (geometry): a shell with one law per axis passes to each the size of its part of the penetration, negative outside. Each
+    /// pushes towards the surface.
     equation "F_i = ± f_i(|n_i| e)"
     over "stiffness of 2 bits an axis, normals of 3 bits an axis, depths of 5 bits, from outside at rest"
     by sampled fn p4_per_axis_is_three_laws(s) {
@@ -122,8 +124,8 @@ property! {
 }
 
 property! {
-    /// P4: each of three laws is told its part of the displacement along the normal of the last tick: on a surface that does not turn the change of its own
-    /// penetration, bit for bit.
+    /// P4 (geometry): each of three laws gets its part of the displacement along the normal of the last tick. On a surface that
+    /// does not turn it is the change of the law's own penetration, bit for bit.
     equation "m_i = e_i - e_i'; |n_i'| m where the surface turned or the closest point jumped"
     over "normals of 3 bits along two axes, depths of 4 bits, places of 3 bits along two axes; turned or not"
     by sampled fn p4_per_axis_is_told_its_part(s) {
@@ -160,8 +162,8 @@ property! {
     }
 }
 property! {
-    /// P1: the energy of vector force bounding is the exact sum of what the force took along the displacement and of what the damping took, and its force
-    /// is the spring's, as far as limit and energy allow, along the normal; it begins anew outside.
+    /// P1 (energy): the energy of vector force bounding is the exact sum of the force's work along the displacement and of what the
+    /// damping dissipated. Its force is the spring's along the normal, as far as limit and energy allow; outside it restarts.
     equation "E' = min(E - F·Δ + c Σ Δ_i², cap); |F| = min(k e, limit, bound sqrt E')"
     over "three places of 2 bits along two axes and of 1 along the third, depths of 2 bits, normals of 2 bits along two axes, two dampings"
     by sampled fn p1_bounding_is_the_sum(s) {
@@ -209,8 +211,8 @@ property! {
 }
 
 property! {
-    /// P4: a wall of three axes is its parts one after the other: the surface point, the law, friction under what presses along the normal, the limit,
-    /// and the guard, which is told how the HIP moved and what was commanded in the end.
+    /// P4 (geometry): a wall of three axes runs its parts in this order: surface point, law, friction under the force along the
+    /// normal, limit, and guard. The guard gets the HIP's motion and the force that was commanded in the end.
     equation "F = guard(limit(shell(touch) + friction(touch, n·F)))"
     over "a box; two places of 4 and 3 bits along two axes, limits of 3 bits; with and without friction, guard, a later change"
     by sampled fn p4_wall_is_its_parts(s) {

@@ -1,4 +1,4 @@
-//! Time-domain passivity approach: what each of its two observers can promise.
+//! Time-domain passivity approach (TDPA): what each of its two observers guarantees.
 
 use crate::facts::Facts32;
 use crate::format::Format;
@@ -19,9 +19,9 @@ macro_rules! tdpa {
             type F = $functions;
 
             property! {
-                /// P1, P3, P4 and the invariant, either observer: from any memory that satisfies it, for any configuration and
-                /// position, one tick does not panic, shows at most the limit, and keeps the invariant, of which the
-                /// thesis' form contains `E >= 0`.
+                /// P1, P3, P4 and the invariant, either observer: one tick does not panic, its force is at most the limit, and it
+                /// keeps the invariant. This holds from any memory that satisfies the invariant, for any configuration and
+                /// position. With the thesis' observer the invariant contains `E >= 0`.
                 equation "|f| <= limit, E <= cap; thesis: E >= 0, f >= 0"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_tick_keeps_invariant(s) {
@@ -46,8 +46,8 @@ macro_rules! tdpa {
                 }
             }
             property! {
-                /// P1, thesis' observer: a tick inside is the passivity step of the stored energy plus what the counted
-                /// damper took, capped. With the heart: `0 <= E' <= E + loss + f'·Δe`.
+                /// P1 (energy), thesis' observer: a tick inside the wall is the passivity step of the stored energy plus what the
+                /// counted damper dissipated, at most the cap. With `heart` follows `0 <= E' <= E + loss + f'·Δe`.
                 equation "(E', f') = step(min(E + loss, cap), k e, Δe)"
                 over "valid configuration, memory in the invariant, position inside"
                 by $step fn p1_thesis_is_the_step(s) {
@@ -77,7 +77,7 @@ macro_rules! tdpa {
                 }
             }
             property! {
-                /// P1: the counted damper never gives energy: `loss >= 0`.
+                /// P1 (energy): the counted damper never gives energy: `loss >= 0`.
                 equation "c Δe² >= 0"
                 over "valid configuration, displacement"
                 fn p1_loss_is_not_negative(s) {
@@ -89,7 +89,7 @@ macro_rules! tdpa {
                 }
             }
             property! {
-                /// P1, exact observer: the sum is the port's energy (plus the counted damping), capped from above only.
+                /// P1 (energy), exact observer: the energy is the port's plus that of the counted damping, limited from above only.
                 equation "E' = min(E + f Δe + loss, cap)"
                 over "valid configuration, memory in the invariant, position inside"
                 by $sums fn p1_exact_is_the_sum(s) {
@@ -121,8 +121,8 @@ macro_rules! tdpa {
                 }
             }
             property! {
-                /// P1, exact observer: the corrected force is the heart's quotient `|E|/|Δe|` with the sign that pays back
-                /// over a displacement like the last one; without need, the wall's own force.
+                /// P1 (energy), exact observer: a corrected force is the quotient `|E|/|Δe|`, with the sign that pays the deficit
+                /// back over a displacement like the last one. Without a deficit it is the wall's own force.
                 equation "f = ± |E| / |Δe|, or f_wanted without need"
                 over "valid configuration, energy, wanted force, displacement"
                 by $sums fn p1_exact_correction(s) {
@@ -148,7 +148,7 @@ macro_rules! tdpa {
                 }
             }
             property! {
-                /// P7: outside the wall the force is 0 and nothing is remembered.
+                /// P7 (end of contact): outside the wall the force is 0 and nothing is remembered.
                 equation "e <= 0  =>  f = 0, memory cleared"
                 over "valid configuration, memory whatever, position outside"
                 fn p7_leaves(s) {
@@ -167,10 +167,11 @@ macro_rules! tdpa {
 }
 
 tdpa!(
-    /// At the width that the firmware runs, from the facts of [`crate::facts`].
+    /// At 32 bits, the width of the firmware, from the facts of [`crate::facts`].
     w32, Facts32, functions Functions32, by cadical, sums cadical, step cadical
 );
 tdpa!(
-    /// At 8 bits: where mutants are refuted quickly. The sums are proved at 32, and run on samples here.
+    /// At 8 bits, where the model checker refutes wrong changes of the code quickly. The sums are proved at 32 bits, and run on
+    /// samples at 8.
     w8, Fixed8, functions Fixed8, by cadical, sums sampled, step sampled
 );

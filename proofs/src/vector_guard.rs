@@ -1,12 +1,11 @@
-//! The energy guard of three axes: its books are the sum of three axes', and the force is paid for.
+//! The energy guard of three axes: its energy account is the sum over three axes, and the account covers its force.
 //!
-//! As shipped on samples: three axes of products are beyond the solvers at 8 bits already. At 8 bits all inputs of one configuration
-//! each are tried (`cargo xtask prove --every vector_guard`).
+//! At 32 bits it is tested on samples: products on three axes are beyond the solvers even at 8 bits. At 8 bits all inputs of one configuration per property are tried (`cargo xtask prove --every vector_guard`).
 //!
 //! ```text
 //! B' = max(min(sum of three axes, C), R)   p1_vector_account
-//! |F| <= (B' - R)/D, as F was              p1_vector_account
-//! overspeed: B - s (o s + q)               p1_vector_account
+//! |F| <= (B' - R)/D, same direction        p1_vector_account
+//! over-speed: B - s (o s + q)              p1_vector_account
 //! ```
 
 use crate::format::Format;
@@ -21,7 +20,7 @@ use touchstone_control::{
     Compliance, Energy, Fixed8, Fixed32, Force, Guard, Number, Position, Ratio, Stiffness,
 };
 
-/// Inputs of one tick of a guard: the HIP's motion, the part of it before the force changed, and the wanted force.
+/// Inputs of one tick of a guard: the HIP's motion, its part before the force changed, and the requested force.
 struct Tick<N: Format + Spatial> {
     moved: Vector<Position<N>>,
     before_change: Vector<Position<N>>,
@@ -40,22 +39,22 @@ fn length<N: Format>(x: Position<N>) -> i128 {
 fn sum_of_squares(v: [i64; 3]) -> i128 {
     v.iter().map(|x| wide(*x) * wide(*x)).sum()
 }
-/// The root, rounded up.
+/// The square root, rounded up.
 fn root_up(square: i128) -> i128 {
     let root = square.isqrt();
     root + i128::from(root * root < square)
 }
-/// Energy that the trusted damping took over a displacement whose length is uncertain by a count and a quantum.
+/// Energy that the trusted damping dissipated over a displacement. Its length is uncertain by an encoder count and a quantum.
 fn damped<N: Format>(law: &Guard<N>, moved: [i64; 3]) -> i128 {
     let surely = (root_up(sum_of_squares(moved)) - length(law.count) - 1).max(0);
     ((wide(N::of_gain(law.damping.0)) * surely) >> N::GAIN_BITS) * surely
 }
-/// The most that a force of this size may still cost.
+/// Most energy that a force of this size may still cost.
 fn reserve<N: Format>(law: &Guard<N>, size: Force<N>) -> i128 {
     wide(N::of_signal(size.0)) * length(law.in_flight)
 }
 
-/// Three axes' books, exactly, without the damping.
+/// The exact sum of the energy account over three axes, without the damping.
 fn booked<N: Format + Spatial>(
     law: &Guard<N>,
     before: &VectorGuardState<N>,
@@ -74,7 +73,7 @@ fn booked<N: Format + Spatial>(
     sum
 }
 
-/// Whether a tick follows the equations.
+/// Whether a tick of the guard follows the equations of this file.
 fn is_as_said<N: Format + Spatial>(
     guard: &VectorGuard<N>,
     before: &VectorGuardState<N>,
@@ -142,12 +141,12 @@ fn is_as_said<N: Format + Spatial>(
     assert_reached!(sum_of_squares(shown) <= wide(N::of_signal(after.size.0)).pow(2));
 }
 
-/// The shipped width, on samples.
+/// At 32 bits, the width of the firmware, on samples.
 pub mod w32 {
     use super::*;
     type N = Fixed32;
 
-    /// A configuration that the builder can give, and a memory within its limits.
+    /// A configuration that the guard's constructor can give, and a memory within its limits.
     fn any<S: Source>(s: &mut S) -> Option<(VectorGuard<N>, VectorGuardState<N>)> {
         let mut of_length = None;
         for _ in 0..200 {
@@ -177,7 +176,8 @@ pub mod w32 {
     }
 
     property! {
-        /// P1: the account is the sum of three axes' books, exactly, with the damping of the length; the force is paid for, never longer, and points as it did.
+        /// P1 (energy): the account is the exact sum over three axes, with the damping of the displacement's length. The account
+        /// covers the force, which is never longer than the requested force and keeps its direction.
         equation "B' = max(min(B + P T + Σ (f Δ - g u - |g| q) + c m m, C), R), |F| <= (B' - R)/D"
         over "valid configuration, memory in the invariant, displacement, wanted force"
         by sampled fn p1_vector_account(s) {
@@ -210,14 +210,14 @@ pub mod w8 {
     fn force(x: i64) -> Force<N> {
         Force(position(x).0)
     }
-    /// Along two axes.
+    /// A vector along two axes, as few inputs remain then.
     fn flat<S: Source>(s: &mut S, width: u32, by: i64) -> [i64; 3] {
         [by * signed(s, width), 0, by * signed(s, width)]
     }
     fn as_force(v: [i64; 3]) -> Vector<Force<N>> {
         Vector(v.map(force))
     }
-    /// A guard that `Guard::new` could give, with every coefficient of a delayed device.
+    /// A guard that `Guard::new` could give, for a device with a delay, with every coefficient in use.
     pub(crate) fn guard() -> VectorGuard<N> {
         let of_length = Guard::<N> {
             capacity: Energy(<N as Number>::Energy::from_bits(900)),
@@ -234,7 +234,7 @@ pub mod w8 {
         };
         VectorGuard::of(of_length)
     }
-    /// A memory within its limits, or a deficit.
+    /// A memory within the guard's limits, or one with an energy deficit.
     fn memory<S: Source>(s: &mut S, guard: &VectorGuard<N>) -> VectorGuardState<N> {
         let account = Energy(<N as Number>::Energy::from_bits(
             (150 * signed(s, 4)) as i16,
@@ -264,8 +264,9 @@ pub mod w8 {
     }
 
     property! {
-        /// P1: the account is the sum of three axes' books, exactly, with the damping of the length; the force is paid for, never longer, and points as it did;
-        /// overspeed costs what the forces that acted can have lost, and a deficit shows none.
+        /// P1 (energy): the account is the exact sum over three axes, with the damping of the displacement's length. The account
+        /// covers the force, which is never longer and keeps its direction. An over-speed costs what the forces that acted can have
+        /// lost; with a deficit the force is 0.
         equation "B' = max(min(B + P T + Σ (f Δ - g u - |g| q) + c m m, C), R), |F| <= (B' - R)/D"
         over "one configuration; accounts of 4 bits, forces of 3 bits along two axes, older ones of 2, displacements of 4 and 3 bits, wanted forces of 2 bits"
         by sampled fn p1_vector_account(s) {
@@ -286,7 +287,8 @@ pub mod w8 {
         }
     }
     property! {
-        /// P1: where the position was also taken when the force changed, what came before the change is booked under the older force alone.
+        /// P1 (energy): if the position was also read when the force changed, the motion before the change is booked under the
+        /// older force alone.
         equation "u = b + floor(late (Δ - b) + stray g)"
         over "one configuration; accounts of 4 bits, forces of 3 bits along two axes, older ones of 2, both parts of a displacement of 2 bits an axis"
         by sampled fn p1_vector_change(s) {
@@ -305,8 +307,8 @@ pub mod w8 {
         }
     }
     property! {
-        /// P9: from two furthest displacements before the end of positions on no force is shown, in any coordinate, and one that is wanted there is
-        /// refused; elsewhere it is the tick of any place.
+        /// P9 (end of positions): from two largest displacements before the end of positions on, in any coordinate, the force is 0,
+        /// and a requested force is refused. Elsewhere the tick is that of any other place.
         equation "|x_i| >= end - 2 d: 0, and Err where F ≠ 0"
         over "one configuration; every coordinate of 8 bits, along each axis, displacements of 2 bits along two axes, wanted forces of 2 bits"
         by sampled fn p9_no_force_at_the_end(s) {
@@ -327,7 +329,8 @@ pub mod w8 {
         }
     }
     property! {
-        /// P4: a force that was made smaller after the guard counts as that, and one that was made larger as the guard's.
+        /// P4 (limits): a reported force that is smaller than the guard's is the force in the account; a larger one counts as the
+        /// guard's.
         equation "|F| <= s: against = -F, s' = |F| up"
         over "forces of 4 bits along two axes, sizes of 4 bits"
         by sampled fn p4_vector_commanded(s) {
@@ -349,7 +352,7 @@ pub mod w8 {
         }
     }
 
-    /// Checks that the configuration in the properties is one that the builder could give.
+    /// Checks that the guard's constructor could give the configuration of the properties.
     #[cfg(all(test, not(kani)))]
     #[test]
     fn the_configuration_is_valid() {

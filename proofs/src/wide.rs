@@ -1,5 +1,4 @@
-//! The states of the estimator as numbers, and the few functions of `Fixed32` and `Fixed8` around them that no other file looks at: each
-//! against its own sentence, over integers.
+//! The estimator's wide states as numbers, and the few functions of `Fixed32` and `Fixed8` that no other file covers. Each is compared with its equation over integers.
 //!
 //! ```text
 //! a + b, a - b where they fit; leading digits; ±2^k     p3_wide_sums, p3_wide_parts, p3_wide_within
@@ -15,7 +14,7 @@ use touchstone_control::number::{Exact, Wide as _, Wide64, word_of};
 use touchstone_control::{Fixed8, Fixed32, Number, Si};
 
 property! {
-    /// P3: a sum or difference of states that fits is the sum or difference.
+    /// P3 (arithmetic): sum and difference of wide states are exact if they fit.
     equation "a + b, a - b"
     over "two states"
     by cadical fn p3_wide_sums(s) {
@@ -32,7 +31,8 @@ property! {
     }
 }
 property! {
-    /// P3: the part of a motion is its first 28 fractional digits, that of a torque its first 24, both downwards, where they are words.
+    /// P3 (arithmetic): the part of a motion is its first 28 fractional bits, that of a torque its first 24. Both are rounded down
+    /// and exact if they fit words.
     equation "part = floor(w 2^-26), torque part = floor(w 2^-30)"
     over "a state within ±8, within ±128"
     by cadical fn p3_wide_parts(s) {
@@ -56,7 +56,7 @@ property! {
     }
 }
 property! {
-    /// P3: what a machine of words takes of the two words of a state is the same word as another machine's.
+    /// P3 (arithmetic): `word_of` takes the 32-bit word that begins at a given bit of a 64-bit state.
     equation "word from bit i = floor(w 2^-i) modulo 2^32"
     over "a state, i from 1 to 31"
     by cadical fn p3_wide_of_words(s) {
@@ -69,7 +69,7 @@ property! {
     }
 }
 property! {
-    /// P3: within a power of two is what is said: the lower end included, the upper not.
+    /// P3 (arithmetic): the check for a range `-2^k <= w < 2^k` includes the lower end and excludes the upper.
     equation "-2^k <= w < 2^k"
     over "state, k from 0 to 8"
     by cadical fn p3_wide_within(s) {
@@ -90,7 +90,8 @@ property! {
     }
 }
 property! {
-    /// P3: a weight is the nearest to what was calculated, halves up, or there is none where that is beyond ±32, of a torque ±2.
+    /// P3 (arithmetic): a weight is the nearest to the calculated number, halves rounded up. There is none if the number is beyond
+    /// ±32, or ±2 for a torque.
     equation "w = floor(v 2^-30 + 1/2), of a torque floor(v 2^-26 + 1/2); none beyond a word"
     over "value with 56 fractional digits"
     by cadical fn p3_wide_weights(s) {
@@ -105,7 +106,7 @@ property! {
     }
 }
 property! {
-    /// P8: a setting becomes the signal that is next towards zero, or the end of the format.
+    /// P8 (settings): a setting is converted to the signal next to it towards zero, limited to the range of signals.
     equation "bits' = bits 2^-8 towards zero, within the format"
     over "setting of 64 bits"
     by cadical fn p8_saturating_signal32(s) {
@@ -122,7 +123,8 @@ property! {
     }
 }
 property! {
-    /// P6: at 8 bits, the quotient by a prepared divisor is the quotient towards zero, at the end of the format beyond it.
+    /// P6 (rounding): at 8 bits, the quotient by a prepared divisor is the exact one, rounded towards zero and limited to the
+    /// format.
     equation "|q| = min(floor(|p| / k), 127), sign of p"
     over "product of 16 bits, gain of 8 bits above zero"
     by kissat fn p6_divide_by8(s) {
@@ -140,7 +142,7 @@ property! {
     }
 }
 property! {
-    /// P3: an energy with the digits of a signal is rounded down, where it fits.
+    /// P3 (arithmetic): an energy, cut to the fractional bits of a signal, is rounded down if it fits.
     equation "e' = floor(e 2^-24)"
     over "energy within ±2^55"
     by cadical fn p3_energy_digits32(s) {

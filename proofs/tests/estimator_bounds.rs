@@ -1,4 +1,5 @@
-//! Where the estimator's coefficients end, on either side; what starts it anew; and the velocity filters that are made of the same parts.
+//! Both sides of the ranges of the estimator's coefficients, what restarts the estimator, and the velocity filters that use the
+//! same functions.
 
 use touchstone_control::estimator::{DeviceInTicks, EstimatedMotion, Flow};
 use touchstone_control::fixed::types::{I8F24, I8F56};
@@ -18,7 +19,7 @@ fn weight(x: f64) -> i32 {
     Wide64::weight(I8F56::from_num(x)).expect("in its range")
 }
 
-/// Coefficients that all lie at their ends; a limit of 1 N·m, and commands that each use a share of the allowed sum.
+/// Coefficients at the ends of their ranges: a limit of 1 N·m, and commands that each use a fraction of the allowed sum.
 fn at_ends() -> Estimator<N> {
     let torque = |x: f64| Wide64::torque_weight(I8F56::from_num(x)).expect("in its range");
     Estimator {

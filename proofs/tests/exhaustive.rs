@@ -1,4 +1,5 @@
-//! The 8-bit instance of the heart and of its signed edges, every case there is, against plain wide arithmetic.
+//! The unsigned arithmetic (`magnitude`) and the signed functions built on it, at 8 bits on all inputs, compared with plain
+//! arithmetic in wider integers.
 
 use touchstone_control::magnitude::{affordable, passivity_step, quotient, root, scale};
 use touchstone_control::{Fixed8, Number};
@@ -96,7 +97,7 @@ fn every_root_scale_and_quotient() {
     }
 }
 
-/// What `proofs/src/divided.rs` knows of the divisions that it takes the place of, at 8 bits for all arguments.
+/// The facts by which `proofs/src/divided.rs` replaces divisions, at 8 bits for all arguments.
 #[test]
 fn every_division_is_a_floor_with_its_sign() {
     type Signal = <Fixed8 as Number>::Signal;

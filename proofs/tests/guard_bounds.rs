@@ -1,5 +1,5 @@
-//! The guard's coefficients equal the specification's on both sides of every step: where a coefficient changes by a
-//! quantum, or where settings begin to be refused. The steps are found by halving.
+//! The guard's coefficients equal the specification's on both sides of every step. At a step a coefficient changes by a quantum, or
+//! settings begin to be refused. The test finds the steps by bisection.
 
 use touchstone_control::fixed::types::I2F14;
 use touchstone_control::{
@@ -43,7 +43,7 @@ fn expected(settings: &GuardSettings, device: &GuardedDevice) -> Option<spec::Gu
         .flatten()
 }
 
-/// The code at a setting and around it, beside the specification.
+/// Asserts that the code equals the specification for settings from 2 quanta below `at` to 3 above.
 fn is_the_specification_around(
     at: i64,
     with: &dyn Fn(Si) -> (GuardSettings, GuardedDevice),
@@ -61,7 +61,8 @@ fn is_the_specification_around(
     }
 }
 
-/// The setting up to which something is as at the lower end, and not beyond: by halving.
+/// The largest setting at which a function still has its value at the lower end, found by bisection; `None` if both ends have the
+/// same value.
 fn step_of<T: PartialEq>([mut low, mut high]: [i64; 2], of: &dyn Fn(Si) -> T) -> Option<i64> {
     if of(Si::from_bits(low)) == of(Si::from_bits(high)) {
         return None;

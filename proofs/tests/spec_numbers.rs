@@ -1,4 +1,5 @@
-//! The numbers' edges and the vectors' operations beside whole numbers: what comparisons with an error bound let pass.
+//! Extreme numbers and the operations of vectors equal exact calculations with integers. Comparisons with an error bound would not
+//! notice a wrong last digit.
 
 use touchstone_control::fixed::types::{I8F24, I16F48};
 use touchstone_control::magnitude::Word as _;
@@ -17,7 +18,7 @@ fn root_up(n: i128) -> i128 {
     root + i128::from(root * root != n)
 }
 
-/// A format's specification: bits of its word, fractional bits of a signal.
+/// Specification of a number format: bits of its word, and fractional bits of a signal.
 #[derive(Clone, Copy)]
 struct Format {
     bits: u32,
@@ -33,7 +34,8 @@ impl Format {
         if negative { -size } else { size }
     }
 
-    /// Each component over the length, both with as many digits as the root has, towards zero.
+    /// The direction of a vector: each component divided by the length, both with as many digits as the root has, rounded towards
+    /// zero.
     fn unit(self, v: Axes<i128>) -> Option<Axes<i128>> {
         let largest = v.iter().map(|x| x.abs()).max()?;
         if largest == 0 {
@@ -52,7 +54,8 @@ impl Format {
         Some(unit)
     }
 
-    /// A long vector cut to the digits that a direction can be made of: the highest bit but two of a word, rounded down.
+    /// A long vector scaled so that its components fit the digits of which a direction is calculated: up to two bits less than a
+    /// word, rounded down.
     fn leading(self, v: Axes<i128>) -> Option<Axes<i128>> {
         let largest = v.iter().map(|x| x.abs()).fold(0, |all, x| all | x);
         if largest == 0 {
@@ -67,8 +70,8 @@ impl Format {
         })
     }
 
-    /// The part of the other across this one, as a direction; then this one times the cosine and that one times the sine, made 1 long by
-    /// a step of Newton's.
+    /// The direction `u` turned in the plane of `u` and `towards`: `u` times the cosine plus the direction across it times the
+    /// sine. One step of Newton's method makes the result 1 long.
     fn turned(self, u: Axes<i128>, towards: Axes<i128>, turn: [i128; 2]) -> Option<Axes<i128>> {
         const NEAR_ONE: u32 = 30;
         let cross = |[a, b, c]: Axes<i128>, [x, y, z]: Axes<i128>| {
@@ -94,14 +97,14 @@ impl Format {
         }))
     }
 
-    /// The rest of a vector without its part along a direction, each rounded towards zero.
+    /// A vector without its part along a direction, with both products rounded towards zero.
     fn across(self, u: Axes<i128>, v: Axes<i128>) -> Axes<i128> {
         let one = 1_i128 << self.fraction;
         let along = (u[0] * v[0] + u[1] * v[1] + u[2] * v[2]) / one;
         [0, 1, 2].map(|i| ((v[i] << self.fraction) - along * u[i]) / one)
     }
 
-    /// A vector cut to a limit by one share of as many digits as a component has.
+    /// A vector cut to a limit: each component is multiplied by one ratio, which has as many bits as a component.
     fn within(self, v: Axes<i128>, limit: i128) -> Axes<i128> {
         let square: i128 = v.iter().map(|x| x * x).sum();
         if square <= limit * limit {

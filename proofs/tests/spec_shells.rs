@@ -1,5 +1,5 @@
-//! Decisions of the shells of three axes, with laws and objects that answer as a test wants: when a contact ends,
-//! which way out is taken, the inputs of estimator and guard.
+//! Decisions of the laws on three axes (shells), with test laws and test objects that give set answers: when a contact ends, which
+//! way out is taken, and the inputs of estimator and guard.
 
 use touchstone_control::fixed::types::{I1F7, I5F3, I8F24, I20F12};
 use touchstone_control::law::{Contact, Sample, View};
@@ -38,7 +38,7 @@ fn direction(parts: [i64; 3]) -> Direction<N> {
     Direction(parts.map(|part| I1F7::from_bits(part as i8)))
 }
 
-/// A law that gives one force and shows one inside.
+/// A test law that always gives the same force, offset and contact phase.
 #[derive(Debug, Clone, Copy)]
 struct Says {
     force: i64,
@@ -139,7 +139,7 @@ fn where_a_coordinate_is_0_its_force_keeps_its_side() {
     assert_eq!(pulls(&[[90, 0, 90], [-1, 0, -1]]), [-5, 6, -7]);
 }
 
-/// An object that says how far it is out in some directions, and in no other.
+/// A test object that reports set ways out in some directions, and none in any other.
 struct Ways {
     round: bool,
     closest: Direction<N>,
@@ -294,7 +294,7 @@ fn the_flattest_way_out_leads_out() {
     assert_eq!(out([-5, 0, 0], [0, 127, 0]), None);
 }
 
-/// A law of friction with reaches in quanta of a length for the largest force.
+/// A friction law whose stretch limits at the largest force are 60 quanta (static) and 40 quanta (kinetic).
 fn friction() -> Friction<N> {
     let reach = |bits| Compliance(I1F7::from_bits(bits));
     Friction {
@@ -318,7 +318,7 @@ fn si(text: &str) -> Si {
     text.parse().expect("a number")
 }
 
-/// Centimetres and newtons at 1 kHz, in 32 bits.
+/// Helpers for positions in centimetres and forces in newtons at 1 kHz, in 32 bits.
 mod wide {
     use super::*;
     pub type W = Fixed32;

@@ -1,7 +1,8 @@
-//! How low the guard's account falls while a hand holds, wiggles and trembles against a good wall.
+//! Prints how low the guard's energy account falls while a hand holds, wiggles and trembles against a good wall.
 //!
-//! `cargo run --release -p touchstone-tests --example untouched -- 3600` plays an hour of each; the default is a minute. `counts`:
-//! every change of force is charged half a count; `free`: none is, and what quantisation can take adds up outside the account.
+//! `cargo run --release -p touchstone-tests --example untouched -- 3600` runs an hour of each; the default is a minute. In rows
+//! `counts` every change of force is charged half an encoder count. In rows `free` none is, and the energy that quantisation gives
+//! adds up outside the account.
 
 use touchstone_control::{ChangeOfForce, GuardSettings, Si};
 use touchstone_tests::port::{Gripped, Port, SpringDamper, wiggle};

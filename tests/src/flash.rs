@@ -1,5 +1,5 @@
-//! A flash memory as the microcontroller has it: words of 8 bytes that are programmed once between two erases, pages of 2 KiB, and
-//! power that can go at any moment.
+//! A simulated flash memory like a microcontroller's: words of 8 bytes that can be programmed once after an erase, pages of 2 KiB,
+//! and power that can fail at any moment.
 
 use crate::random::Random;
 use embedded_storage::nor_flash::{
@@ -9,23 +9,23 @@ use embedded_storage::nor_flash::{
 const WORD: usize = 8;
 const PAGE: usize = 2048;
 
-/// The memory.
+/// The simulated flash memory.
 #[derive(Debug, Clone)]
 pub struct Flash {
     bytes: Vec<u8>,
     random: Random,
-    /// Words to program and pages to erase until the power goes in the middle of one; `None` for steady power.
+    /// Number of operations (word programmed or page erased) until the power fails in the middle of one; `None` for steady power.
     left: Option<usize>,
     /// Words programmed and pages erased so far.
     pub operations: usize,
 }
 
-/// Why the flash refused.
+/// Why the flash refused an operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FlashFault {
     /// The power is gone.
     PowerGone,
-    /// A word was not erased before it was programmed, or an address is no word's or page's.
+    /// The word was not erased before it was programmed, or the address does not begin a word or page.
     Wrong,
 }
 
@@ -53,18 +53,19 @@ impl Flash {
         0..self.bytes.len() as u32
     }
 
-    /// The power fails in the middle of the operation after this many whole ones; the seed decides about its bits.
+    /// Makes the power fail in the middle of the operation after this many complete ones. The seed decides which bits of the
+    /// unfinished operation change.
     pub fn cut_after(&mut self, operations: usize, seed: u64) {
         self.left = Some(operations);
         self.random = Random::new(seed);
     }
 
-    /// The power is back.
+    /// Restores the power.
     pub fn power_on(&mut self) {
         self.left = None;
     }
 
-    /// Overwrites everything with this byte.
+    /// Overwrites the whole memory with this byte.
     pub fn fill(&mut self, byte: u8) {
         self.bytes.fill(byte);
     }

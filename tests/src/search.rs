@@ -1,5 +1,5 @@
-//! A search that needs no gradient: the matrix adaptation evolution strategy, (μ/μ_w, λ)-MA-ES (Beyer and Sendhoff, "Simplify
-//! your covariance matrix adaptation evolution strategy", 2017), which is CMA-ES without an eigendecomposition.
+//! Optimisation without gradients: the matrix adaptation evolution strategy, (μ/μ_w, λ)-MA-ES. Source: Beyer and Sendhoff,
+//! "Simplify your covariance matrix adaptation evolution strategy", 2017; it is CMA-ES without an eigendecomposition.
 
 use crate::random::Random;
 
@@ -9,11 +9,11 @@ fn normal(random: &mut Random) -> f64 {
     (-2.0 * (u.max(1e-300)).ln()).sqrt() * (std::f64::consts::PI * v).cos()
 }
 
-/// A value, the drawn vector, and the step that led to the value.
+/// One trial: its value, the random vector drawn for it, and the step to its point.
 type Child = (f64, Vec<f64>, Vec<f64>);
 
-/// The best point found and its value: the largest of `evaluations` (a whole generation more at most), from around the origin
-/// with a first step of `step`.
+/// Searches for the largest value; returns the best point and its value. It takes `evaluations` (at most one whole generation
+/// more), from around the origin with a first step size of `step`.
 pub fn largest(
     dimensions: usize,
     step: f64,

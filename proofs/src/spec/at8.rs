@@ -1,5 +1,6 @@
-//! The same specification ticks, by the same text, of the 8-bit formats: signals and ratios have 7 fractional bits, gains 3, energies
-//! 14. Integers of 32 bits are wide enough that nothing in them saturates but where it says so, and narrow enough for a solver.
+//! The same specification ticks, from the same source text, at the 8-bit formats. Signals and ratios have 7 fractional bits, gains
+//! 3, energies 14. An `i32` is wide enough that nothing saturates in it, except where the text says so. It is also narrow enough
+//! for a solver.
 
 #[path = "enhanced.rs"]
 pub mod enhanced;
@@ -16,35 +17,36 @@ pub mod tdpa;
 
 pub use rounding::{cut, damping_loss, signal, spring, towards_zero};
 
-/// The integers of this specification.
+/// Integer type in which the 8-bit specification calculates.
 pub type Int = i32;
-/// Bits of a signal.
+/// Number of bits of a signal (position or force).
 pub const BITS: u32 = 8;
-/// Fractional bits of a signal.
+/// Number of fractional bits of a signal.
 pub const SIGNAL: u32 = 7;
-/// Fractional bits of a gain.
+/// Number of fractional bits of a gain.
 pub const GAIN: u32 = 3;
-/// The highest signal.
+/// The highest signal, in quanta.
 pub const HIGHEST: i32 = (1 << 7) - 1;
-/// The lowest signal.
+/// The lowest signal, in quanta.
 pub const LOWEST: i32 = -(1 << 7);
-/// The lowest energy.
+/// The lowest energy, in quanta.
 pub const LOWEST_ENERGY: i32 = -(1 << 15);
 
-/// `a b`, of two words, which 16 bits hold: no wider than it must be, for a solver's sake. Of anything else it panics.
+/// The product `a b` of two 16-bit words, which must fit 16 bits as well. The multiplication is no wider than needed, so that a
+/// solver can follow it.
 ///
 /// # Panics
-/// If a factor or the product is no word of 16 bits.
+/// A factor or the product does not fit 16 bits.
 #[must_use]
 pub fn times(a: Int, b: Int) -> Int {
     let half = |x: Int| i16::try_from(x).expect("a word");
     i32::from(half(a) * half(b))
 }
 
-/// `a / b` for words of 16 bits that are not negative, so that a solver follows it.
+/// The quotient `a / b` of two 16-bit words that are not negative: narrow enough for a solver to follow.
 ///
 /// # Panics
-/// If one of them is no such word, or `b` is 0.
+/// `a` or `b` is negative or does not fit 16 bits, or `b` is 0.
 #[must_use]
 pub fn over(a: Int, b: Int) -> Int {
     let half = |x: Int| u16::try_from(x).expect("a word that is not negative");

@@ -1,18 +1,19 @@
-//! Specification of a device's control tick: what it asks of its parts, and what it makes of their answers.
+//! Specification of a device's control tick: what the tick requests from the device's parts (drive, law, limits) and calculates from their answers.
 //!
 //! ```text
-//! fault     = reported, else found, else refused settings         latched as the first, and off
-//! count'    = count - zero,  e = angle(count') - surface          of a good reading
-//! f         = law(e, e - since the change of force)               armed, with a good reading; else off
-//! share'    = min(share + step, 1)                                from 0 where it was armed
+//! fault     = reported, else detected, else refused settings      the first one is latched, and outputs go off
+//! count'    = count - zero,  e = angle(count') - surface          from a good reading
+//! f         = law(e, e - displacement since the change of force)  if armed with a good reading; else the drive is off
+//! share'    = min(share + step, 1)                                fraction of the torque, from 0 at arming
 //! τ         = -f share', or -f once the share was 1
 //! (i, τ')   = drive(τ, angle, derating)
-//! told      = -τ' where it fades in or τ' /= τ                    the law's guard counts with that
-//! tripped   : begun anew deeper than positions reach, or where no force acted; else a fault of the next tick
-//! left      : books closed with the law's tick and no force, where the last force acted up to here; and the switching off told
+//! reported  = -τ' while fading in or if τ' /= τ                   the law's guard calculates with that force
+//! tripped   : law restarted if no force acted or e is beyond the end of positions; else a fault in the next tick
+//! disarmed  : where the last force acted up to now, one law tick with no force closes the energy account; then
+//!             the switching off is reported to the law
 //! ```
 //!
-//! Armed and without a good reading the drive is off and the law is told nothing: its guard books the last force up to the next reading.
+//! If the device is armed but has no good reading, the drive is off and the law is not called. Its guard then books the last force up to the next reading.
 
 use super::{Int, LOWEST, signal};
 use touchstone_control::law::{Contact, View};
@@ -24,61 +25,62 @@ use touchstone_drive::supervisor::{Verdict, Watch};
 use touchstone_drive::{Amps, Angle, Celsius, ControlInput, ControlOutput, DriveCommand, Record};
 use touchstone_protocol::{Command, Context, FaultCode, Limit, Limits, Machine, Outputs, State};
 
-/// Full share of the torque, 2^-32, less the last bit.
+/// The whole torque as a fraction with 32 fractional bits: one last bit less than 1.
 const ALL: Int = (1 << 32) - 1;
 
-/// The parts that a tick uses, whatever each of them answers.
+/// The parts of a device that a control tick uses. Each may give any answer.
 pub trait Parts {
-    /// Checks the limits: the first broken one, the shaft's position, the share of current that the temperatures
-    /// leave.
+    /// Checks the limits. Returns the first limit that is exceeded, the shaft's position, and the fraction of the current that the
+    /// temperatures allow.
     fn inspect(&mut self, watch: Watch) -> Verdict;
-    /// Whether there is a motor to be aligned.
+    /// Whether there is a motor whose electrical angle must be aligned.
     fn aligns(&self) -> bool;
-    /// A tick of the calibration.
+    /// Runs one tick of the calibration.
     fn calibrate(&mut self, tick: u32, count: i64) -> Progress;
-    /// No calibration runs any more.
+    /// Ends the calibration.
     fn calibration_over(&mut self);
-    /// Whether other settings waited; they are taken now.
+    /// Puts waiting new settings in force; returns whether there were any.
     fn changes_over(&mut self) -> bool;
-    /// Shaft's speed, rad/s 2^-16.
+    /// Shaft's speed in rad/s, with 16 fractional bits.
     fn speed(&mut self) -> i32;
-    /// Electrical angle that goes by in a PWM period.
+    /// Electrical angle by which the rotor advances in a PWM period.
     fn advance(&mut self) -> i32;
-    /// Electrical angle of a count.
+    /// Electrical angle that belongs to an encoder count.
     fn angle(&mut self, count: i64) -> u16;
-    /// Temperature of the power stage.
+    /// Temperature of the power stage; `None` if it is not known.
     fn temperature(&mut self) -> Option<Celsius>;
-    /// Where a count is behind the surface.
+    /// Penetration into the wall at an encoder count.
     fn penetration(&mut self, count: i64) -> i32;
-    /// Whether positions are taken when the force changes.
+    /// Whether the encoder is also read when the force changes.
     fn measures_change(&self) -> bool;
-    /// The way since then, of the ways until the reading and from it on.
+    /// Displacement since the change of force. The tick's displacement up to the second encoder reading is `until`, from that
+    /// reading on it is `from`.
     fn since_change(&mut self, until: i32, from: i32) -> i32;
-    /// The law begins anew.
+    /// Restarts the law, as at arming.
     fn resume(&mut self);
-    /// The law's force.
+    /// The law's force at the penetration `e`; `at_change` is the penetration when the force changed, if it was measured.
     fn law(&mut self, e: i32, at_change: Option<i32>) -> i32;
-    /// The law's inner values, for telemetry.
+    /// The law's internal values, for telemetry.
     fn view(&mut self) -> View<Fixed32>;
-    /// Tells the law the force that was commanded in the end.
+    /// Reports to the law the force that was commanded in the end.
     fn commanded(&mut self, force: i32);
-    /// Tells the law that the force is switched off.
+    /// Reports to the law that the force is switched off.
     fn switched_off(&mut self);
-    /// Whether the law's guard has switched the force off for overspeed.
+    /// Whether the law's guard has switched the force off because of over-speed.
     fn is_tripped(&mut self) -> bool;
-    /// Whether a position is so deep inside the wall that the guard lets no force pass.
+    /// Whether a position is so deep inside the wall, near the end of the range of positions, that the guard allows no force.
     fn is_beyond_reach(&mut self, e: i32) -> bool;
-    /// Force from which on a tick is reported as being at the limit.
+    /// Force from which on a tick is reported as being at the force limit.
     fn force_limit(&self) -> i32;
-    /// Growth of the share in a tick.
+    /// Growth per tick of the fraction of the torque that is commanded while the force fades in.
     fn fade_step(&self) -> u32;
-    /// A force's torque, with its share.
+    /// Torque for a force; `share` is the fraction of it that is commanded while the force fades in.
     fn torque(&mut self, force: i32, share: Option<u32>) -> i32;
-    /// The drive command for a torque.
+    /// Drive command for a torque, given the rotor's position.
     fn drive(&mut self, torque: i32, rotor: &Rotor) -> Driven;
 }
 
-/// The difference of two positions.
+/// The difference `a - b` of two positions, limited to the range of positions.
 fn difference(a: i32, b: i32) -> i32 {
     signal(Int::from(a) - Int::from(b)) as i32
 }
@@ -89,7 +91,7 @@ fn force(bits: i32) -> Force<Fixed32> {
     Force(fixed::FixedI32::from_bits(bits))
 }
 
-/// Where a device stands after a tick without a fault.
+/// State of the device after a tick without a fault.
 #[must_use]
 pub fn next(state: State, calibrated: bool, command: Option<Command>) -> State {
     match (state, command) {
@@ -102,7 +104,7 @@ pub fn next(state: State, calibrated: bool, command: Option<Command>) -> State {
     }
 }
 
-/// One tick: its memory and its output.
+/// One control tick: returns the new memory and the output.
 pub fn tick(
     found: &Memory,
     input: &ControlInput,

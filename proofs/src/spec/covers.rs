@@ -1,30 +1,31 @@
-//! The conditions of the guard's theorem on the coefficients: `covers` of `proofs/coq/GuardLosesNothing.v`.
+//! The conditions that the guard's theorem puts on the coefficients: `covers` of `proofs/coq/GuardLosesNothing.v`.
 
 use super::guard::Guard;
 use super::{GAIN, SIGNAL};
 
-/// Fractional bits below a quantum that [`Device`] has.
+/// Number of fractional bits below a quantum that the numbers of a [`Device`] have.
 pub const FINE: u32 = 40;
 
-/// The device of the theorem: `s` and `κ` as numbers, `d` and `δ` in quanta, all with [`FINE`] fractional bits.
+/// The device of the guard's theorem. `s` and `κ` are plain numbers, `d` and `δ` are in quanta of a position; all have [`FINE`]
+/// fractional bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Device {
-    /// Share of a tick after which a force begins to act.
+    /// Fraction of a tick after which a force begins to act.
     pub s: i128,
-    /// The furthest that it moves in a tick.
+    /// Largest displacement in one tick, in quanta.
     pub d: i128,
-    /// Twice the largest error of a measured position.
+    /// Twice the largest error of a measured position, in quanta.
     pub delta: i128,
-    /// `s (1-s)/4c`, or more.
+    /// `κ`: at least `s (1-s)/4c`, the energy charged per squared change of force.
     pub kappa: i128,
 }
 
 impl Guard {
-    /// The theorem's conditions on the coefficients: `covers` of `proofs/coq/GuardLosesNothing.v`, times `2^`[`FINE`],
-    /// each as right side less left side. None may be negative.
+    /// The theorem's conditions on the coefficients, `covers` of `proofs/coq/GuardLosesNothing.v`, times `2^`[`FINE`]. Each is
+    /// returned as its right side minus its left side, and holds if that difference is not negative.
     ///
-    /// The device has positions that are wrong by at most `δ/2`, moves at most `d` in a tick, and its forces begin to
-    /// act after a share `s` of it; `κ` is `s (1-s)/4c`.
+    /// Measured positions of the device are wrong by at most `δ/2`. It moves at most `d` in a tick, and its forces begin to act
+    /// after a fraction `s` of a tick. `κ` is `s (1-s)/4c`.
     #[must_use]
     pub fn room(&self, device: &Device) -> [(&'static str, i128); 5] {
         let one = 1_i128 << FINE;

@@ -1,102 +1,102 @@
-//! The enhanced law's specification tick (thesis Algorithm 3.1, Fig. 3.18; the virtual mass of §3.5 by backward Euler).
+//! Specification tick of the enhanced SFA law (thesis Algorithm 3.1 and Fig. 3.18; the virtual mass of §3.5 by backward Euler).
 
 use super::tdpa::passive;
 use super::{GAIN, HIGHEST, Int, SIGNAL, cut, over, signal, spring, times, towards_zero};
 
-/// The coefficients, in quanta.
+/// The law's coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Enhanced {
-    /// `k_de`, a gain; the stiffness that is regulated to; `k_v`.
+    /// `k_de`: stiffness that the wall should show, a gain.
     pub desired: Int,
-    /// The stiffness that is regulated towards, a gain.
+    /// Stiffness towards which the offset regulates, a gain.
     pub target: Int,
     /// `B/T` of the damper beside the wall, a gain.
     pub damper: Int,
-    /// `k_v`, a gain.
+    /// `k_v`: stiffness of the virtual spring, a gain.
     pub soft: Int,
     /// `1/k_v`, a ratio.
     pub compliance: Int,
-    /// Fraction of the ideal step (3.7, 3.8), a ratio.
+    /// Fraction of the ideal step of the offset (3.7, 3.8), a ratio.
     pub of_ideal: Int,
-    /// `b/k_v` (3.9), a ratio.
+    /// `b/k_v`: bound of the offset's step per force (3.9), a ratio.
     pub of_force: Int,
-    /// `a` (3.11), a ratio.
+    /// `a`: bound of the offset's step per penetration (3.11), a ratio.
     pub of_penetration: Int,
-    /// The stiffness at the HIP is regulated, not that at the mass.
+    /// Whether the law regulates the stiffness at the HIP instead of that at the virtual mass.
     pub at_hip: bool,
-    /// The offset is changed at every tick, not only while the mass moves inward.
+    /// Whether the offset changes at every tick, not only while the virtual mass moves inward.
     pub every_tick: bool,
-    /// The mass' next displacement is counted, not the last.
+    /// Whether the energy counts the next displacement of the virtual mass instead of its last one.
     pub exact: bool,
-    /// The force of the first contact is kept at its end (2.16, 2.17).
+    /// Whether the force is kept where the first contact phase ends (2.16, 2.17).
     pub keep_force: bool,
-    /// `m/T²`, a gain.
+    /// `m/T²` of the virtual mass, a gain.
     pub inertia: Int,
-    /// `k_f`, a gain.
+    /// `k_f`: stiffness of the coupling between HIP and virtual mass, a gain.
     pub coupling: Int,
-    /// `c_f/T`, a gain.
+    /// `c_f/T`: damping of the coupling, a gain.
     pub damping: Int,
-    /// `m/T² + k_f + c_f/T + c_env/T`, a gain.
+    /// `m/T² + k_f + c_f/T + c_env/T`: the sum that multiplies the displacement of the virtual mass, a gain.
     pub total: Int,
-    /// `k_f + k_v`, a gain.
+    /// `k_f + k_v`: coupling and virtual spring together, a gain.
     pub series: Int,
-    /// Energy lent to each contact.
+    /// Energy lent to each contact, in quanta.
     pub credit: Int,
-    /// Most that is stored.
+    /// Most energy that the law stores, in quanta.
     pub energy_cap: Int,
-    /// Largest force.
+    /// Largest force, in quanta.
     pub limit: Int,
 }
 
-/// Phase of the contact.
+/// Phase of the contact between HIP and wall.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Contact {
-    /// No contact.
+    /// The HIP is outside the wall.
     #[default]
     Free,
-    /// The phase up to the first reversal.
+    /// The phase of contact up to the first reversal of the motion.
     First,
-    /// The phase after the first reversal.
+    /// The phase of contact after the first reversal, in which the force is augmented.
     Augmenting,
 }
 
-/// The memory.
+/// The law's memory between ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Memory {
     /// Phase of the contact.
     pub contact: Contact,
     /// Penetration of the last tick.
     pub last: Int,
-    /// Force of the wall at the HIP, without the damper beside it.
+    /// Force of the wall at the HIP, without that of the damper beside the wall.
     pub force: Int,
-    /// Energy left, the loan included.
+    /// Energy that the law may still give, the loan included.
     pub energy: Int,
-    /// Penetration of the mass.
+    /// Penetration of the virtual mass.
     pub mass: Int,
-    /// Displacement of the mass in the last tick.
+    /// Displacement of the virtual mass in the last tick.
     pub mass_moved: Int,
-    /// Offset: `O`.
+    /// `O`: offset of the virtual spring's surface.
     pub offset: Int,
-    /// Force of the wall on the mass.
+    /// Force of the wall on the virtual mass.
     pub at_mass: Int,
 }
 
-/// A force outwards of a tension, rounded down; none inwards.
+/// Outward force that a tension of the coupling gives, rounded down; 0 if the tension points inward.
 fn outward(tension: Int) -> Int {
     (tension.max(0) >> GAIN).min(HIGHEST)
 }
 
-/// Same as `outward`, rounded up.
+/// Outward force that a tension of the coupling gives, rounded up; 0 if the tension points inward.
 fn outward_up(tension: Int) -> Int {
     ((tension.max(0) + (1 << GAIN) - 1) >> GAIN).min(HIGHEST)
 }
 
-/// A share of a signal, towards zero.
+/// The product of a ratio and a signal, rounded towards zero.
 fn share(ratio: Int, x: Int) -> Int {
     cut(times(ratio, x), SIGNAL).clamp(-HIGHEST, HIGHEST)
 }
 
-/// The position that a tension holds in a spring, towards zero.
+/// The deflection of a spring at a tension, rounded towards zero.
 fn per(tension: Int, stiffness: Int) -> Int {
     towards_zero(tension, stiffness).clamp(-HIGHEST, HIGHEST)
 }
@@ -106,7 +106,7 @@ fn size(x: Int) -> Int {
 }
 
 impl Enhanced {
-    /// One tick at the penetration `e` after a displacement `moved`: memory and force.
+    /// One tick at the penetration `e` after a displacement `moved`: returns memory and force.
     #[must_use]
     pub fn tick(&self, memory: &Memory, e: Int, moved: Int) -> (Memory, Int) {
         let mut m = *memory;
@@ -153,14 +153,15 @@ impl Enhanced {
         )
     }
 
-    /// The force with a damper beside the wall, on the displacement inside it, never pulling.
+    /// Adds to a force that of the damper beside the wall. The damper acts on the displacement inside the wall; the sum never pulls
+    /// inward.
     #[must_use]
     pub fn damped(&self, force: Int, e: Int, moved: Int) -> Int {
         let damping = cut(times(self.damper, moved.min(e)), GAIN).clamp(-HIGHEST, HIGHEST);
         signal(force + damping).max(0).min(self.limit)
     }
 
-    /// The first contact ends: the mass takes over, with the energy that is left.
+    /// Ends the first contact phase: the virtual mass takes over, with the energy that is left.
     #[must_use]
     pub fn hand_over(&self, m: &Memory) -> Memory {
         let e = m.last;
@@ -191,7 +192,7 @@ impl Enhanced {
         }
     }
 
-    /// Algorithm 3.1, lines 7 to 13.
+    /// The new offset: Algorithm 3.1, lines 7 to 13.
     #[must_use]
     pub fn offset(&self, m: &Memory, e: Int) -> Int {
         if !self.every_tick && m.mass_moved <= 0 {
@@ -215,13 +216,13 @@ impl Enhanced {
         signal(changed).max(0)
     }
 
-    /// `d' = (N0 - f)/D` towards zero, and not beyond the end of positions.
+    /// Displacement of the virtual mass, `d' = (N0 - f)/D`, rounded towards zero and limited to the range of positions.
     fn displacement(&self, from: Int, drive: Int, force: Int) -> Int {
         let step = per(drive - (force << GAIN), self.total);
         signal(signal(from + step) - from)
     }
 
-    /// What drives the mass, but for the wall: `m d/T² + k_f (e - x) + c_f Δe/T`.
+    /// Drive of the virtual mass without the wall's force: `m d/T² + k_f (e - x) + c_f Δe/T`.
     #[must_use]
     pub fn drive(&self, mass: Int, mass_moved: Int, e: Int, moved: Int) -> Int {
         times(self.inertia, mass_moved)
@@ -229,7 +230,7 @@ impl Enhanced {
             + times(self.damping, moved)
     }
 
-    /// The force of the coupling on the HIP, towards zero.
+    /// Force of the coupling on the HIP, rounded towards zero.
     #[must_use]
     pub fn coupled(&self, mass: Int, mass_moved: Int, e: Int, moved: Int) -> Int {
         let stretch = times(self.coupling, signal(e - mass));
@@ -237,7 +238,7 @@ impl Enhanced {
         cut(tension, GAIN).clamp(-HIGHEST, HIGHEST)
     }
 
-    /// The force on the HIP; `None` outside.
+    /// Force on the HIP in the augmenting phase; `None` if the contact has ended.
     fn augmented(&self, m: &mut Memory, e: Int, moved: Int) -> Option<Int> {
         m.offset = self.offset(m, e);
         let wanted = outward(times(self.soft, signal(m.mass + m.offset)));
@@ -282,7 +283,7 @@ impl Enhanced {
         Some(0)
     }
 
-    /// Energy, force and displacement of the mass such that `E' = E + f d' >= 0`.
+    /// Energy, force and displacement of the virtual mass such that `E' = E + f d' >= 0`.
     #[must_use]
     pub fn paid_move(&self, energy: Int, mass: Int, drive: Int, wanted: Int) -> (Int, Int, Int) {
         let step = self.displacement(mass, drive, wanted);

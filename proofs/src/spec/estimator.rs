@@ -1,52 +1,52 @@
-//! Specification tick of the state estimator: read it beside the equations in the header of `control/src/estimator/mod.rs`.
+//! Specification tick of the state estimator. Read it beside the equations in the header of `control/src/estimator/mod.rs`.
 //!
-//! States are displacements with 54 fractional bits. What a state is multiplied with is a weight, and of the state the leading
-//! digits are multiplied, its part: 28 fractional bits of a motion, 24 of a torque. A weight has what is missing to 54, so every
-//! product is a state without any rounding.
+//! States are displacements with 54 fractional bits. A factor of a state is called its weight. Only the state's leading digits are
+//! multiplied (its *part*): 28 fractional bits of a motion, 24 of a torque. A weight has the fractional bits that are missing to
+//! 54, so every product is a state without any rounding.
 
 use super::{Int, signal};
 
-/// One radian, as a state.
+/// One radian, with the 54 fractional bits of a state.
 pub const RAD: Int = 1 << 54;
-/// Digits of a motion's state below its part.
+/// Number of binary digits of a motion's state below its part, the digits that are multiplied.
 const BELOW_PART: u32 = 54 - 28;
-/// Digits of a state that a signal does not show.
+/// Number of binary digits of a state that are too small for a signal.
 const BELOW_SIGNAL: u32 = 54 - 24;
-/// Commands that are remembered.
+/// Number of past commands that the estimator keeps.
 pub const REMEMBERED: usize = 3;
 
-/// Weight times part; [`crate::weighed`] says what the checker puts in its place.
+/// Product of a weight and a part; [`crate::weighed`] says what replaces it under the model checker.
 #[must_use]
 pub fn weighed(weight: Int, part: Int) -> Int {
     weight * part
 }
 
-/// Position `x`, displacement per tick `d`, push of the hand `g`.
+/// A state of motion: position `x`, displacement per tick `d`, and the hand's push `g`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Motion {
-    /// `x`.
+    /// Position `x`.
     pub x: Int,
-    /// `d`.
+    /// Displacement per tick `d`.
     pub d: Int,
-    /// `g`.
+    /// Push of the hand `g`.
     pub g: Int,
 }
 
-/// A time, as weights: `V`, `X`, `1 - ρ`, and of each command `q x_i` and `q v_i`.
+/// How a motion evolves over a time, as weights: `V`, `X`, `1 - ρ`, and `q x_i` and `q v_i` of each command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Flow<const COMMANDS: usize> {
-    /// Reach: `V`.
+    /// `V`: weight of the displacement per tick in the position.
     pub reach: Int,
-    /// Drift: `X`.
+    /// `X`: weight of the hand's push in the position.
     pub drift: Int,
-    /// Loss: `1 - ρ`.
+    /// `1 - ρ`: fraction of the velocity that damping takes.
     pub loss: Int,
-    /// `q x_i`, `q v_i`.
+    /// `q x_i` and `q v_i`: weights of each command in position and displacement.
     pub commands: [[Int; 2]; COMMANDS],
 }
 
 impl<const COMMANDS: usize> Flow<COMMANDS> {
-    /// `x + V d + X g - Σ q x_i f_i` and `ρ d + V g - Σ q v_i f_i`.
+    /// Position and displacement at the end of the time: `x + V d + X g - Σ q x_i f_i` and `ρ d + V g - Σ q v_i f_i`.
     #[must_use]
     pub fn end(&self, from: Motion, f: [Int; REMEMBERED]) -> (Int, Int) {
         let (d, g) = (from.d >> BELOW_PART, from.g >> BELOW_PART);
@@ -63,47 +63,48 @@ impl<const COMMANDS: usize> Flow<COMMANDS> {
     }
 }
 
-/// Coefficients.
+/// Coefficients of the estimator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Estimator {
-    /// From sample to sample.
+    /// The flow from one sample to the next.
     pub tick: Flow<REMEMBERED>,
-    /// The motion from the sample to when the next command begins to act.
+    /// The flow from a sample to the time at which the next command begins to act.
     pub ahead: Flow<2>,
-    /// `α`, `β`, `γ`.
+    /// Correction gains `α`, `β`, `γ`.
     pub correction: [Int; 3],
-    /// Largest command.
+    /// Largest command, in quanta of a signal.
     pub limit: Int,
 }
 
-/// Memory: the motion at the last sample, and the last commands, the latest first.
+/// The estimator's memory: the motion at the last sample, and the last commands with the latest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Memory {
-    /// `None` before the first sample.
+    /// Motion at the last sample; `None` before the first sample.
     pub motion: Option<Motion>,
-    /// The commands in quanta of a signal.
+    /// The last commands in quanta of a signal, the latest first.
     pub commands: [Int; REMEMBERED],
 }
 
-/// The state of a signal.
+/// A signal converted to the 54 fractional bits of a state.
 #[must_use]
 pub fn state(of: Int) -> Int {
     of << BELOW_SIGNAL
 }
 
-/// The signal nearest to a state, halves up; at the end of the format it stays there.
+/// The signal nearest to a state, halves rounded up, limited to the range of signals.
 #[must_use]
 pub fn shown(state: Int) -> Int {
     signal((state + (1 << (BELOW_SIGNAL - 1))) >> BELOW_SIGNAL)
 }
 
-/// Whether a state is within this many radians, the lower end included.
+/// Whether a state is within this many radians of 0, the lower end included.
 #[must_use]
 pub fn within(state: Int, rad: Int) -> bool {
     -rad * RAD <= state && state < rad * RAD
 }
 
-/// `x = x⁻ + α r`, `d = d⁻ + β r`, `g = g + γ r` with `r = e - x⁻`; nothing where no device moves like that.
+/// The motion after a measured position: `x = x⁻ + α r`, `d = d⁻ + β r`, `g = g + γ r` with `r = e - x⁻`. `None` if no device can
+/// move like that.
 #[must_use]
 pub fn corrected(gains: [Int; 3], (x, d): (Int, Int), g: Int, e: Int) -> Option<Motion> {
     let r = state(e) - x;
@@ -121,13 +122,14 @@ pub fn corrected(gains: [Int; 3], (x, d): (Int, Int), g: Int, e: Int) -> Option<
 }
 
 impl Estimator {
-    /// The motion at the end of a tick's flow, corrected.
+    /// The motion at the end of a tick, corrected by the measured position `e`.
     #[must_use]
     pub fn corrected(&self, before: Motion, f: [Int; REMEMBERED], e: Int) -> Option<Motion> {
         corrected(self.correction, self.tick.end(before, f), before.g, e)
     }
 
-    /// One tick at a measured position: the memory, and position and displacement at the time when the next command begins to act.
+    /// One tick at a measured position `e`. Returns the memory, and position and displacement at the time when the next command
+    /// begins to act.
     #[must_use]
     pub fn tick(&self, memory: &Memory, e: Int) -> (Memory, Int, Int) {
         let corrected = match memory.motion {

@@ -1,7 +1,7 @@
-//! The specification of `EstimatorSettings::estimator`, to be read beside the equations in the header of
+//! The specification of `EstimatorSettings::estimator`. Read it beside the equations in the header of
 //! `control/src/estimator/mod.rs`.
 //!
-//! Between setting and weight a number has 56 fractional bits, ±128, and saturates.
+//! Between setting and weight a number has 56 fractional bits and a range of ±128, and saturates.
 
 use super::estimator::{Estimator, Flow};
 use super::settings::{MOST, ONE, between, over, signal_fits, signal_of, times};
@@ -10,25 +10,26 @@ use super::{BITS, Int};
 /// The value 1 with 56 fractional bits.
 pub const LONG_ONE: Int = 1 << 56;
 const LONG_MOST: Int = i64::MAX as Int;
-/// `2π`.
+/// `2π` with 56 fractional bits.
 const TAU: Int = 452_751_216_129_820_177;
 
-/// Saturates to the range of such a number.
+/// Limits a number to the range ±128 of numbers with 56 fractional bits.
 fn long(x: Int) -> Int {
     x.clamp(-LONG_MOST - 1, LONG_MOST)
 }
-/// `a b`; [`crate::reckoned`] says what the checker puts in its place.
+/// The product `a b` of numbers with 56 fractional bits; [`crate::reckoned`] says what replaces it under the model checker.
 #[must_use]
 pub fn long_times(a: Int, b: Int) -> Int {
     long((a * b) >> 56)
 }
-/// `a / b`, and 0 where that is no such number; [`crate::reckoned`] says what the checker puts in its place.
+/// `a / b` with 56 fractional bits, and 0 if the quotient does not fit; [`crate::reckoned`] says what replaces it under the
+/// checker.
 #[must_use]
 pub fn long_over(a: Int, b: Int) -> Int {
     let exact = if b == 0 { 0 } else { (a << 56) / b };
     if long(exact) == exact { exact } else { 0 }
 }
-/// `a / b` of two positive settings; [`crate::reckoned`] says what the checker puts in its place.
+/// `a / b` of two positive settings, with 56 fractional bits; [`crate::reckoned`] says what replaces it under the model checker.
 #[must_use]
 pub fn ratio(a: Int, b: Int) -> Int {
     if b == 0 {
@@ -38,8 +39,8 @@ pub fn ratio(a: Int, b: Int) -> Int {
     }
 }
 
-/// `V = Σ (-β)^k t^(k+1)/(k+1)!` and `X = Σ (-β)^k t^(k+2)/(k+2)!`; [`crate::reckoned`] says what the checker puts in
-/// their place.
+/// `V = Σ (-β)^k t^(k+1)/(k+1)!` and `X = Σ (-β)^k t^(k+2)/(k+2)!`; [`crate::reckoned`] says what replaces them under the model
+/// checker.
 #[must_use]
 pub fn integrals(loss: Int, time: Int) -> (Int, Int) {
     let (mut reach, mut drift, mut term) = (0, 0, time);
@@ -52,20 +53,20 @@ pub fn integrals(loss: Int, time: Int) -> (Int, Int) {
     (reach, drift)
 }
 
-/// Settings, counts of 2^-32 of their SI units.
+/// Settings of the estimator as integers, in units of 2^-32 of their SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// Bandwidth, Hz.
+    /// Bandwidth of the estimator, Hz.
     pub bandwidth: Int,
-    /// kg·m².
+    /// Inertia of the device, kg·m².
     pub inertia: Int,
-    /// Damping, N·m·s/rad.
+    /// Damping of the device, N·m·s/rad.
     pub damping: Int,
-    /// Delay, s.
+    /// Delay until a command acts, s.
     pub delay: Int,
 }
 
-/// The nearest weight with this many fractional bits, if a word holds it.
+/// The nearest weight with this many fractional bits; `None` if it does not fit a word.
 fn weight(x: Int, fraction: u32) -> Option<Int> {
     let half = 1 << (55 - fraction);
     let nearest = (x + half).min(LONG_MOST) >> (56 - fraction);
@@ -79,18 +80,18 @@ fn of_torque(x: Int) -> Option<Int> {
     weight(x, 30)
 }
 
-/// The device: `β`, `q`, and the delay in ticks.
+/// Constants of the device: `β`, `q`, and the delay in ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Device {
-    /// Loss: `β = b T/J`.
+    /// Loss of velocity per tick: `β = b T/J`.
     pub loss: Int,
     /// Displacement per torque: `q = T²/J`.
     pub per_torque: Int,
-    /// Time until a command begins to act.
+    /// Time until a command begins to act, in ticks.
     pub delay: Int,
 }
 
-/// A flow's weights, long.
+/// Weights of a flow, each with 56 fractional bits.
 struct LongFlow<const COMMANDS: usize> {
     reach: Int,
     drift: Int,
@@ -99,8 +100,8 @@ struct LongFlow<const COMMANDS: usize> {
 }
 
 impl Device {
-    /// The flow over a time; `latest` is how long before the end the latest command ends, and each earlier one ends a
-    /// tick before the next.
+    /// The flow over a time. The latest command ends `latest` ticks before the end; each earlier command ends one tick before the
+    /// next.
     fn flow<const COMMANDS: usize>(&self, time: Int, latest: Int) -> LongFlow<COMMANDS> {
         let at = |t: Int| integrals(self.loss, t.max(0).min(time));
         let taken = |since, until| long_times(long(since - until), self.per_torque);
@@ -122,8 +123,8 @@ impl Device {
         }
     }
 
-    /// `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V β = 2 + ρ - 3z - α - X γ`, with `1 - z = 1 - exp(-angle)`, if words hold
-    /// them; [`crate::reckoned`] says what the checker puts in their place.
+    /// The correction gains `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V β = 2 + ρ - 3z - α - X γ`, with `1 - z = 1 - exp(-angle)`. `None`
+    /// if one does not fit a word. [`crate::reckoned`] says what replaces them under the model checker.
     #[must_use]
     pub fn correction(&self, angle: Int) -> Option<[Int; 3]> {
         let fast = long_times(angle, integrals(angle, LONG_ONE).0);
@@ -141,7 +142,7 @@ impl Device {
     }
 }
 
-/// A flow of weights that words hold.
+/// The flow with its weights rounded to words; `None` if a weight does not fit.
 fn weighed<const COMMANDS: usize>(long: &LongFlow<COMMANDS>) -> Option<Flow<COMMANDS>> {
     let mut commands = [[0; 2]; COMMANDS];
     let mut i = 0;
@@ -158,25 +159,25 @@ fn weighed<const COMMANDS: usize>(long: &LongFlow<COMMANDS>) -> Option<Flow<COMM
     })
 }
 
-/// The flow over a tick, if words hold it; [`crate::reckoned`] says what the checker puts in its place.
+/// The flow over a tick; `None` if a weight does not fit a word. [`crate::reckoned`] says what replaces it under the model checker.
 #[must_use]
 pub fn over_a_tick(device: &Device) -> Option<Flow<3>> {
     weighed(&device.flow(LONG_ONE, -device.delay))
 }
-/// The flow from a sample to the time when the next command begins to act; [`crate::reckoned`] says what the checker
-/// puts in its place.
+/// The flow from a sample to the time when the next command begins to act; [`crate::reckoned`] says what replaces it under the
+/// checker.
 #[must_use]
 pub fn ahead(device: &Device) -> Option<Flow<2>> {
     weighed(&device.flow(device.delay, 0))
 }
 
-/// `1/T`, Hz; a rate of nothing is one.
+/// The rate `1/T` in Hz; a rate of 0 is replaced by 1 Hz.
 fn rate_of(rate: Int) -> Int {
     (rate.max(1) * ONE).min(MOST)
 }
 
-/// What `validate` lets through: a bandwidth from a 500th to a fifth of the rate, and an inertia `J/T²` of which the largest force, and
-/// 0.76, make no more than one, and not more than 6e7.
+/// Whether `validate` accepts the settings. The bandwidth must be a 500th to a fifth of the rate. The inertia `J/T²` in N·m/rad
+/// must be at least the largest force in N·m and 0.76, and at most 6e7.
 #[must_use]
 pub fn in_ranges(set: &Settings, rate: Int, limit: Int) -> bool {
     let each = between(8_589_935, set.bandwidth, 20_000 * ONE)
@@ -196,8 +197,8 @@ pub fn in_ranges(set: &Settings, rate: Int, limit: Int) -> bool {
         )
 }
 
-/// The estimator of accepted settings, at a rate, Hz, for a largest force; `None` where a weight does not fit, or is
-/// beyond what the harnesses assume.
+/// The estimator of accepted settings, at a rate in Hz and for a largest force. `None` if a weight does not fit, or is beyond what
+/// the harnesses assume.
 #[must_use]
 pub fn made(set: &Settings, rate: Int, limit: Int) -> Option<Estimator> {
     let rate = rate_of(rate);
@@ -219,7 +220,8 @@ pub fn made(set: &Settings, rate: Int, limit: Int) -> Option<Estimator> {
     (signal_fits(limit) && bounded(&made)).then_some(made)
 }
 
-/// What commands up to a limit take is less than 2 rad, with 54 fractional bits, for each tick; nothing else is longer than the time.
+/// Whether a flow is bounded: commands up to the limit displace by less than 2 rad per tick (with 54 fractional bits), and no other
+/// weight exceeds the time in ticks.
 #[must_use]
 pub fn flow_bounded<const COMMANDS: usize>(flow: &Flow<COMMANDS>, ticks: Int, limit: Int) -> bool {
     let taken = |which: usize| {
@@ -235,7 +237,7 @@ pub fn flow_bounded<const COMMANDS: usize>(flow: &Flow<COMMANDS>, ticks: Int, li
         && between(0, flow.loss, one)
 }
 
-/// What `proofs/src/estimator.rs` assumes.
+/// The conditions on an estimator that `proofs/src/estimator.rs` assumes.
 #[must_use]
 pub fn bounded(of: &Estimator) -> bool {
     let one = 1 << 26;

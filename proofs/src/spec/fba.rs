@@ -1,35 +1,35 @@
-//! FBA's specification tick (thesis 2.6a to 2.10).
+//! Specification tick of the force bounding approach, FBA (thesis 2.6a to 2.10).
 
 use super::{BITS, GAIN, HIGHEST, Int, cut, damping_loss, spring, times};
 
-/// The coefficients, in quanta.
+/// The law's coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fba {
-    /// `k_de`, a gain.
+    /// `k_de`: stiffness that the wall should show, a gain.
     pub desired: Int,
-    /// `c_i/T`, a gain.
+    /// `c_i/T` of the device's damping, a gain.
     pub device_damping: Int,
-    /// `sqrt(4 c_i/T)`, a gain.
+    /// `sqrt(4 c_i/T)`: factor of the bound on the force, a gain.
     pub bound: Int,
-    /// Largest force.
+    /// Largest force, in quanta.
     pub limit: Int,
-    /// Most that is stored.
+    /// Most energy that the law stores, in quanta.
     pub energy_cap: Int,
 }
 
-/// The memory.
+/// The law's memory between ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Memory {
     /// Force of the last tick.
     pub force: Int,
-    /// Observed energy.
+    /// Energy that the law has observed.
     pub energy: Int,
-    /// Whether the HIP was in the wall.
+    /// Whether the HIP was in the wall in the last tick.
     pub inside: bool,
 }
 
-/// `floor(sqrt(x))`, 0 for a negative `x`, at most one more than the highest signal; by halving an interval, unlike
-/// the code.
+/// `floor(sqrt(x))`, 0 for a negative `x`, at most the highest signal plus 1. It halves an interval, where the code calculates
+/// digit by digit.
 #[must_use]
 pub fn root(x: Int) -> Int {
     let (mut low, mut high) = (0, HIGHEST + 2);
@@ -48,13 +48,13 @@ pub fn root(x: Int) -> Int {
 }
 
 impl Fba {
-    /// `sqrt(4 c_i/T)`, rounded down.
+    /// `sqrt(4 c_i/T)` of the device's damping `c_i/T`, rounded down.
     #[must_use]
     pub fn bound_of(device_damping: Int) -> Int {
         root((4 * device_damping) << GAIN)
     }
 
-    /// One tick at the penetration `e` after a displacement `moved`: memory and force.
+    /// One tick at the penetration `e` after a displacement `moved`: returns memory and force.
     #[must_use]
     pub fn tick(&self, memory: &Memory, e: Int, moved: Int) -> (Memory, Int) {
         if e <= 0 {

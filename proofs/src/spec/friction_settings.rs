@@ -1,32 +1,33 @@
-//! What `FrictionSettings::friction` makes of a person's settings, beside the header of `control/src/space/friction.rs`.
+//! Specification of `FrictionSettings::friction`: the coefficients that follow from a user's settings. Read it beside the header of
+//! `control/src/space/friction.rs`.
 
 use super::Int;
 use super::settings::{ONE, between, gain_fits, gain_of, over, signal_fits, signal_of, times};
 
-/// Settings, counts of 2^-32 of their SI units.
+/// Settings of the friction as integers, in units of 2^-32 of their SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
     /// Stiffness, N/m.
     pub stiffness: Int,
-    /// Fixed: `μ_s`.
+    /// Coefficient of static friction, `μ_s`.
     pub fixed: Int,
-    /// Kinetic: `μ_k`.
+    /// Coefficient of kinetic friction, `μ_k`.
     pub kinetic: Int,
 }
 
-/// Stiffness, a gain, and how far it stretches for a newton before it slides and while it does, ratios.
+/// The friction's stiffness as a gain. Also how far it stretches per newton before and while it slides, as ratios.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Friction {
-    /// Stiffness: `k`.
+    /// Stiffness `k`, a gain.
     pub stiffness: Int,
-    /// Fixed: `μ_s/k`.
+    /// Static friction: `μ_s/k`, a ratio.
     pub fixed: Int,
-    /// Kinetic: `μ_k/k`.
+    /// Kinetic friction: `μ_k/k`, a ratio.
     pub kinetic: Int,
 }
 
-/// The friction in a unit, given how many of them are a metre, for a device with a rate, Hz, and a damping: `0 < k <=
-/// 2 b/T`, `0 <= μ_k <= μ_s <= 10`, and all coefficients must fit.
+/// The friction in a unit of length of which `per_metre` make a metre, for a device with a control rate in Hz and a damping. `None`
+/// unless `0 < k <= 2 b/T`, `0 <= μ_k <= μ_s <= 10` and all coefficients fit.
 #[must_use]
 pub fn made(set: &Settings, per_metre: Int, rate: Int, damping: Int) -> Option<Friction> {
     let most = times(times(damping, rate * ONE), 2 * ONE);

@@ -1,69 +1,69 @@
-//! The energy guard's specification tick, line by line that of `proofs/coq/Guard.v`, which the theorem is about.
+//! Specification tick of the energy guard. Line by line it is the tick of `proofs/coq/Guard.v`, which the guard's theorem is about.
 
 use super::{GAIN, HIGHEST, Int, SIGNAL, times};
 
-/// The coefficients, in quanta.
+/// The guard's coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Guard {
-    /// Capacity: `C`.
+    /// `C`: most energy that the account holds.
     pub capacity: Int,
-    /// Refill: `P T`.
+    /// `P T`: energy added to the account per tick.
     pub refill: Int,
-    /// `c`, a gain.
+    /// `c`: trusted damping per tick, a gain.
     pub damping: Int,
-    /// The longest measured displacement that is not overspeed.
+    /// The largest measured displacement in a tick that is not over-speed.
     pub furthest: Int,
-    /// Count: `δ`.
+    /// `δ`: encoder count, twice the largest error of a measured position.
     pub count: Int,
-    /// `s`, a ratio.
+    /// `s`: fraction of a tick after which a force acts, a ratio.
     pub late: Int,
-    /// `κ`, a ratio.
+    /// `κ`: energy charged per squared change of force, a ratio.
     pub stray: Int,
-    /// Half a count and what rounding leaves out.
+    /// Half an encoder count plus a bound of the rounding errors.
     pub slack: Int,
-    /// `1/D`, a gain.
+    /// `1/D`: largest force per free energy, a gain.
     pub per_reach: Int,
-    /// `s d` and half a count.
+    /// `s d` plus half an encoder count: displacement for which a force in flight still costs energy.
     pub in_flight: Int,
-    /// `(1 + s)/4c`, a ratio.
+    /// `(1 + s)/4c`: energy charged at an over-speed per squared force, a ratio.
     pub overrun: Int,
 }
 
-/// The memory.
+/// The guard's memory between ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Memory {
-    /// Energy that the hand may still get out.
+    /// Energy account: what the hand may still get out.
     pub account: Int,
-    /// The force of the last tick.
+    /// Force of the last tick.
     pub force: Int,
-    /// The force of the tick before it.
+    /// Force of the tick before the last.
     pub older: Int,
 }
 
-/// `x` within `-limit..=limit`.
+/// `x` limited to `-limit..=limit`.
 fn within(x: Int, limit: Int) -> Int {
     x.min(limit).max(-limit)
 }
 
 impl Guard {
-    /// Energy that the trusted damping took over a displacement of this size.
+    /// Energy that the trusted damping dissipated over a displacement of this size.
     fn damped(&self, distance: Int) -> Int {
         let surely = (distance - self.count).max(0);
         times(times(self.damping, surely) >> GAIN, surely)
     }
 
-    /// The most that a force may still cost after the next sample.
+    /// Most energy that a force may still cost after the next sample.
     fn reserve(&self, force: Int) -> Int {
         times(force.abs(), self.in_flight)
     }
 
-    /// The largest force that an energy pays for over every displacement.
+    /// The largest force that a free energy covers for every allowed displacement.
     #[must_use]
     pub fn largest_force(&self, free: Int) -> Int {
         times(self.per_reach, free >> SIGNAL) >> GAIN
     }
 
-    /// The account after a tick.
+    /// Energy account after a tick, before it is limited to its capacity.
     #[must_use]
     pub fn booked(&self, memory: &Memory, moved: Int, before_change: Int) -> Int {
         let change = memory.force - memory.older;
@@ -75,14 +75,14 @@ impl Guard {
             + self.damped(moved.abs())
     }
 
-    /// The most that the forces that acted can have lost until they are off.
+    /// Most energy that the hand can have gained from the acting forces until they are off.
     fn lost(&self, memory: &Memory) -> Int {
         let size = memory.force.abs().max(memory.older.abs());
         let over = (times(self.overrun, size) >> SIGNAL).min(HIGHEST);
         times(size, (over + 1).min(HIGHEST))
     }
 
-    /// One tick; with whether there was no overspeed.
+    /// One tick. Returns the memory, and `true` if there was no over-speed.
     #[must_use]
     pub fn tick(
         &self,
@@ -112,8 +112,8 @@ impl Guard {
         (after, true)
     }
 
-    /// Switched off: the account less what the older force may still cost; or, after a force that no tick ended, at
-    /// most nothing.
+    /// The memory after the force was switched off. If a tick has ended the force, the account is reduced by what the older force
+    /// may still cost. Otherwise the account becomes at most 0.
     #[must_use]
     pub fn switched_off(&self, memory: &Memory) -> Memory {
         Memory {
@@ -126,7 +126,7 @@ impl Guard {
         }
     }
 
-    /// Takes the force that was commanded in the end.
+    /// The memory after a report of the force that was commanded in the end.
     #[must_use]
     pub fn commanded(memory: &Memory, told: Int) -> Memory {
         Memory {

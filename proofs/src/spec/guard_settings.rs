@@ -1,4 +1,4 @@
-//! The specification of `Guard::new`, line by line the text of `proofs/coq/GuardSettings.v`. Its theorems: accepted
+//! The specification of `Guard::new`, line by line the text of `proofs/coq/GuardSettings.v`. The theorems there state that accepted
 //! settings satisfy what the guard's harnesses assume, and cover the given device.
 
 use super::guard::Guard;
@@ -8,43 +8,43 @@ use super::settings::{
 };
 use super::{HIGHEST, Int};
 
-/// The settings, counts of 2^-32 of their SI units.
+/// Settings of the guard as integers, in units of 2^-32 of their SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// Capacity, J.
+    /// Capacity of the energy account, J.
     pub capacity: Int,
-    /// Refill, W.
+    /// Power that refills the energy account, W.
     pub refill: Int,
-    /// Trusted share of the damping.
+    /// Trusted fraction (0 to 1) of the damping.
     pub share: Int,
-    /// Damping, N·m·s/rad.
+    /// Damping of the device without a hand, N·m·s/rad.
     pub damping: Int,
-    /// Overspeed, rad/s.
+    /// Speed above which the guard trips, rad/s.
     pub overspeed: Int,
-    /// Delay, s.
+    /// Delay until a force acts, s.
     pub delay: Int,
-    /// Lag, s.
+    /// Lag of the current loop, s.
     pub lag: Int,
     /// Whether the position is also read when the force changes.
     pub measured: bool,
 }
 
-/// Given properties of the device.
+/// Properties of the device that the guard is given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Told {
-    /// Hz, a whole number.
+    /// Control rate, a whole number of Hz.
     pub rate: Int,
-    /// Limit of the force, N·m.
+    /// Force limit, N·m.
     pub limit: Int,
-    /// Count of the encoder, rad.
+    /// Encoder count, rad.
     pub count: Int,
 }
 
-/// A margin larger than the rounding of a sum of products and quotients.
+/// A margin that exceeds the rounding error of a sum of products and quotients, in units of 2^-32.
 const UP: Int = 8;
-/// A step of a signal.
+/// One quantum of a signal, in units of 2^-32.
 const STEP: Int = 1 << 8;
-/// The largest force that the books have room for, 31.9.
+/// The largest force for which the energy account has room, 31.9 N·m in units of 2^-32.
 const ROOM: Int = 137_009_456_742;
 
 fn quarter_fits(x: Int) -> bool {
@@ -53,7 +53,7 @@ fn quarter_fits(x: Int) -> bool {
 fn signal_plus(a: Int, b: Int) -> Int {
     (a + b).min(HIGHEST)
 }
-/// A position, rounded up.
+/// A position as a signal, rounded up.
 fn signal_up(x: Int) -> Int {
     signal_plus(signal_of(x), 1)
 }
@@ -62,7 +62,8 @@ fn rate(told: &Told) -> Int {
     (told.rate * ONE).min(MOST)
 }
 
-/// Delay and lag, at most a tick as it is rounded down: settings in their ranges are at most a digit longer.
+/// The settings with delay and lag limited to one tick, rounded down. Settings within their ranges can exceed that by at most one
+/// last digit.
 fn within_a_tick(set: &Settings, told: &Told) -> Settings {
     let tick = over(ONE, rate(told));
     let delay = set.delay.min(tick);
@@ -70,7 +71,7 @@ fn within_a_tick(set: &Settings, told: &Told) -> Settings {
     Settings { delay, lag, ..*set }
 }
 
-/// What `validate` lets through.
+/// Whether `validate` accepts the settings.
 #[must_use]
 pub fn in_ranges(set: &Settings, told: &Told) -> bool {
     let each = between(0, set.capacity, 16 * ONE)
@@ -91,8 +92,8 @@ pub fn in_ranges(set: &Settings, told: &Told) -> bool {
     between(0, set.delay, tick) && between(0, set.lag, tick - set.delay)
 }
 
-/// Warnings for settings in their ranges. First: the account does not pay for the largest force over the longest
-/// displacement, with the part of it after the next sample and half a count. Second: the account is never refilled.
+/// Warnings for settings within their ranges. First: the account does not cover the largest force over the largest displacement,
+/// with the part after the next sample and half a count. Second: the account is never refilled.
 #[must_use]
 pub fn warned(set: &Settings, told: &Told) -> [bool; 2] {
     let set = within_a_tick(set, told);
@@ -105,7 +106,7 @@ pub fn warned(set: &Settings, told: &Told) -> [bool; 2] {
     [set.capacity < needed, set.refill == 0]
 }
 
-/// The guard that settings in their ranges become, if every coefficient fits.
+/// The guard for settings within their ranges; `None` if a coefficient does not fit.
 #[must_use]
 pub fn made(set: &Settings, told: &Told) -> Option<Guard> {
     let set = within_a_tick(set, told);

@@ -1,5 +1,5 @@
-//! Guards, hands and laws for comparing the guard with its specification: any settings, hostile motions, any wanted
-//! force.
+//! Random guards, hands and laws that compare the guard with its specification: any settings, hostile motions, any force requested
+//! by the law.
 
 use super::guard::Memory;
 use fixed::types::I8F24;
@@ -8,7 +8,7 @@ use touchstone_control::{
     ObserverForm, OffsetUpdate, Regulate, Settings, Si,
 };
 
-/// Seeded numbers.
+/// Generator of seeded random numbers.
 pub struct Random(pub u64);
 impl Random {
     /// Any 64 bits.
@@ -19,7 +19,7 @@ impl Random {
             .wrapping_add(1_442_695_040_888_963_407);
         self.0 ^ self.0 >> 31
     }
-    /// A random number below a bound.
+    /// A random number from 0 up to, not including, a bound.
     pub fn below(&mut self, bound: u64) -> u64 {
         (self.any() >> 8) % bound
     }
@@ -28,17 +28,17 @@ impl Random {
         let size = (self.any() >> 1 >> (63 - bits) >> self.below(bits)).cast_signed();
         if self.any() & 4096 == 0 { size } else { -size }
     }
-    /// A random number in `-size..=size`.
+    /// A random number from `-size` to `size`.
     pub fn within(&mut self, size: i64) -> i64 {
         (self.any() >> 20).cast_signed() % (2 * size + 1) - size
     }
-    /// A setting of at most 2^bits, of any size.
+    /// A random setting of at most `2^bits`, with a random order of magnitude.
     pub fn setting(&mut self, bits: u64) -> Si {
         Si::from_bits((self.any() >> (31 - bits) >> self.below(12) >> 1).cast_signed())
     }
 }
 
-/// Any settings with any device; not all are accepted.
+/// Random settings of a guard and a device. Not all of them are accepted.
 pub fn any_settings(random: &mut Random) -> (GuardSettings, GuardedDevice) {
     let usual = [5, 20, 100, 500, 1000, 2000, 4000, 10_000][random.below(8) as usize];
     // At others the digits of a tick leave more out.
@@ -90,13 +90,13 @@ pub fn any_settings(random: &mut Random) -> (GuardSettings, GuardedDevice) {
     (settings, device)
 }
 
-/// The signal of this many quanta, at most the end of the format.
+/// The signal of this many quanta, limited to the range of signals.
 #[must_use]
 pub fn bits(x: i64) -> I8F24 {
     I8F24::from_bits(x.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32)
 }
 
-/// How a hand moves at a tick: one of several habits.
+/// Displacement of a hand in a tick, by one of several habits.
 pub fn moved(random: &mut Random, habit: u64, tick: u64, state: &Memory, furthest: i64) -> i64 {
     let speed = furthest >> (habit / 8 % 12);
     match habit % 8 {
@@ -131,7 +131,7 @@ pub fn moved(random: &mut Random, habit: u64, tick: u64, state: &Memory, furthes
     }
 }
 
-/// A random value around a default, or of any size.
+/// A random value near a default, or of any size.
 fn near(random: &mut Random, default: &str) -> Si {
     let default = Si::from_str(default).expect("a number");
     match random.below(4) {
@@ -142,7 +142,7 @@ fn near(random: &mut Random, default: &str) -> Si {
     }
 }
 
-/// Any settings of a law; not all are accepted.
+/// Random settings of a law. Not all of them are accepted.
 pub fn any_law(random: &mut Random, law: LawKind) -> Settings {
     let one_of_two = |random: &mut Random| random.below(2) == 0;
     Settings {
@@ -190,14 +190,14 @@ pub fn any_law(random: &mut Random, law: LawKind) -> Settings {
     }
 }
 
-/// Penetration and displacement of the next tick: a press and its release, trembling at the surface, jumps, and now
-/// and then a displacement that does not match, as an estimator can give one.
+/// A hand that makes penetration and displacement of each next tick: a press and its release, trembling at the surface, and jumps.
+/// Now and then the displacement does not match the penetration, as an estimator can give one.
 pub struct Hand {
     habit: u64,
     at: i64,
 }
 impl Hand {
-    /// Just outside the wall, with any habit.
+    /// A hand just outside the wall, with a random habit.
     pub fn any(random: &mut Random) -> Self {
         Self {
             habit: random.any() >> 20,
@@ -205,7 +205,7 @@ impl Hand {
         }
     }
 
-    /// The next tick.
+    /// Penetration and displacement of the next tick.
     pub fn moves(&mut self, random: &mut Random, tick: u64, force: i128) -> (I8F24, I8F24) {
         let before = self.at;
         let speed = 1_i64 << (self.habit / 8 % 22);

@@ -1,4 +1,5 @@
-//! What `AnyLaw::new` makes of a person's settings: the coefficients of each law, beside the thesis' equations.
+//! Specification of `AnyLaw::new`: the coefficients of each law that follow from a user's settings. Read it beside the thesis'
+//! equations.
 
 use super::enhanced::Enhanced;
 use super::fba::Fba;
@@ -10,102 +11,102 @@ use super::sfa::{Sfa, Update};
 use super::tdpa::Tdpa;
 use super::{BITS, Int};
 
-/// Most that a law stores: half of the format's largest magnitude.
+/// Most energy that a law stores: half of the format's largest magnitude.
 pub const ENERGY_CAP: Int = 1 << (2 * BITS - 2);
 
-/// The stiffness by which the enhanced law's offset is regulated.
+/// The stiffness that the enhanced law regulates by changing its offset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Regulated {
-    /// Force over position of the mass, towards `k_de`.
+    /// Force over position of the virtual mass is regulated to `k_de`.
     Mass,
-    /// The mass, regulated to what the HIP then feels as `k_de` (3.5).
+    /// The virtual mass' stiffness is regulated so that the HIP feels `k_de` (3.5).
     MassCompensated,
-    /// Force over position of the HIP (3.6).
+    /// Force over position of the HIP is regulated to `k_de` (3.6).
     Hip,
 }
 
-/// Settings, counts of 2^-32 of their SI units.
+/// Settings of a law as integers, in units of 2^-32 of their SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// Hz, a whole number.
+    /// Control rate, a whole number of Hz.
     pub rate: Int,
-    /// `k_de`, N·m/rad.
+    /// `k_de`: stiffness that the wall should show, N·m/rad.
     pub desired: Int,
-    /// `k_v`, N·m/rad.
+    /// `k_v`: stiffness of the virtual spring, N·m/rad.
     pub soft: Int,
-    /// `c_i`, N·m·s/rad.
+    /// `c_i`: damping of the device, N·m·s/rad.
     pub device_damping: Int,
-    /// `b`, N·m·s/rad.
+    /// `b`: virtual damping, N·m·s/rad.
     pub virtual_damping: Int,
-    /// The port's energy is counted (`f(n-1) Δe`), not the thesis' sum (2.1).
+    /// Whether the law counts the port's energy (`f(n-1) Δe`) instead of the thesis' sum (2.1).
     pub exact: bool,
-    /// TDPA counts the device's damping (2.6).
+    /// Whether TDPA counts the energy that the device's damping dissipates (2.6).
     pub counts_damping: bool,
-    /// The force of the first contact is kept at its end (2.16, 2.17).
+    /// Whether the force is kept where the first contact phase ends (2.16, 2.17).
     pub keep_force: bool,
-    /// Towards which stiffness the offset goes.
+    /// The stiffness towards which the offset regulates.
     pub regulated: Regulated,
     /// The moments at which the offset is changed.
     pub update: Update,
-    /// The ideal step supposes that the hand's force stays (`c/k_de`), not its position (`c/k_v`, 3.7).
+    /// Whether the ideal step assumes that the hand's force stays (`c/k_de`) instead of its position (`c/k_v`, 3.7).
     pub force_stays: bool,
-    /// `c` (3.8), per millisecond.
+    /// `c`: fraction of the ideal step of the offset (3.8), per millisecond.
     pub step_of_ideal: Int,
-    /// `b` (3.9), per millisecond.
+    /// `b`: bound of the offset's step by the force (3.9), per millisecond.
     pub limit_of_force: Int,
-    /// `a` (3.11), per millisecond.
+    /// `a`: bound of the offset's step by the penetration (3.11), per millisecond.
     pub limit_of_penetration: Int,
-    /// `m`, kg·m².
+    /// `m`: virtual mass (an inertia), kg·m².
     pub mass: Int,
-    /// `k_f`, N·m/rad.
+    /// `k_f`: stiffness of the coupling, N·m/rad.
     pub coupling: Int,
-    /// `c_f`, N·m·s/rad.
+    /// `c_f`: damping of the coupling, N·m·s/rad.
     pub filter_damping: Int,
-    /// `c_env`, N·m·s/rad.
+    /// `c_env`: damping between virtual mass and ground, N·m·s/rad.
     pub ground_damping: Int,
-    /// Lent to each contact, J.
+    /// Energy lent to each contact, J.
     pub credit: Int,
-    /// Limit, N·m.
+    /// Force limit, N·m.
     pub limit: Int,
 }
 
-/// A spring with damping: `k_de` and `b/T`, gains, and the largest force.
+/// A spring with damping: `k_de` and `b/T` as gains, and the largest force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Spring {
-    /// `k_de`, a gain.
+    /// `k_de`: stiffness of the wall, a gain.
     pub desired: Int,
-    /// `b/T`, a gain.
+    /// `b/T`: damping per tick, a gain.
     pub damping: Int,
-    /// Largest force.
+    /// Largest force, in quanta.
     pub limit: Int,
 }
 
 fn gain(x: Int) -> Option<Int> {
     gain_fits(x).then(|| gain_of(x))
 }
-/// A ratio, a compliance or a signal.
+/// A setting as a ratio, a compliance or a signal; `None` if it does not fit.
 fn signal(x: Int) -> Option<Int> {
     signal_fits(x).then(|| signal_of(x))
 }
 
-/// Damping and inertia per tick, counts of 2^-32 N·m/rad.
+/// Damping and inertia per tick, in units of 2^-32 N·m/rad.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Derived {
-    /// `k_c = 2 c_i/T`.
+    /// Critical stiffness `k_c = 2 c_i/T`.
     pub critical: Int,
-    /// Inertia: `m/T²`.
+    /// Inertia of the virtual mass: `m/T²`.
     pub inertia: Int,
-    /// Filter damping: `c_f/T`.
+    /// Damping of the coupling: `c_f/T`.
     pub filter_damping: Int,
-    /// Ground damping: `c_env/T`.
+    /// Damping between virtual mass and ground: `c_env/T`.
     pub ground_damping: Int,
-    /// Device damping: `c_i/T`.
+    /// Damping of the device: `c_i/T`.
     pub device_damping: Int,
     /// Virtual damping: `b/T`.
     pub virtual_damping: Int,
 }
 
-/// Values that follow from several settings; [`crate::reckoned`] says what the checker puts in their place.
+/// Values that follow from several settings; [`crate::reckoned`] says what replaces them under the model checker.
 #[must_use]
 pub fn derived(of: &Settings) -> Derived {
     let per_tick = |damping| times(damping, (of.rate * ONE).min(MOST));
@@ -119,19 +120,19 @@ pub fn derived(of: &Settings) -> Derived {
     }
 }
 
-/// Damping of a spring.
+/// Which damping a spring has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Damped {
     /// No damping.
     Not,
-    /// `b`.
+    /// The configured damping `b`.
     Fully,
-    /// `b k_de/k_v`: the enhanced law up to `k_v`.
+    /// Damping `b k_de/k_v`: that of the enhanced law for `k_de` up to `k_v`.
     InProportion,
 }
 
 impl Settings {
-    /// `f = k_de e + (b/T) Δe` (1.6).
+    /// The spring law `f = k_de e + (b/T) Δe` (1.6); `None` if a coefficient does not fit.
     #[must_use]
     pub fn spring(&self, damped: Damped) -> Option<Spring> {
         let per_tick = derived(self).virtual_damping;
@@ -147,7 +148,7 @@ impl Settings {
         })
     }
 
-    /// (2.1) to (2.6).
+    /// The TDPA law, (2.1) to (2.6); `None` if a coefficient does not fit.
     #[must_use]
     pub fn tdpa(&self) -> Option<Tdpa> {
         Some(Tdpa {
@@ -163,7 +164,7 @@ impl Settings {
         })
     }
 
-    /// (2.6a) to (2.10), the bound of the damping as stored.
+    /// The FBA law, (2.6a) to (2.10), with the force bound of the damping as it is stored. `None` if a coefficient does not fit.
     #[must_use]
     pub fn fba(&self) -> Option<Fba> {
         let device_damping = gain(derived(self).device_damping)?;
@@ -176,7 +177,7 @@ impl Settings {
         })
     }
 
-    /// (2.14a): the offset's step is `(k_c/k_v - 1) Δe`, none for a device with `k_c < k_v`; `k_c = 2 c_i/T`.
+    /// The SFA law (2.14a). The offset's step is `(k_c/k_v - 1) Δe` with `k_c = 2 c_i/T`. `None` for a device with `k_c < k_v`.
     #[must_use]
     pub fn sfa(&self, update: Update) -> Option<Sfa> {
         let critical = derived(self).critical;
@@ -191,13 +192,14 @@ impl Settings {
         })
     }
 
-    /// Whether the enhanced law is the spring: a stiffness that needs no augmentation (§3.1).
+    /// Whether the enhanced law is a plain spring, because the stiffness needs no augmentation (§3.1).
     #[must_use]
     pub fn is_plain(&self) -> bool {
         self.desired <= self.soft
     }
 
-    /// Algorithm 3.1 with the virtual mass of Fig. 3.18; twice the mass' sum fits, its coupling does not vanish, the loan is within the cap.
+    /// The enhanced law: Algorithm 3.1 with the virtual mass of Fig. 3.18. `None` unless twice the sum of the mass' gains fits, its
+    /// coupling is not 0, and the loan is at most the cap.
     #[must_use]
     pub fn enhanced(&self) -> Option<Enhanced> {
         let derived = derived(self);

@@ -1,4 +1,4 @@
-//! What all specification ticks do with numbers.
+//! Rounding and saturation, as all specification ticks use them.
 
 use super::{GAIN, HIGHEST, Int, LOWEST, over, times};
 
@@ -9,26 +9,26 @@ pub fn towards_zero(dividend: Int, divisor: Int) -> Int {
     if dividend < 0 { -size } else { size }
 }
 
-/// Rounds for a power of two as divisor: digits are cut off.
+/// Divides by `2^digits` and rounds towards zero.
 #[must_use]
 pub fn cut(dividend: Int, digits: u32) -> Int {
     let size = dividend.abs() >> digits;
     if dividend < 0 { -size } else { size }
 }
 
-/// A number as a signal holds it: at the end of the format it stays there.
+/// A number limited to the range of signals.
 #[must_use]
 pub fn signal(x: Int) -> Int {
     x.clamp(LOWEST, HIGHEST)
 }
 
-/// `k e`, a force: rounded towards zero, not beyond the format.
+/// The force `k e` of a spring: rounded towards zero and limited to the range of forces.
 #[must_use]
 pub fn spring(stiffness: Int, position: Int) -> Int {
     cut(times(stiffness, position), GAIN).clamp(-HIGHEST, HIGHEST)
 }
 
-/// `c Δ²`: the energy that a damper took over one displacement, the force rounded towards zero.
+/// `c Δ²`: the energy that a damper dissipates over one displacement, with its force rounded towards zero.
 #[must_use]
 pub fn damping_loss(damping: Int, moved: Int) -> Int {
     times(spring(damping, moved), moved)

@@ -1,24 +1,24 @@
-//! The arithmetic of settings: a setting is a count of 2^-32 of its SI unit. Products and quotients are rounded down, and nothing is more
-//! than the largest number. Of numbers that are not negative, which is what validation lets through.
+//! The arithmetic of settings. A setting is an integer in units of 2^-32 of its SI unit. Products and quotients are rounded down,
+//! and no result exceeds the largest number. All numbers are at least 0, which validation ensures.
 
 use super::{HIGHEST, Int};
 
-/// A setting of one.
+/// The setting 1, in units of 2^-32.
 pub const ONE: Int = 1 << 32;
-/// The largest setting.
+/// The largest setting, in units of 2^-32.
 pub const MOST: Int = i64::MAX as Int;
 
-/// `a + b`.
+/// The sum `a + b`, at most the largest setting.
 #[must_use]
 pub fn plus(a: Int, b: Int) -> Int {
     (a + b).min(MOST)
 }
-/// `a b`; [`crate::reckoned`] says what the checker puts in its place.
+/// The product `a b`; [`crate::reckoned`] says what replaces it under the model checker.
 #[must_use]
 pub fn times(a: Int, b: Int) -> Int {
     ((a * b) >> 32).min(MOST)
 }
-/// `a / b`, the largest number for `b = 0`; [`crate::reckoned`] says what the checker puts in its place.
+/// The quotient `a / b`, and the largest setting for `b = 0`; [`crate::reckoned`] says what replaces it under the model checker.
 #[must_use]
 pub fn over(a: Int, b: Int) -> Int {
     if b <= 0 {
@@ -27,18 +27,18 @@ pub fn over(a: Int, b: Int) -> Int {
         ((a << 32) / b).min(MOST)
     }
 }
-/// Whether a number lies between two others, or equals one of them.
+/// Whether `least <= x <= most`.
 #[must_use]
 pub fn between(least: Int, x: Int, most: Int) -> bool {
     least <= x && x <= most
 }
 
-/// A setting as a signal or a ratio, with 24 of the 32 digits.
+/// A setting as a signal or a ratio: 24 of its 32 fractional bits are kept.
 #[must_use]
 pub fn signal_of(x: Int) -> Int {
     x >> 8
 }
-/// A setting as a gain, with 12 fractional bits.
+/// A setting as a gain: 12 of its 32 fractional bits are kept.
 #[must_use]
 pub fn gain_of(x: Int) -> Int {
     x >> 20
@@ -48,17 +48,17 @@ pub fn gain_of(x: Int) -> Int {
 pub fn energy_of(x: Int) -> Int {
     x << 16
 }
-/// Whether a word holds it as a signal.
+/// Whether a setting, as a signal, fits a word.
 #[must_use]
 pub fn signal_fits(x: Int) -> bool {
     signal_of(x) <= HIGHEST
 }
-/// Whether a setting fits a gain.
+/// Whether a setting, as a gain, fits a word.
 #[must_use]
 pub fn gain_fits(x: Int) -> bool {
     gain_of(x) <= HIGHEST
 }
-/// Whether a double word holds it as an energy.
+/// Whether a setting, as an energy, fits a double word.
 #[must_use]
 pub fn energy_fits(x: Int) -> bool {
     x <= MOST >> 16

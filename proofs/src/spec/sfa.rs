@@ -1,8 +1,9 @@
-//! Specification ticks of the spring (thesis 1.6, §1.2.6) and of successive force augmentation (thesis 2.11 to 2.17, 3.2, 3.3).
+//! Specification ticks of the spring (thesis 1.6, §1.2.6) and of successive force augmentation, SFA (thesis 2.11 to 2.17, 3.2,
+//! 3.3).
 
 use super::{GAIN, HIGHEST, Int, SIGNAL, cut, signal, spring, times};
 
-/// `f = k_de e + (b/T) Δe`, never pulling, zero outside; coefficients in quanta.
+/// The spring law `f = k_de e + (b/T) Δe`. The force never pulls inward and is 0 outside the wall; coefficients are in quanta.
 #[must_use]
 pub fn spring_tick(desired: Int, damping: Int, limit: Int, e: Int, moved: Int) -> Int {
     if e <= 0 {
@@ -12,55 +13,55 @@ pub fn spring_tick(desired: Int, damping: Int, limit: Int, e: Int, moved: Int) -
     cut(tension, GAIN).clamp(0, HIGHEST.min(limit))
 }
 
-/// The moments at which the offset is changed.
+/// The moments at which the offset of the wall's surface changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Update {
     /// The offset changes when the motion turns inward (2.14).
     TurnInward,
     /// The offset changes while the motion goes inward (3.2).
     Inward,
-    /// Always.
+    /// The offset changes at every tick.
     EveryTick,
 }
 
-/// The coefficients, in quanta.
+/// The law's coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sfa {
-    /// `k_de`, a gain.
+    /// `k_de`: stiffness that the wall should show, a gain.
     pub desired: Int,
-    /// `k_v`, a gain.
+    /// `k_v`: stiffness of the virtual spring, a gain.
     pub soft: Int,
-    /// `k_c/k_v - 1` (2.14a), a ratio.
+    /// `k_c/k_v - 1`: step of the offset per displacement (2.14a), a ratio.
     pub gain: Int,
     /// `1/k_v`, a ratio.
     pub compliance: Int,
-    /// The moments at which the offset is changed.
+    /// The moments at which the offset of the wall's surface changes.
     pub update: Update,
-    /// The force of the first contact is kept at its end (2.16, 2.17).
+    /// Whether the force is kept where the first contact phase ends (2.16, 2.17).
     pub keep_force: bool,
-    /// Largest force.
+    /// Largest force, in quanta.
     pub limit: Int,
 }
 
-/// The memory; `augmenting` is after the first reversal, `inside` from the first tick in the wall on.
+/// The law's memory between ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Memory {
-    /// Whether there is contact.
+    /// Whether the HIP is in contact, from the first tick inside the wall on.
     pub inside: bool,
-    /// Whether the first reversal has passed.
+    /// Whether the motion has reversed once since the contact began.
     pub augmenting: bool,
     /// Penetration of the last tick.
     pub last: Int,
     /// Penetration of the tick before the last.
     pub before_last: Int,
-    /// Offset: `O`.
+    /// `O`: offset of the wall's surface.
     pub offset: Int,
     /// Force of the last tick.
     pub force: Int,
 }
 
 impl Sfa {
-    /// (2.14) and (3.2): the step of the offset.
+    /// Step of the offset in a tick: (2.14) and (3.2).
     fn step(&self, m: &Memory, moved: Int) -> Int {
         let due = match self.update {
             Update::TurnInward => moved > 0 && m.last <= m.before_last,
@@ -80,7 +81,7 @@ impl Sfa {
         }
     }
 
-    /// One tick at the penetration `e` after a displacement `moved`: memory and force.
+    /// One tick at the penetration `e` after a displacement `moved`: returns memory and force.
     #[must_use]
     pub fn tick(&self, memory: &Memory, e: Int, moved: Int) -> (Memory, Int) {
         let m = memory;

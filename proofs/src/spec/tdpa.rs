@@ -1,35 +1,35 @@
-//! TDPA's specification tick (thesis 1.6, 2.1 to 2.6).
+//! Specification tick of the time-domain passivity approach, TDPA (thesis 1.6, 2.1 to 2.6).
 
 use super::{HIGHEST, Int, LOWEST, LOWEST_ENERGY, damping_loss, over, spring, times};
 
-/// The coefficients, in quanta.
+/// The law's coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tdpa {
-    /// `k_de`, a gain.
+    /// `k_de`: stiffness that the wall should show, a gain.
     pub desired: Int,
-    /// `f(n-1) Δe` (the port's energy) if true, `f(n) Δe` (thesis 2.1) if not.
+    /// Whether the law counts `f(n-1) Δe`, the port's energy, instead of `f(n) Δe` (thesis 2.1).
     pub exact: bool,
-    /// `c_i/T`, a gain (2.6).
+    /// `c_i/T` of the device's damping (2.6), a gain.
     pub device_damping: Int,
-    /// Largest force.
+    /// Largest force, in quanta.
     pub limit: Int,
-    /// Most that is stored.
+    /// Most energy that the law stores, in quanta.
     pub energy_cap: Int,
 }
 
-/// The memory.
+/// The law's memory between ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Memory {
     /// Force of the last tick.
     pub force: Int,
-    /// Observed energy.
+    /// Energy that the law has observed.
     pub energy: Int,
-    /// Whether the HIP was in the wall.
+    /// Whether the HIP was in the wall in the last tick.
     pub inside: bool,
 }
 
 impl Tdpa {
-    /// One tick at the penetration `e` after a displacement `moved`: memory and force.
+    /// One tick at the penetration `e` after a displacement `moved`: returns memory and force.
     #[must_use]
     pub fn tick(&self, memory: &Memory, e: Int, moved: Int) -> (Memory, Int) {
         if e <= 0 {
@@ -54,7 +54,8 @@ impl Tdpa {
         )
     }
 
-    /// `E(n) = E(n-1) + f(n-1) Δe`, and `f(n)` such that the next displacement, taken to be like the last, leaves no deficit.
+    /// Energy and force of the exact observer. `E(n) = E(n-1) + f(n-1) Δe`, and `f(n)` is such that a next displacement equal to
+    /// the last one leaves no deficit.
     fn exact(&self, memory: &Memory, wanted: Int, moved: Int, loss: Int) -> (Int, Int) {
         let lowest = |energy: Int| energy.max(LOWEST_ENERGY);
         let energy =
@@ -73,7 +74,7 @@ impl Tdpa {
     }
 }
 
-/// (2.1) to (2.4): `E(n) = E(n-1) + f(n) Δe`, at most the cap, and `f(n)` such that it is not negative.
+/// Energy and force by (2.1) to (2.4): `E(n) = E(n-1) + f(n) Δe`, at most the cap, and `f(n)` such that `E(n)` is not negative.
 #[must_use]
 pub fn passive(energy: Int, wanted: Int, moved: Int, cap: Int) -> (Int, Int) {
     let after = energy + times(wanted, moved);

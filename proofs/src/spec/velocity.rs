@@ -1,15 +1,17 @@
-//! Specification ticks of the velocity filters of a spring-damper, by whole numbers: read them beside the headers of `control/src/velocity/`.
+//! Specification ticks of the velocity filters of a spring-damper, in whole numbers. Read them beside the headers of
+//! `control/src/velocity/`.
 //!
-//! A motion is as in [`super::estimator`]: displacements with 54 fractional bits, weights with what is missing to them.
+//! A motion is one of [`super::estimator`]: its displacements have 54 fractional bits, and a weight has the fractional bits that a
+//! product needs for 54.
 
 use super::Int;
 use super::estimator::{Flow, Motion, REMEMBERED, corrected, shown, state, weighed, within};
 pub use super::window::{LONGEST, window};
 
-/// Digits of a state below its part.
+/// Number of binary digits of a state below its part, the digits that are multiplied.
 const BELOW_PART: u32 = 54 - 28;
 
-/// `v = v + a (x - x' - v)`.
+/// First-order filter of the velocity: `v = v + a (x - x' - v)`. `None` if the motion is impossible.
 #[must_use]
 pub fn smoothed(share: Int, before: Motion, at: Int) -> Option<Motion> {
     let news = state(at) - before.x - before.d;
@@ -24,7 +26,8 @@ pub fn smoothed(share: Int, before: Motion, at: Int) -> Option<Motion> {
     })
 }
 
-/// A Kalman filter in its steady state: the estimator's correction of a device that moves on as it does, without commands.
+/// A Kalman filter in its steady state: the estimator's correction for a device that keeps its acceleration and gets no commands.
+/// `None` if the motion is impossible.
 #[must_use]
 pub fn tracked(reach: Int, drift: Int, gains: [Int; 3], before: Motion, at: Int) -> Option<Motion> {
     let free = Flow {
@@ -36,7 +39,8 @@ pub fn tracked(reach: Int, drift: Int, gains: [Int; 3], before: Motion, at: Int)
     corrected(gains, free.end(before, [0; REMEMBERED]), before.g, at)
 }
 
-/// The memory after a position, and the velocity; after an impossible motion the device is taken to stand.
+/// The memory after a measured position, and the velocity. After an impossible motion (`None`) the device is assumed to stand
+/// still.
 #[must_use]
 pub fn told(after: Option<Motion>, at: Int) -> (Motion, Int) {
     let motion = after.unwrap_or(Motion {

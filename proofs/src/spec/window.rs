@@ -1,16 +1,16 @@
-//! Specification of the window of first-order adaptive windowing: Janabi-Sharifi, Hayward and Chen, IEEE TCST 8(6) 1003, 2000, with the line
-//! through both ends.
+//! Specification of the velocity window: first-order adaptive windowing of Janabi-Sharifi, Hayward and Chen, IEEE TCST 8(6) 1003,
+//! 2000, with the line through both ends of the window.
 
 use super::{HIGHEST, Int, SIGNAL, signal, times};
 
-/// Positions that a window reaches back at most.
+/// Largest number of past positions in a window.
 pub const LONGEST: usize = 16;
 
-/// Bound of a quotient: a distance in a number of ticks.
+/// A bound on a slope: a distance and the number of ticks by which it is divided; `None` if there is no bound.
 type Bound = Option<(Int, Int)>;
 
-/// The slope of the longest window, up to `longest` ticks, through whose first and last position a line passes all others by no more than the
-/// margin. Positions that were measured before, the latest first.
+/// The slope of the longest window of up to `longest` ticks in which a line through the first and last position passes all other
+/// positions within the margin. `past` holds earlier measured positions, the latest first.
 #[must_use]
 pub fn window(past: &[Int; LONGEST], at: Int, longest: usize, margin: Int) -> Int {
     let (mut least, mut most): (Bound, Bound) = (None, None);

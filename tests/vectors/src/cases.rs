@@ -1,4 +1,4 @@
-//! Every law, with the choices that take other paths through its code.
+//! The cases of the test vectors: every law, with the options that take other paths through its code.
 
 use touchstone_control::settings::{FilterSettings, VelocitySettings};
 use touchstone_control::{
@@ -15,7 +15,7 @@ pub struct Case {
     pub settings: Settings,
 }
 
-/// All cases.
+/// All cases of the test vectors.
 #[must_use]
 pub fn cases() -> [Case; 19] {
     let base = Settings::thesis();
