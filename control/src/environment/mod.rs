@@ -24,7 +24,7 @@
 mod changing;
 mod detents;
 mod face;
-mod profile;
+pub mod profile;
 mod refused;
 
 use changing::Carried;

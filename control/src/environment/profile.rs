@@ -65,12 +65,9 @@ impl Shape {
     }
 
     #[inline]
-    fn point(&self, index: u32) -> i64 {
-        self.points
-            .get(index as usize)
-            .copied()
-            .unwrap_or_default()
-            .into()
+    fn point(&self, index: u32) -> i16 {
+        let point = self.points.get(index as usize);
+        point.copied().unwrap_or_default()
     }
 }
 
@@ -109,11 +106,15 @@ enum Place {
     Once { start: Si, end: Si, per_length: u64 },
 }
 
-/// A position among the points: the point before it, the point after it, and the way from one to the other in 2^-32.
-struct Between {
-    before: u32,
-    after: u32,
-    way: u32,
+/// A position among the points of a profile.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Between {
+    /// Index of the point before the position.
+    pub before: u32,
+    /// Index of the point after it.
+    pub after: u32,
+    /// The way from the one to the other, in 2^-32 of it.
+    pub way: u32,
 }
 
 /// The strength counts 1.6384 times in the coefficient, since a share counts 10,000 as 16,384.
@@ -177,13 +178,18 @@ impl<N: Number> Profile<N> {
     #[must_use]
     pub fn force(&self, at: &impl Reading<N>) -> Force<N> {
         let Between { before, after, way } = self.between(at);
+        self.drawn([before, after].map(|index| self.shape.point(index)), way)
+    }
+
+    /// The force against `+x` between two points of the shape, `way` of 2^32 beyond the first.
+    #[inline]
+    #[must_use]
+    pub fn drawn(&self, [before, after]: [i16; 2], way: u32) -> Force<N> {
         let (way, rest) = (i64::from(way), (1_i64 << 32).wrapping_sub(i64::from(way)));
         // Exact: at most 10,000 times 2^32.
-        let sum = self
-            .shape
-            .point(before)
+        let sum = i64::from(before)
             .wrapping_mul(rest)
-            .wrapping_add(self.shape.point(after).wrapping_mul(way));
+            .wrapping_add(i64::from(after).wrapping_mul(way));
         // 10,000 becomes 10,000/16,384. The size is rounded and the sign put back, for the mirrored profile.
         let share = Si::from_bits((sum.unsigned_abs() >> 14).cast_signed());
         let size = Force(N::scale(self.strength.0, N::saturating_signal(share))).within(self.most);
@@ -195,33 +201,41 @@ impl<N: Number> Profile<N> {
         let used = u32::from(self.shape.used);
         match self.place {
             Place::Turn { per_turn, start } => {
-                let way = at.turn().wrapping_mul(per_turn).wrapping_sub(start);
-                let (before, way) = among(way.cast_unsigned(), used);
-                let next = before.wrapping_add(1);
-                let after = if next == used { 0 } else { next };
-                Between { before, after, way }
+                let part = at.turn().wrapping_mul(per_turn).wrapping_sub(start);
+                repeated_between(part.cast_unsigned(), used)
             }
             Place::Once {
                 start,
                 end,
                 per_length,
-            } => along(at.angle(), (start, end), per_length, used.wrapping_sub(1)),
+            } => once_between(at.angle(), (start, end), per_length, used.wrapping_sub(1)),
         }
     }
 }
 
 /// The number of whole steps in a fraction in 2^-32 of `steps` steps, and what is left of a step in 2^-32.
 #[inline]
-const fn among(fraction: u32, steps: u32) -> (u32, u32) {
+const fn steps_of(fraction: u32, steps: u32) -> (u32, u32) {
     let place = (fraction as u64).wrapping_mul(steps as u64);
     ((place >> 32) as u32, place as u32)
+}
+
+/// The position among the `points` of a copy, for a part of that copy in 2^-32.
+#[inline]
+#[must_use]
+pub const fn repeated_between(part: u32, points: u32) -> Between {
+    let (before, way) = steps_of(part, points);
+    let next = before.wrapping_add(1);
+    let after = if next == points { 0 } else { next };
+    Between { before, after, way }
 }
 
 /// Same as [`Profile::between`], for a profile that is not repeated. The way is measured from the nearer end, so that the mirrored
 /// profile has the mirrored roundings.
 #[cold]
 #[inline(never)]
-fn along(angle: Si, (start, end): (Si, Si), per_length: u64, last: u32) -> Between {
+#[must_use]
+pub fn once_between(angle: Si, (start, end): (Si, Si), per_length: u64, last: u32) -> Between {
     let [from_start, to_end] =
         [angle.saturating_sub(start), end.saturating_sub(angle)].map(|way| way.to_bits().max(0));
     let is_first_half = from_start <= to_end;
@@ -233,7 +247,7 @@ fn along(angle: Si, (start, end): (Si, Si), per_length: u64, last: u32) -> Betwe
     } else {
         (fraction as u32).min(1 << 31)
     };
-    let (near, way) = among(fraction, last);
+    let (near, way) = steps_of(fraction, last);
     let (near, far) = (near, near.wrapping_add(1).min(last));
     if is_first_half {
         Between {

@@ -13,6 +13,7 @@ mod config;
 mod demo;
 mod device;
 mod doctor;
+mod events;
 mod expect;
 mod family;
 mod flash;
@@ -37,6 +38,7 @@ mod scorecard;
 mod setup;
 mod shell;
 mod space_scene;
+mod stream;
 mod sweep;
 mod thesis;
 mod thesis_space;
@@ -123,6 +125,8 @@ enum Command {
     Flash(flash::Options),
     /// Shows the log of the program on a board, through its probe, while it runs.
     Log(log::Options),
+    /// Prints a line whenever the position of a knob changes, as text or JSON, for programs.
+    Events(events::Options),
     /// Shows what a device measures and does, live; keeps every control tick as CSV.
     Monitor(monitor::Options),
     /// Reads, changes and keeps a device's settings.
@@ -221,6 +225,7 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Setup(options) => setup::main(options),
         Command::Flash(options) => flash::main(options),
         Command::Log(options) => log::main(options),
+        Command::Events(options) => events::main(options),
         Command::Monitor(options) => monitor::main(options),
         Command::Config(options) => config::main(options),
         Command::Device(options) => return device::main(options),

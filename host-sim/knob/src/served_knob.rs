@@ -28,6 +28,8 @@ const PRESS_S: f64 = 3.0;
 /// The hand's rest point goes from this far before the surface to this far beyond it, rad.
 const NEAR_RAD: f64 = 0.1;
 const DEEP_RAD: f64 = 2.5;
+/// Speed at which the hand turns the knob where it is told to.
+const TURN_RAD_PER_S: f64 = 3.0;
 
 /// The simulated surroundings of a served knob: a supply that may rise, and a desktop that may fall silent.
 #[derive(Debug, Clone, Copy)]
@@ -64,6 +66,8 @@ pub struct ServedKnob {
     /// Where it stood when it was armed, and how far the surface was.
     start_rad: f64,
     outside_rad: f64,
+    /// The angle to which the hand turns the knob, rad; `None`: the hand presses into the wall.
+    turned_rad: Option<f64>,
     /// The cable is in.
     plugged: bool,
     noise: usize,
@@ -88,6 +92,7 @@ impl ServedKnob {
             armed_s: 0.0,
             start_rad: 0.0,
             outside_rad: 0.0,
+            turned_rad: None,
             plugged: true,
             noise: 0,
         }
@@ -104,7 +109,11 @@ impl ServedKnob {
             "volts" => self.knob.tamper.supply_v = number,
             "pull" => self.plugged = false,
             "plug" => self.plugged = true,
-            _ => eprintln!("note: {what}: not known; try gap N, noise N, volts V, pull or plug"),
+            "turn" => self.turned_rad = Some(number.to_radians()),
+            "press" => self.turned_rad = None,
+            _ => eprintln!(
+                "note: {what}: not known; try turn DEGREES, press, gap N, noise N, volts V, pull or plug"
+            ),
         }
     }
 
@@ -119,7 +128,10 @@ impl ServedKnob {
     /// queued.
     fn advance(&mut self) {
         let rate_hz = f64::from(self.settings.timing.rate_hz);
-        if self.knob.device.state() == State::Armed {
+        if let Some(turned_rad) = self.turned_rad {
+            let step = TURN_RAD_PER_S / rate_hz;
+            self.knob.rest_rad += (turned_rad - self.knob.rest_rad).clamp(-step, step);
+        } else if self.knob.device.state() == State::Armed {
             self.armed_s += 1.0 / rate_hz;
             // From where it was armed to a little before the surface; from there a part of a radian beyond it and back, again and again.
             let (near, pressing_s) = (self.outside_rad - NEAR_RAD, (self.armed_s - 1.0).max(0.0));

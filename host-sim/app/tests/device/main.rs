@@ -4,9 +4,13 @@ mod board_page;
 mod cogging;
 mod compare;
 mod config;
+#[cfg(unix)]
+mod demo;
 mod doctor;
 mod eccentricity;
 mod environment;
+#[cfg(unix)]
+mod events;
 mod failures;
 mod fake;
 mod flash;
