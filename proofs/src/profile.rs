@@ -52,7 +52,7 @@ property! {
     equation "i = floor(part n / 2^32), way = part n - i 2^32, after = (i + 1) mod n"
     over "part of a copy, number of points"
     fn p9_profile_repeated(s) {
-        let (part, points) = (s.u32(), s.bits(6) as u32 + 1);
+        let (part, points) = (s.u32(), s.bits(7) as u32 % MOST_POINTS as u32 + 1);
         let Between { before, after, way } = repeated_between(part, points);
         assert!(before < points && after < points);
         assert!(after == (before + 1) % points);
@@ -70,7 +70,7 @@ property! {
         let (start, end) = (const { Si::lit("-0.7") }, const { Si::lit("2.3") });
         // 2^64 over the length of 3 with its 32 digits.
         const PER_LENGTH: u64 = (1 << 32) / 3;
-        let last = 1 + s.bits(6) as u32 % (MOST_POINTS as u32 - 1);
+        let last = 1 + s.bits(7) as u32 % (MOST_POINTS as u32 - 1);
         let angle = Si::from_bits(s.i64());
         let angle = if s.shortcut() { Si::from_bits(angle.to_bits() >> 29) } else { angle };
         let Between { before, after, way } = once_between(angle, (start, end), PER_LENGTH, last);

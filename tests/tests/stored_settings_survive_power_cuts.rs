@@ -242,6 +242,7 @@ fn the_longest_environment_has_room() {
         }),
         detents: Some(DetentsBeside {
             per_rev: u16::MAX,
+            pitch_rad: long,
             strength_n_m: long,
             centre_rad: long,
         }),

@@ -4,7 +4,7 @@ use super::{Reading, Refused, detents::MOST, turn_of};
 use crate::{Compliance, Force, Number, Si};
 
 /// Most points of a profile.
-pub const MOST_POINTS: usize = 64;
+pub const MOST_POINTS: usize = 96;
 
 /// The shape's largest value: a point of this size gives the profile's whole strength.
 pub const WHOLE: i16 = 10_000;
@@ -35,7 +35,7 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// The shape with these points, 2 to 64 of them.
+    /// The shape with these points, 2 to [`MOST_POINTS`] of them.
     ///
     /// # Errors
     /// There are fewer or more points, or one is beyond -10,000 to 10,000.

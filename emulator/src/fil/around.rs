@@ -63,6 +63,7 @@ fn all(setup: &Setup) -> Surround {
         }),
         detents: Some(DetentsBeside {
             per_rev: 48,
+            pitch_rad: Decimal(Si::ZERO),
             strength_n_m: Decimal(strength),
             centre_rad: si("0.01"),
         }),

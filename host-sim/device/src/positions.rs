@@ -53,7 +53,10 @@ impl Positions {
     pub fn of(environment: &Surround) -> Option<Self> {
         let positions = match (&environment.detents, &environment.profile) {
             (Some(detents), _) => Self::every(
-                TAU / f64::from(detents.per_rev.max(1)),
+                match detents.per_rev {
+                    0 => detents.pitch_rad.0.to_num(),
+                    per_rev => TAU / f64::from(per_rev),
+                },
                 detents.centre_rad.0.to_num(),
             ),
             (None, Some(profile)) if profile.per_rev > 0 => {
@@ -140,6 +143,7 @@ mod tests {
         Surround {
             detents: Some(DetentsBeside {
                 per_rev: 24,
+                pitch_rad: Decimal::lit("0"),
                 strength_n_m: Decimal::lit("0.012"),
                 centre_rad: Decimal::lit("0"),
             }),

@@ -10,12 +10,12 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use touchstone_control as law;
 use touchstone_control::environment::{
     DetentSettings, Environment, Extent, Face, MOST_POINTS, MOST_WALLS, ProfileSettings, Refused,
-    Shape, Side, WallSettings,
+    Shape, Side, Spacing, WallSettings,
 };
 use touchstone_control::{Fixed32, Force, Si};
 
 /// No environment takes more bytes on the wire (a test).
-pub const ENVIRONMENT_MAX: usize = 390;
+pub const ENVIRONMENT_MAX: usize = 496;
 
 /// What there is to touch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -40,7 +40,7 @@ pub struct WithoutProfile {
     first_wall: bool,
     further: [Option<WallBeside>; 3],
     endstops: Option<TravelEnds>,
-    detents: Option<DetentsBeside>,
+    detents: Option<(u16, Decimal, Decimal)>,
     change_n_m_per_s: Decimal,
 }
 
@@ -50,7 +50,14 @@ impl From<WithoutProfile> for Surround {
             first_wall: it.first_wall,
             further: it.further,
             endstops: it.endstops,
-            detents: it.detents,
+            detents: it
+                .detents
+                .map(|(per_rev, strength_n_m, centre_rad)| DetentsBeside {
+                    per_rev,
+                    pitch_rad: Decimal(Si::ZERO),
+                    strength_n_m,
+                    centre_rad,
+                }),
             change_n_m_per_s: it.change_n_m_per_s,
             profile: None,
         }
@@ -79,11 +86,13 @@ pub struct TravelEnds {
     pub stiffness_n_m_per_rad: Option<Decimal>,
 }
 
-/// Detents, evenly around a turn.
+/// Detents at equal distances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DetentsBeside {
-    /// How many in a turn.
+    /// How many in a turn; 0: `pitch_rad` apart.
     pub per_rev: u16,
+    /// Distance between two detents where `per_rev` is 0, rad.
+    pub pitch_rad: Decimal,
     /// The largest torque, N·m.
     pub strength_n_m: Decimal,
     /// Position of one of the detents, rad.
@@ -278,18 +287,28 @@ impl Surround {
         let detents = match self.detents {
             None => None,
             Some(ring) => {
-                let most = const { Si::lit("6283") };
-                let per_rev = Si::saturating_from_num(ring.per_rev);
-                fields::within("environment.detents.per_rev", per_rev, (Si::ONE, most))?;
+                let spacing = match ring.per_rev {
+                    0 => {
+                        let pitches = const { (Si::lit("0.001"), Si::lit("6.2831853072")) };
+                        fields::within("environment.detents.pitch_rad", ring.pitch_rad.0, pitches)?;
+                        Spacing::Pitch(ring.pitch_rad.0)
+                    }
+                    per_rev => {
+                        let most = const { Si::lit("6283") };
+                        let count = Si::saturating_from_num(per_rev);
+                        fields::within("environment.detents.per_rev", count, (Si::ONE, most))?;
+                        Spacing::PerTurn(per_rev)
+                    }
+                };
                 let (strength, centre) = (ring.strength_n_m.0, ring.centre_rad.0);
                 fields::within("environment.detents.centre_rad", centre, surfaces)?;
                 let limit = settings.law.force_limit_n_m;
                 fields::within(STRENGTH, strength, (Si::ZERO, limit))?;
-                Some(DetentSettings::around_a_turn(
-                    ring.per_rev,
+                Some(DetentSettings {
+                    spacing,
                     strength,
                     centre,
-                ))
+                })
             }
         };
         let walls: Vec<WallSettings, MOST_WALLS> = placed.into_iter().flatten().collect();

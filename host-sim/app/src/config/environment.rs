@@ -149,6 +149,7 @@ fn of_scene(named: &scene::Environment) -> Surround {
         }),
         detents: ring.map(|ring| DetentsBeside {
             per_rev: u16::try_from(ring.per_rev).unwrap_or(u16::MAX),
+            pitch_rad: decimal(ring.pitch_rad),
             strength_n_m: decimal(ring.strength_n_m),
             centre_rad: decimal(ring.centre_rad),
         }),
@@ -188,6 +189,11 @@ fn as_scene(there: &Surround) -> scene::Environment {
         }),
         detents: there.detents.map(|ring| DetentRing {
             per_rev: ring.per_rev.into(),
+            // What a board has of another spacing is 0, which no scene has.
+            pitch_rad: match plain(ring.pitch_rad) {
+                0.0 => DetentRing::default().pitch_rad,
+                pitch_rad => pitch_rad,
+            },
             strength_n_m: plain(ring.strength_n_m),
             centre_rad: plain(ring.centre_rad),
         }),

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::scene::Scene;
 use touchstone_control::environment::{
     Counted, DetentSettings, Environment, Extent, Face, ProfileSettings, Reached, Reading, Refused,
-    Side, WallSettings,
+    Side, Spacing, WallSettings,
 };
 use touchstone_control::{CountScale, Field, Force, Position, Reported, Si};
 
@@ -111,11 +111,14 @@ pub(super) fn surrounded<N: Reported + 'static>(
     let walls: Vec<WallSettings> = faces.iter().map(|(_, wall)| *wall).collect();
     let detents = match named.detents.as_ref().filter(|it| it.strength_n_m > 0.0) {
         None => None,
-        Some(ring) => Some(DetentSettings::around_a_turn(
-            u16::try_from(ring.per_rev).unwrap_or(u16::MAX),
-            si(scene, "environment.detents.strength_n_m", ring.strength_n_m)?,
-            si(scene, "environment.detents.centre_rad", ring.centre_rad)?,
-        )),
+        Some(ring) => Some(DetentSettings {
+            spacing: match ring.per_rev {
+                0 => Spacing::Pitch(si(scene, "environment.detents.pitch_rad", ring.pitch_rad)?),
+                per_rev => Spacing::PerTurn(u16::try_from(per_rev).unwrap_or(u16::MAX)),
+            },
+            strength: si(scene, "environment.detents.strength_n_m", ring.strength_n_m)?,
+            centre: si(scene, "environment.detents.centre_rad", ring.centre_rad)?,
+        }),
     };
     let refused = |refused| told(scene, &faces, &refused);
     let mut environment = Environment::new(&own, &walls, detents.as_ref()).map_err(refused)?;

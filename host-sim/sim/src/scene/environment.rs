@@ -98,8 +98,10 @@ impl Default for Endstops {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DetentRing {
-    /// How many in one turn, 1 to 6283. Default 24.
+    /// How many in one turn, 1 to 6283; 0: `pitch_rad` apart. Default 24.
     pub per_rev: u32,
+    /// Distance between two detents where `per_rev` is 0, rad, 0.001 to 6.2831853072. Default 0.2.
+    pub pitch_rad: f64,
     /// The largest torque, a quarter of the way to the next, N·m, from 0 to the law's force limit. Default 0.02.
     pub strength_n_m: f64,
     /// Position of one of the detents, rad. Default 0.
@@ -110,6 +112,7 @@ impl Default for DetentRing {
     fn default() -> Self {
         DetentRing {
             per_rev: 24,
+            pitch_rad: 0.2,
             strength_n_m: 0.02,
             centre_rad: 0.0,
         }
@@ -129,7 +132,7 @@ pub struct TorqueProfile {
     pub end_rad: f64,
     /// The torque of a point of 1, N·m, from 0 to the law's force limit. Default 0.02.
     pub strength_n_m: f64,
-    /// The points, 2 to 64, each from -1 to 1 and rounded to 0.0001. A positive one pushes towards larger angles. Default: a magnetic
+    /// The points, 2 to 96, each from -1 to 1 and rounded to 0.0001. A positive one pushes towards larger angles. Default: a magnetic
     /// detent, which draws from an eighth of the distance to the next detent on either side and leaves the rest free.
     pub shape: Vec<f64>,
 }
@@ -150,7 +153,7 @@ impl TorqueProfile {
     /// The points as the control law takes them.
     ///
     /// # Errors
-    /// There are fewer than 2 points or more than 64, or one is beyond -1 to 1.
+    /// There are fewer than 2 points or more than 96, or one is beyond -1 to 1.
     pub fn points(&self) -> std::result::Result<Shape, Refused> {
         let points: Vec<i16> = (self.shape.iter())
             .map(|point| (point * f64::from(WHOLE)).round() as i16)
