@@ -66,7 +66,7 @@ pub fn main(options: &Options) -> Result<()> {
             seconds: options.seconds,
             unread: false,
         },
-        |record| {
+        |_, record| {
             let angle_rad = f64::from(record.count) / counts * std::f64::consts::TAU;
             line.state(record)?;
             let Some(mut place) = positions.take(angle_rad) else {

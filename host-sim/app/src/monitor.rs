@@ -127,7 +127,7 @@ fn watch(
         // With a file the run goes on when the reader of the screen has had enough.
         unread: table.is_some(),
     };
-    stream::records(client, until, |record| {
+    stream::records(client, until, |_, record| {
         counted.take(record.tick, options.decimation);
         if let Some(table) = table {
             table.take(record)?;

@@ -31,7 +31,7 @@ pub struct Until<'a> {
 pub fn records(
     client: &mut Client,
     until: Until<'_>,
-    mut take: impl FnMut(&Telemetry) -> Result<bool>,
+    mut take: impl FnMut(&mut Client, &Telemetry) -> Result<bool>,
 ) -> Result<()> {
     let begun = Instant::now();
     let (mut heard, mut spoken) = (begun, begun);
@@ -48,7 +48,7 @@ pub fn records(
         match client.next_telemetry()? {
             Some(record) => {
                 heard = Instant::now();
-                if !take(&record)? {
+                if !take(client, &record)? {
                     return Ok(());
                 }
             }

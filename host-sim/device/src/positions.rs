@@ -112,6 +112,24 @@ impl Positions {
         })
     }
 
+    /// Says that the knob is in this position, counted from the origin.
+    pub const fn stand_at(&mut self, position: i64) {
+        self.now = Some(position);
+    }
+
+    /// Distance of an angle from the present position, as a fraction of the distance between two; from the nearest before the first.
+    #[must_use]
+    pub fn beside(&self, angle_rad: f64) -> f64 {
+        let way = (angle_rad - self.origin_rad) / self.pitch_rad;
+        way - self.now.map_or(way.round(), |now| now as f64)
+    }
+
+    /// The angle of a position, counted from the origin, rad.
+    #[must_use]
+    pub fn angle_of(&self, position: i64) -> f64 {
+        self.origin_rad + position as f64 * self.pitch_rad
+    }
+
     /// The numbers of the first and the last position between the end stops.
     #[must_use]
     pub fn numbers(&self) -> Option<(i64, i64)> {
