@@ -1,10 +1,12 @@
-//! A device's control tick, from the readings to the drive's command. Whatever its parts answer, the code asks them the same questions as its specification and calculates the same from the answers. Samples run six ticks in a row with the real parts.
+//! A device's control tick, from the readings to the drive's command. Whatever its parts answer, the code asks them the same
+//! questions as its specification and calculates the same from the answers. Samples run six ticks in a row with the real parts.
 //!
 //! ```text
 //! output, memory = spec(memory, input, answers)     p11_control_tick
 //! ```
 //!
-//! Many of the parts have harnesses of their own: the counter (`device::p9_*`), the fault machine (`device::p10_*`), count to penetration (`settings::p6_penetration*`), law and guard (`refines`), the torque that fades in and its current (`drive::p4_*`).
+//! Many of the parts have harnesses of their own: the counter (`device::p9_*`), the fault machine (`device::p10_*`), count to
+//! penetration (`settings::p6_penetration*`), law and guard (`refines`), the torque that fades in and its current (`drive::p4_*`).
 
 use crate::device::{any_command, any_context, any_state};
 use crate::source::Source;

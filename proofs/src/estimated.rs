@@ -1,6 +1,8 @@
-//! P11 (refinement): a tick of the state estimator is a tick of its specification (`spec/estimator.rs`), with results and the whole memory.
+//! P11 (refinement): a tick of the state estimator is a tick of its specification (`spec/estimator.rs`), with results and the whole
+//! memory.
 //!
-//! Each product of a weight and a part is one unknown number for code and specification ([`crate::weighed`]). So the properties hold for any weights for which no sum overflows. `estimator::p3_*` show that for the weights that settings give.
+//! Each product of a weight and a part is one unknown number for code and specification ([`crate::weighed`]). So the properties
+//! hold for any weights for which no sum overflows. `estimator::p3_*` show that for the weights that settings give.
 //!
 //! ```text
 //! apply(x, d, g, f) = spec(x, d, g, f)         p11_estimator_flow, p11_estimator_ahead
@@ -19,7 +21,7 @@ use touchstone_control::{Estimator, Fixed32, Force};
 
 type N = Fixed32;
 
-/// The specification's form of a flow.
+/// The specification's form of a prediction (state transition over a time).
 #[must_use]
 pub fn flow<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>) -> spec::Flow<COMMANDS> {
     spec::Flow {
@@ -58,8 +60,7 @@ pub fn memory(of: &EstimatorState<N>) -> spec::Memory {
 }
 
 weighed_property! {
-    /// P11 (refinement): the motion at the end of the flow from one sample to the next, with three commands, is the
-    /// specification's.
+    /// P11 (refinement): the motion predicted from one sample to the next, with three commands, is the specification's.
     equation "(x⁻, d⁻) = spec(x, d, g, f)"
     over "weights, motion in the invariant, commands"
     by minisat fn p11_estimator_flow(s) {
@@ -74,7 +75,7 @@ weighed_property! {
     }
 }
 weighed_property! {
-    /// P11 (refinement): the motion at the end of the flow from a sample to when the next command acts, with two commands, is the
+    /// P11 (refinement): the motion predicted from a sample to when the next command acts, with two commands, is the
     /// specification's.
     equation "(x, d) = spec(x, d, g, f)"
     over "weights, motion in the invariant, commands"

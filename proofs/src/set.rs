@@ -4,7 +4,7 @@
 //! Guard::new(settings, device) = spec(settings, device)              p11_guard_validated32, p11_guard_settings32
 //! its warnings                                                       p11_guard_warned64
 //! settings.estimator(rate, limit) = spec(settings, rate, limit)      p11_estimator_validated32, p11_estimator_settings32
-//! its flows, of any device                                           p11_flow_tick32, p11_flow_ahead32
+//! its predictions, of any device                                     p11_flow_tick32, p11_flow_ahead32
 //! its correction, of any device and angle                            p11_correction32
 //! V, X of two devices                                                p11_integrals64
 //! ```
@@ -167,7 +167,8 @@ fn any_device<S: Source>(s: &mut S) -> (DeviceInTicks, estimator::Device) {
 }
 
 timed_property! {
-    /// P11 (refinement): the flow of a device over a tick is the specification's, and fits words for the same devices.
+    /// P11 (refinement): the coefficients that predict a device's motion over a tick are the specification's, and fit words for the
+    /// same devices.
     equation "V, X, β V, q (X(s) - X(r)), q (V(s) - V(r)) of a tick"
     over "loss, q, delay"
     by minisat fn p11_flow_tick32(s) {
@@ -181,8 +182,8 @@ timed_property! {
     }
 }
 timed_property! {
-    /// P11 (refinement): the flow from a sample to when the next command begins to act is the specification's, and fits words for
-    /// the same devices.
+    /// P11 (refinement): the coefficients that predict a device's motion from a sample to the next command's start are the
+    /// specification's, and fit words for the same devices.
     equation "V, X, β V, q (X(s) - X(r)), q (V(s) - V(r)) of the delay"
     over "loss, q, delay"
     by minisat fn p11_flow_ahead32(s) {

@@ -21,7 +21,7 @@ use touchstone_control::space::{
 };
 use touchstone_control::{AnyLaw, Energy, Force, Number, Position};
 
-/// A spring that is never at its limit.
+/// A spring whose force never reaches its limit.
 fn spring(stiff: i64) -> Held<N, Spring<N>> {
     Held::new(Spring {
         desired: stiffness(stiff),

@@ -1,6 +1,9 @@
-//! P11 (refinement): the velocity filters of a spring-damper are their specification (`spec/velocity.rs`), and none of their states leaves its range.
+//! P11 (refinement): the velocity filters of a spring-damper are their specification (`spec/velocity.rs`), and none of their states
+//! leaves its range.
 //!
-//! A product of a weight and a part is one unknown number for code and specification where they are compared, as for the estimator ([`crate::weighed`]). Where only its range matters, it is any number in that range. The window, which multiplies by whole ticks, is compared on samples, with everything else (`proofs/tests/spec_velocity.rs`).
+//! A product of a weight and a part is one unknown number for code and specification where they are compared, as for the estimator
+//! ([`crate::weighed`]). Where only its range matters, it is any number in that range. The window, which multiplies by whole ticks,
+//! is compared on samples, with everything else (`proofs/tests/spec_velocity.rs`).
 //!
 //! ```text
 //! v' = v + a (x - x' - v) = spec               p11_smoothed, its range p3_smoothed_stays32
@@ -79,8 +82,8 @@ bounded_property! {
     }
 }
 property! {
-    /// P11 (refinement): the flow without damping and commands, which trackers use, is exact: a displacement per tick adds itself,
-    /// an acceleration adds half of itself.
+    /// P11 (refinement): the prediction without damping and commands, which trackers use, is exact: a displacement per tick adds
+    /// itself, an acceleration adds half of itself.
     equation "V = 1, X = 1/2, β V = 0"
     over "nothing"
     by cadical fn p11_free(s) {

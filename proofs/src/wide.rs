@@ -1,4 +1,5 @@
-//! The estimator's wide states as numbers, and the few functions of `Fixed32` and `Fixed8` that no other file covers. Each is compared with its equation over integers.
+//! The estimator's wide states as numbers, and the few functions of `Fixed32` and `Fixed8` that no other file covers. Each is
+//! compared with its equation over integers.
 //!
 //! ```text
 //! a + b, a - b where they fit; leading digits; ±2^k     p3_wide_sums, p3_wide_parts, p3_wide_within

@@ -61,7 +61,7 @@ fn instructions(example: &Path, name: &str, ticks: u64) -> u64 {
         .unwrap_or_else(|| panic!("no count in {said}"))
 }
 
-/// Instructions of one tick.
+/// Mean instructions per tick of the example `tick_cost` with the named effect.
 fn per_tick(example: &Path, name: &str) -> f64 {
     let (short, long) = (
         instructions(example, name, 1_000),
