@@ -1,4 +1,4 @@
-//! The second reading of the encoder when the force changes: the cost of a failed reading, and drives without one.
+//! The second encoder reading, at the change of force: what a failed reading costs, and drives that make no such reading.
 
 use touchstone_control::{ChangeOfForce, Si};
 use touchstone_drive::change::law_settings;
@@ -13,12 +13,12 @@ use touchstone_world::motor::{GIMBAL, as5047p_frame};
 
 const BOARD: Board = Board::NucleoG474re;
 
-/// Spoils the readings at the change of force before some ticks.
+/// Replaces the readings at the change of force within a range of ticks.
 #[derive(Default)]
 struct Spoilt {
     from: u32,
     until: u32,
-    /// `None`: not made at all.
+    /// The reading that is given instead; `None` if none is made.
     reading: Option<EncoderReading>,
 }
 
@@ -32,7 +32,7 @@ impl Tamper for Spoilt {
     }
 }
 
-/// Armed, leaning on the wall.
+/// An armed knob that is pressed against the wall.
 fn leaning() -> Knob<Spoilt> {
     let mut settings = DeviceSettings::defaults(BOARD);
     settings.wall.surface_rad = Si::lit("0.2");

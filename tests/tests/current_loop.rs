@@ -1,4 +1,4 @@
-//! The current loop around the simulated motor: how fast, how exact, and what it does at its limits.
+//! The current loop with the simulated motor: its speed, its accuracy, and how it acts at its limits.
 
 use touchstone_control::{Fixed32, Position, Si};
 use touchstone_drive::change::ChangeConfig;
@@ -14,7 +14,7 @@ use touchstone_world::plant::{BareLinear, Device, State};
 
 const PERIOD_S: f64 = 50e-6;
 
-/// The loop and the motor, with the rotor's true angle in the mailbox.
+/// The current loop and the motor; the rotor's true angle is in the mailbox.
 struct Setup {
     current: CurrentLoop,
     rig: Rig<BareLinear>,
@@ -25,7 +25,7 @@ struct Setup {
     wanted: CurrentCommand,
     command: CurrentCommand,
     alive: bool,
-    /// The compare values of the last period came late.
+    /// Whether the compare values of the last period came too late.
     late: bool,
 }
 
@@ -60,7 +60,7 @@ impl Setup {
         setup
     }
 
-    /// Runs one period, with a new command whenever one is due.
+    /// Runs one PWM period, with a new command whenever one is due.
     fn period(&mut self) -> CurrentOutput {
         let now = self.rig.now();
         let sample = CurrentSample {
@@ -94,7 +94,7 @@ impl Setup {
         out
     }
 
-    /// Runs the control tick, which reads the shaft as it is now.
+    /// Runs the control tick, which reads the shaft's present angle.
     fn control(&mut self) {
         let now = self.rig.now();
         let turn = |rad: f64| rad / std::f64::consts::TAU;
@@ -108,7 +108,7 @@ impl Setup {
         };
     }
 
-    /// Runs up to and including the next control tick.
+    /// Runs periods up to and including the next control tick.
     fn tick(&mut self) {
         while !self.period().pend_control {}
     }
@@ -150,9 +150,9 @@ fn a_step_of_current_is_there_in_a_millisecond_without_overshoot() {
     }
 }
 
-/// The assumptions of the guard's account: how much of a change of force is missing at the encoder's second reading,
-/// and how late the change is in the mean. With the motor's and the bridge's own time, and a reading a quarter of a
-/// period after each sample.
+/// The guard's energy account assumes how much of a change of force is missing at the encoder's second reading, and the mean delay
+/// of the change. The test compares both with the simulated motor and bridge, with a reading a quarter of a period after each
+/// sample.
 #[test]
 fn a_step_of_current_comes_as_the_guard_counts_on() {
     let settings = DeviceSettings::defaults(Board::NucleoG474re);

@@ -1,8 +1,7 @@
-//! An effect that a scene does not name costs no instruction, and one that is named with a value that does nothing changes no
-//! bit.
+//! An effect that a scene does not name costs no instruction. An effect with a neutral value changes no bit of a run.
 //!
-//! Instructions are counted by callgrind over two runs of different length of the example `tick_cost`: their difference is what
-//! the ticks in between cost. Without valgrind that half is skipped, and says so.
+//! Callgrind counts the instructions of the example `tick_cost` in two runs of different length; the difference is what the ticks
+//! in between cost. Without valgrind that half of the test is skipped, with a note.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -11,7 +10,8 @@ use touchstone_sim::run::{self, record::Trace};
 use touchstone_sim::scene::Scene;
 use touchstone_tests::thesis;
 
-/// Ticks between the two runs. Hash seeds make the start of a process differ by some hundred instructions.
+/// Difference in ticks between the two runs. It is large, as hash seeds make the start of a process differ by some hundred
+/// instructions.
 const TICKS: u64 = 50_000;
 
 fn example() -> PathBuf {
@@ -70,7 +70,7 @@ fn per_tick(example: &Path, name: &str) -> f64 {
     (long - short) as f64 / TICKS as f64
 }
 
-/// Where the loop ends, in bits.
+/// State at the end of the loop, as bits.
 fn end(example: &Path, name: &str) -> String {
     let output = Command::new(example).args([name, "5000"]).output().unwrap();
     assert!(output.status.success());
@@ -134,11 +134,11 @@ fn what_a_scene_does_not_name_costs_no_instruction() {
     );
 }
 
-/// Instructions that a stage may cost beyond its own computation: two calls, the one to it and the one from it to the
-/// inner part, and the check whether it changed the torque, which estimator and guard must learn.
+/// Instructions that a stage may cost beyond its own calculation. They are two calls (to the stage and to the inner part) and the
+/// check whether it changed the torque, which is reported to estimator and guard.
 const STAGE: f64 = 32.0;
 
-/// Every column of a run, in bits.
+/// Every column of a run's trace, as bits.
 fn bits(trace: &Trace) -> Vec<Vec<u64>> {
     [
         &trace.angle_rad,

@@ -1,5 +1,6 @@
-//! A calibration that measures also finds the encoder's error from an off-centre magnet: both orders within a count
-//! and a hundredth of their amplitude, and within twice their stated uncertainty. `-- --nocapture` shows by how much.
+//! A calibration with measurement also finds the encoder's error from an off-centre magnet. The errors of both orders are found to
+//! within a count and a hundredth of their amplitude, and within twice their stated uncertainty. `-- --nocapture` prints the
+//! deviations.
 
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -28,7 +29,7 @@ const KNOB: Device = Device {
 
 const COUNTS: u32 = 16_384;
 const COUNT_RAD: f64 = TAU / COUNTS as f64;
-/// The found value may be off by a count and this share of the amplitude.
+/// Allowed relative deviation of a found amplitude, beside one encoder count.
 const OFF_MOST: f64 = 0.01;
 
 const fn torque(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
@@ -39,14 +40,14 @@ const fn torque(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
     }
 }
 
-/// A motor of 12 slots and 14 poles.
+/// Cogging of a motor of 12 slots and 14 poles.
 const COGGING: [Harmonic; 4] = [
     torque(2e-3, 84.0, 0.4),
     torque(4e-4, 168.0, 2.0),
     torque(6e-4, 12.0, -1.0),
     torque(5e-4, 14.0, 3.0),
 ];
-/// 1 mN·m: ten grams, ten millimetres out of the axis.
+/// Torque of a weight on the shaft, 1 mN·m: ten grams, ten millimetres from the axis.
 const WEIGHT: Harmonic = torque(1e-3, 1.0, 0.7);
 
 /// Noise of the current sensors, 1.15 codes rms, and of the encoder, 0.8 counts rms.
@@ -67,15 +68,15 @@ impl Tamper for Noisy {
     }
 }
 
-/// A case: the encoder's error in degrees and its phases, and other disturbances.
+/// A test case: amplitude in degrees and phase of the encoder's error of each order, and other disturbances.
 #[derive(Clone, Copy)]
 struct Case {
     degrees: [f64; 2],
     phase_rad: [f64; 2],
-    /// Resistance, flux, inertia, damping, friction, of the usual.
+    /// Resistance, flux, inertia, damping and friction, as factors of the usual ones.
     parts: [f64; 5],
     weight: bool,
-    /// The encoder counts the other way; the motor's phases are in another order.
+    /// Whether the encoder counts the other way, and whether the motor's phases are in another order.
     reversed: [bool; 2],
 }
 
@@ -100,7 +101,7 @@ fn settings(case: &Case) -> DeviceSettings {
     settings
 }
 
-/// Telemetry of a calibration, and the true error from the zero that it set.
+/// Telemetry of a calibration, the known encoder, and the true error relative to the calibration's zero.
 fn told(case: &Case, seed: u64) -> (Vec<CalibrationTick>, KnownEncoder, [Complex<f64>; 2]) {
     let settings = settings(case);
     let [r, flux, j, b, friction] = case.parts;
@@ -169,13 +170,13 @@ fn told(case: &Case, seed: u64) -> (Vec<CalibrationTick>, KnownEncoder, [Complex
     (ticks, known, truth)
 }
 
-/// The found error and the true one.
+/// The measured eccentricity, and the true one.
 fn measured(case: &Case, seed: u64) -> (Eccentricity, [Complex<f64>; 2]) {
     let (ticks, known, truth) = told(case, seed);
     (Eccentricity::new(&ticks, &known).unwrap(), truth)
 }
 
-/// Error of each order, rad; alone, and as a share of the stated uncertainty, with half a count.
+/// Deviation of each order: in rad, and as a fraction of the allowed one (twice the stated uncertainty, at least half a count).
 fn off(found: &Eccentricity, truth: &[Complex<f64>; 2]) -> [[f64; 2]; 2] {
     std::array::from_fn(|index| {
         let it = &found.harmonics[index];
@@ -185,7 +186,7 @@ fn off(found: &Eccentricity, truth: &[Complex<f64>; 2]) -> [[f64; 2]; 2] {
     })
 }
 
-/// Each within what it may be; the worst and the best, degrees.
+/// Asserts that each deviation is within its limits; prints the largest and the smallest in degrees.
 fn all_found(cases: &[Case]) {
     let (mut worst, mut best, mut surest) = (0.0_f64, f64::INFINITY, 0.0_f64);
     for (seed, case) in (1..).zip(cases) {
@@ -262,7 +263,7 @@ fn another_motor_and_other_directions_make_no_difference() {
     ]);
 }
 
-/// A knob that hardly brakes itself: inertia and friction as usual, a fortieth of the damping.
+/// Factors of a knob with little damping: inertia as usual, friction half, a fortieth of the damping.
 const SMOOTH: [f64; 5] = [1.0, 1.0, 1.0, 0.025, 0.5];
 
 #[test]

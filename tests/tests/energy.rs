@@ -1,4 +1,4 @@
-//! Energy over ten million ticks: what the law's side sums up, what crossed the port, and where it all went.
+//! Energy over ten million ticks: the law's own sum, the energy that crossed the port, and where that energy went.
 
 use touchstone_control::observer::{ExactObserver, ThesisObserver};
 use touchstone_control::{CountScale, Force, Position, Settings, Si};
@@ -11,10 +11,10 @@ use touchstone_world::plant::{
 
 const TICKS: u64 = 10_000_000;
 const PERIOD_S: f64 = 1e-3;
-/// No sum of powers of two: penetrations are rounded.
+/// Position of the wall's surface, rad. It is not a sum of powers of two, so penetrations are rounded.
 const SURFACE_RAD: f64 = 0.3;
 
-/// A sum whose rounding does not grow with its length (Neumaier).
+/// A sum whose rounding error does not grow with its length (Neumaier).
 #[derive(Debug, Clone, Copy, Default)]
 struct Sum {
     total: f64,
@@ -36,7 +36,7 @@ impl Sum {
     }
 }
 
-/// Energies that go into and out of device and hand.
+/// Energies in J that go into and out of device and hand.
 #[derive(Debug, Clone, Copy, Default)]
 struct Books {
     motor: Sum,
@@ -47,7 +47,7 @@ struct Books {
     last_rest: Option<f64>,
 }
 
-/// A plant whose every tick is entered in the energy account.
+/// A simulated device and hand whose energies are summed in every tick.
 struct Audited<'a, S> {
     plant: S,
     books: &'a mut Books,
@@ -83,12 +83,12 @@ impl<S: Stepper> Crossing for Audited<'_, S> {
     }
 }
 
-/// The law's side: observers with the law's own inputs.
+/// Energy observers that get the law's own inputs.
 struct Observers {
     exact: ExactObserver<f64>,
     thesis: ThesisObserver<f64>,
     contact: u64,
-    /// Port energy by the plant's own account, compensated.
+    /// Energy of the port as the simulated device calculates it, with compensated summation.
     port: Sum,
 }
 
@@ -102,7 +102,7 @@ impl Recorder for Observers {
     }
 }
 
-/// A hand that presses harder and softer, and leaves the wall now and then.
+/// The rest position of a hand that presses harder and softer, and leaves the wall now and then, rad.
 fn rest_rad(time_s: f64) -> f64 {
     let slow = (0.7 * time_s).sin();
     let fast = (12.6 * time_s).sin();

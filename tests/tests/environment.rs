@@ -1,4 +1,4 @@
-//! Walls on both sides, several walls and detents: their joint promise, over hostile motions and every law.
+//! Walls on both sides, several walls and detents: what they guarantee together, over hostile motions and with every law.
 
 use touchstone_control::environment::{
     Counted, DetentSettings, Environment, Face, MOST_WALLS, Reading, Refused, Side, Spacing,
@@ -13,7 +13,7 @@ use touchstone_tests::environment::{
 use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
 
-/// Ways of a hand over some counts: slow and fast, to and fro, with jumps over a wall.
+/// Motions of a hand in encoder counts: slow and fast, to and fro, with jumps over a wall.
 fn path(seed: u64, ticks: usize, reach: i64) -> Vec<i64> {
     let mut random = Random::new(seed);
     let (mut at, mut speed) = (0_i64, 0_i32);
@@ -125,8 +125,8 @@ fn two_walls_are_two_scenes() {
     }
 }
 
-/// On estimated states each wall has an estimator that knows every force: as long as only one wall was ever touched, it says what that
-/// wall's own scene says.
+/// On estimated states each wall has an estimator that gets every force. While only one wall was ever touched, the force equals
+/// that of a scene with that wall alone.
 #[test]
 fn a_wall_that_is_not_touched_is_not_there() {
     let settings = Settings::default();
@@ -276,7 +276,7 @@ fn a_reading_is_odd() {
     }
 }
 
-/// A position so many turns away that it cannot occur by chance.
+/// A number of turns so large that a position there does not occur by chance.
 const FAR: i64 = 10_000;
 
 /// A wall this many turns further on.
@@ -332,7 +332,8 @@ fn a_knob_is_the_same_ten_thousand_turns_on() {
     }
 }
 
-/// Turned there step by step: nothing that was remembered on the way is felt. A wall deeper than positions reach is off.
+/// A knob that was turned there step by step feels the same: nothing on the way is remembered. A wall is off where the knob is
+/// deeper than positions reach.
 #[test]
 fn a_knob_that_was_turned_there_is_the_same() {
     let settings = Settings::default();

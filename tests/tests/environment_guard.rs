@@ -1,4 +1,5 @@
-//! The guard of an environment: one account for all walls and detents, one limit, and no force where a motion would not be counted.
+//! The guard of an environment: one energy account for all walls and detents, one force limit, and no force where a motion would
+//! not be counted.
 
 use touchstone_control::environment::{Environment, Reached, Reading, Side};
 use touchstone_control::{Fixed16, Fixed32, Force, LawKind, Position, Settings, Si, StatesKind};
@@ -6,7 +7,7 @@ use touchstone_tests::environment::{COUNT_RAD, at, built, detents, mirrored, wal
 use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
 
-/// Energy that a hand got out of the motor so far, J, at the true positions.
+/// Energy in J that a hand has got out of the motor so far, calculated at the true positions.
 struct Audit {
     force: f64,
     at: f64,
@@ -26,7 +27,8 @@ impl Audit {
         }
     }
 
-    /// Moved to here under the last force; another takes its place. `refill` is what may be had for nothing in a tick.
+    /// Moves the device to `at` under the last force; then `force` acts. `refill` is the energy that a hand may get in a tick
+    /// without cost.
     fn step(&mut self, at: f64, force: f64, refill: f64) {
         // A force against +x is work for the hand on the way to -x.
         self.taken -= self.force * (at - self.at) + refill;
@@ -36,8 +38,8 @@ impl Audit {
     }
 }
 
-/// Into one wall within a tick and out within the next, then into the other one: on each way out a wall without a
-/// guard pays for more than the hand put in.
+/// The hand goes into one wall within a tick and out within the next, then into the other wall. On each way out a wall without a
+/// guard gives more than the hand put in.
 #[test]
 fn one_account_answers_for_all_walls_and_detents() {
     let mut settings = Settings {
@@ -159,7 +161,7 @@ fn overspeed_between_two_walls_takes_the_force_away_for_good() {
     assert!(account(&again) < account(&fresh));
 }
 
-/// An angle, far from every wall.
+/// An encoder reading at an angle far from every wall, rad.
 struct Far(Si);
 impl Reading<Fixed32> for Far {
     fn angle(&self) -> Si {
@@ -170,7 +172,7 @@ impl Reading<Fixed32> for Far {
     }
 }
 
-/// After 340 million turns angles end; a motion there would not be counted.
+/// Angles end after 340 million turns. A motion beyond would not be counted, so there is no force.
 #[test]
 fn no_force_where_angles_end() {
     let mut settings = Settings::thesis();

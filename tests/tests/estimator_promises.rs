@@ -1,4 +1,4 @@
-//! Promises of the state estimator where its assumptions fail: a wrong inertia, jumps, settings out of range.
+//! What the state estimator guarantees where its assumptions fail: a wrong inertia, jumps, settings out of range.
 
 use touchstone_control::estimator::EstimatorState;
 use touchstone_control::{
@@ -8,7 +8,7 @@ use touchstone_control::{
 use touchstone_tests::estimator::{DEVICES, LIMIT, amplification, estimator, reference, settings};
 use touchstone_tests::random::Random;
 
-/// A knob with this inertia in a soft grip, against a force that changes every 50 ms. `tick` gets the motion at each
+/// Simulates a knob with this inertia in a soft grip, against a force that changes every 50 ms. `tick` gets the motion at each
 /// sample and the force from then on.
 fn knob(inertia: f64, ticks: u32, mut tick: impl FnMut(u32, f64, f64, f64)) {
     const PARTS: u32 = 200;
@@ -108,7 +108,7 @@ fn settings_out_of_range_are_refused_by_name_and_their_limits_accepted() {
     let good = EstimatorSettings::default();
     let lit = |text: &str| Si::from_str(text).unwrap();
     assert_eq!(good.validate(1000, LIMIT), Ok(()));
-    /// Field, setter, both ends of the accepted range, and refused values beyond them.
+    /// Setting, function that sets it, both ends of the accepted range, and refused values beyond them.
     type Case = (
         Field,
         fn(&mut EstimatorSettings, Si),

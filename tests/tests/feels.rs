@@ -1,4 +1,4 @@
-//! What a knob can feel like: every shipped feel under every grip, and scenes on top of another.
+//! Haptic effects of a knob (detents, end stops): every shipped effect under every grip, and scenes that extend another.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -18,7 +18,7 @@ fn traced(scene: &Scene) -> Trace {
     run(scene, true).unwrap().trace.unwrap()
 }
 
-/// Quiet at rest, and within the guard's account.
+/// Every shipped effect is quiet at rest, and stays within the guard's energy account.
 #[test]
 fn every_feel_is_quiet_under_every_grip() {
     for name in scene::feels() {
@@ -43,7 +43,7 @@ fn every_feel_is_quiet_under_every_grip() {
     }
 }
 
-/// At 2 rad/s what sampling costs is within what the guard is refilled with. Spun faster, clicks get softer.
+/// At 2 rad/s the energy that sampling costs is within the guard's refill. If the knob is spun faster, clicks get softer.
 #[test]
 fn a_hand_that_turns_calmly_gets_all_of_a_feel() {
     for name in scene::feels() {
@@ -73,8 +73,8 @@ fn a_hand_that_turns_calmly_gets_all_of_a_feel() {
     }
 }
 
-/// A hand feels the torque that the scene names, within 5 %, and the knob ends in a detent: as far from the nearest as dry friction holds
-/// it.
+/// A hand feels the torque that the scene names, to within 5 %, and the knob comes to rest in a detent, as near its centre as dry
+/// friction allows.
 #[test]
 fn detents_have_their_torque_and_hold() {
     for name in scene::feels() {
@@ -119,7 +119,7 @@ fn detents_have_their_torque_and_hold() {
     }
 }
 
-/// No position is lost or counted twice: what a program counts, with a quarter of a pitch as hysteresis, is where the knob is.
+/// A program that counts positions with a hysteresis of a quarter of a pitch always has the knob's true position.
 #[test]
 fn positions_are_neither_lost_nor_doubled() {
     for name in ["coarse-detents", "fine-detents", "multi-turn"] {

@@ -1,4 +1,4 @@
-//! The board with the small motor starts with the wall of the scene `gimbal-knob`.
+//! The board with the small gimbal motor starts with the wall of the scene `gimbal-knob`.
 
 use touchstone_control::ChangeOfForce;
 use touchstone_drive::wire::checked;

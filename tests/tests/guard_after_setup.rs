@@ -1,5 +1,5 @@
-//! What `touchstone setup` leaves on a board, whatever a file of a law says: the guard's own promise, also to a hand that was sought
-//! against the file's guard.
+//! The settings that `touchstone setup` writes keep the guard's bound on a board, whatever a law file says. The bound also holds
+//! for a hand that was optimised against the file's guard.
 
 use touchstone_control::{ChangeOfForce, GuardSettings, Si};
 use touchstone_drive::change::law_settings;
@@ -10,8 +10,8 @@ use touchstone_tests::adversary::Way;
 use touchstone_tests::board_loop::BoardLoop;
 use touchstone_tests::port::{Port, SpringDamper};
 
-/// A file of a law's settings, as of a scene whose delay is one and a half PWM periods: positions taken once a tick, a fifth of the
-/// board's delay. And a damping of which the trusted share, 0.8, is all that the device has.
+/// Settings from a law file, whose guard is configured for positions read once a tick and a delay of one and a half PWM periods, a
+/// fifth of the board's. The trusted 0.8 of its damping is all that the device has.
 fn of_a_file() -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
     let guard = &mut settings.law.guard;

@@ -1,4 +1,4 @@
-//! The guard in its place between law and motor, in scenes and devices.
+//! The guard between law and motor, in scenes and devices.
 
 use touchstone_control::{
     Controller, CountScale, Fixed16, Fixed32, Force, LawKind, Position, Reported, Settings, Si,
@@ -18,8 +18,8 @@ fn at(rad: f64) -> Position<Fixed32> {
     Position::from_f64(rad)
 }
 
-/// Laws that ring and kick in the hands of three grips, with every delay. The hand gets out at most the account, its
-/// refill, the encoder's share, and what the device's own motion held.
+/// Laws that ring and kick under three grips, with every delay. A hand gets out at most the account's capacity, its refill, the
+/// encoder's part, and the kinetic energy of the device.
 #[test]
 fn no_law_gives_more_than_the_account() {
     let (capacity_j, refill_w) = (0.045, 0.0005);
@@ -110,7 +110,7 @@ fn overspeed_switches_off_until_the_next_arming() {
     assert!(force(&mut again, 0.02) > 0.0);
 }
 
-/// A knob of 40,000 counts a turn, which counts on wherever positions end.
+/// Encoder counts per turn of a knob; the counter goes on where positions end.
 const COUNTS_PER_REV: u32 = 40_000;
 const COUNT_RAD: f64 = std::f64::consts::TAU / COUNTS_PER_REV as f64;
 
@@ -119,7 +119,7 @@ fn counted<N: Reported>(wall: &mut Controller<N>, count: i64) -> f64 {
     wall.tick(scale.penetration(count)).to_f64()
 }
 
-/// Energy of a hand that wandered about the end of positions, J above the refill in the worst window, and how often it
+/// Runs a hand that moves about the end of positions. Returns the most energy beyond the refill in any window, J, and how often it
 /// armed again.
 fn wandering<N: Reported>(settings: &Settings, end_rad: f64, seed: u64) -> (f64, u32) {
     let fresh = Controller::<N>::new(settings).unwrap();
@@ -154,7 +154,7 @@ fn wandering<N: Reported>(settings: &Settings, end_rad: f64, seed: u64) -> (f64,
     (most, armed)
 }
 
-/// A hand that arms again whenever the guard has tripped, in every format: no motion under a force goes uncounted.
+/// A hand that arms again whenever the guard has tripped, in every number format: no motion under a force goes uncounted.
 #[test]
 fn no_way_across_the_end_of_positions_goes_uncounted() {
     let mut settings = Settings::thesis();
@@ -179,8 +179,8 @@ fn no_way_across_the_end_of_positions_goes_uncounted() {
     }
 }
 
-/// Energy of a hand that has the force switched off now and then, J above the refill in the worst window, and how much
-/// of it under the last force of an arming; with a guard that is told of the switching off, or is not.
+/// Runs a hand that has the force switched off now and then, with or without a report to the guard. Returns the most energy beyond
+/// the refill in any window, J, and how much of it came under the last force of an arming.
 fn switching_off(told: bool, seed: u64) -> (f64, f64) {
     let mut settings = Settings::thesis();
     settings.guard.on = true;
@@ -214,7 +214,7 @@ fn switching_off(told: bool, seed: u64) -> (f64, f64) {
     (most, last)
 }
 
-/// A hand that has the force switched off gets no more energy out by that, however often.
+/// A hand that has the force switched off gets no more energy by that, however often.
 #[test]
 fn what_the_last_force_of_an_arming_does_is_counted() {
     let capacity_j = Settings::thesis().guard.capacity.to_num::<f64>();
@@ -262,7 +262,7 @@ fn the_end_of_positions_takes_the_force_away_until_the_next_arming() {
     assert!(counted(&mut again, at_rad(120.0)) > 0.0 && !again.tripped());
 }
 
-/// Twenty turns the other way nothing is to be pushed, and a knob that is turned back finds its wall.
+/// Twenty turns away from the wall the law requests no force, and a knob that is turned back meets its wall again.
 #[test]
 fn a_free_knob_beyond_the_end_of_positions_is_no_fault() {
     let mut wall = wall(|_| ());

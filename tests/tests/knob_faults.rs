@@ -1,5 +1,5 @@
-//! Every fault that the supervisor knows, injected into an armed knob: outputs off in the very tick that sees it, its code and
-//! value latched, and no way back to armed but through stop and calibration.
+//! Every fault that the supervisor detects, injected into an armed knob. Outputs are off in the tick that detects it, its code and
+//! value are latched, and only stop and calibration lead back to armed.
 
 use touchstone_drive::encoder::Frames;
 use touchstone_drive::{
@@ -9,7 +9,7 @@ use touchstone_protocol::{Command, FaultCode, Outputs, State};
 use touchstone_tests::knob::{Knob, Tamper};
 use touchstone_world::motor::{Drive, GIMBAL};
 
-/// Falsifies everything from a tick on.
+/// Falsifies one input from a given tick on.
 struct Inject {
     from: u32,
     until: u32,
@@ -57,7 +57,7 @@ fn settings() -> DeviceSettings {
     settings
 }
 
-/// Armed, leaning on the wall, with the injection due at the next control tick.
+/// An armed knob that is pressed against the wall; the fault is injected at the next control tick.
 fn armed(what: What) -> Knob<Inject> {
     let inject = Inject {
         from: u32::MAX,
@@ -74,7 +74,7 @@ fn armed(what: What) -> Knob<Inject> {
     knob
 }
 
-/// Checks that no request arms the device until it was stopped and calibrated.
+/// Checks that no command arms the device until it was stopped and calibrated.
 fn stays_off(knob: &mut Knob<Inject>, code: FaultCode) {
     for command in [
         Command::Arm,
@@ -112,7 +112,8 @@ fn stays_off(knob: &mut Knob<Inject>, code: FaultCode) {
     assert_eq!(knob.device.state(), State::Armed);
 }
 
-/// Injects a fault; it must be latched within this many control ticks, with the outputs off from the first bad one.
+/// Injects a fault. Asserts that it is latched within this many control ticks, with the outputs off from the first bad tick;
+/// returns the fault's value.
 fn within(ticks: u32, code: FaultCode, what: What) -> i32 {
     let mut knob = armed(what);
     for tick in 1..=ticks {

@@ -1,5 +1,5 @@
-//! A calibration that measures finds the motor and its knob, whatever the settings say beforehand: resistance, inductance, flux and
-//! inertia within 5 %, damping and friction within 20 %.
+//! A calibration with measurement finds the properties of motor and knob, whatever the settings were before. Resistance,
+//! inductance, flux and inertia are found to within 5 %, damping and friction to within 20 %.
 
 use nalgebra::Complex;
 use touchstone_drive::measurement::FAST_FIELD;
@@ -35,7 +35,7 @@ fn known(settings: &DeviceSettings) -> KnownMotor {
     }
 }
 
-/// A telemetry record as the desktop evaluates it.
+/// The desktop's form of a telemetry record.
 fn told(telemetry: &Telemetry) -> Option<MotorTick> {
     let milli = |value: i32| 1e-3 * f64::from(value);
     telemetry.measuring.map(|it| MotorTick {
@@ -47,7 +47,7 @@ fn told(telemetry: &Telemetry) -> Option<MotorTick> {
     })
 }
 
-/// Calibrates; returns the telemetry, and the final state.
+/// Runs a calibration; returns the telemetry, and the final state.
 fn calibrated<T: Tamper>(
     settings: &DeviceSettings,
     truth: MotorParameters,
@@ -75,7 +75,8 @@ fn measured(truth: MotorParameters, knob: Device) -> MeasuredMotor {
     motor(&ticks, &known(&settings)).unwrap()
 }
 
-/// Errors of the result: R, L, flux, J relative; b and friction over the allowed error.
+/// Errors of the measurement: resistance, inductance, flux and inertia relative to the truth, damping and friction relative to the
+/// allowed error.
 fn errors(found: &MeasuredMotor, truth: &MotorParameters, knob: &Device) -> [f64; 6] {
     let part = |found: f64, truth: f64| found / truth - 1.0;
     let allowed = |found: f64, truth: f64, floor: f64| (found - truth) / (0.2 * truth).max(floor);

@@ -1,4 +1,5 @@
-//! A kept alignment is checked at the next start: used where it is right, refused where it is wrong, whatever by.
+//! A stored alignment (rotor angle of the encoder) is checked at the next start: used if it is right, and refused if it is wrong
+//! for any reason.
 
 use std::f64::consts::TAU;
 use touchstone_drive::calibration::Alignment;
@@ -34,7 +35,7 @@ fn knob<T: Tamper>(
     Knob::with_plant(settings, motor, plant, angle_rad, tamper)
 }
 
-/// The alignment that a whole calibration finds, for keeping.
+/// The alignment that a whole calibration finds, to be stored.
 fn found(settings: &DeviceSettings, motor: MotorParameters) -> Alignment {
     let mut knob = knob(settings, motor, 1e-3, 0.3, Honest);
     assert_eq!(knob.calibrate(), State::Ready, "{:?}", knob.device.fault());
@@ -42,11 +43,11 @@ fn found(settings: &DeviceSettings, motor: MotorParameters) -> Alignment {
     knob.device.found().expect("an absolute encoder's")
 }
 
-/// What became of a check.
+/// Result of a check.
 #[derive(Debug)]
 struct Checked {
     state: State,
-    /// How far the shaft was from its start at most, mechanical degrees, and at the end.
+    /// Largest distance of the shaft from its start during the check, mechanical degrees. `end_deg` is the distance at the end.
     most_deg: f64,
     end_deg: f64,
     time_s: f64,
@@ -222,7 +223,7 @@ fn phases_in_another_order_and_a_shaft_that_is_held_are_refused() {
     );
 }
 
-/// The encoder says that the shaft turns.
+/// An encoder that reports a turning shaft.
 struct Turning(f64);
 
 impl Tamper for Turning {

@@ -1,4 +1,5 @@
-//! The cogging of a simulated motor is found by a sweep, played, and gone but for a small part; a map that does not belong there is noticed.
+//! The cogging torque of a simulated motor is measured by a sweep and compensated; only a small part of it remains. A map of
+//! another motor is recognised.
 
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -35,7 +36,8 @@ const fn part(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
     }
 }
 
-/// A motor of 12 slots and 14 poles: their least common multiple and twice that, and what unequal slots and magnets add.
+/// Cogging of a motor of 12 slots and 14 poles: at their least common multiple and twice that, and at the orders that unequal slots
+/// and magnets add.
 const COGGING: [Harmonic; 4] = [
     part(2e-3, 84.0, 0.4),
     part(4e-4, 168.0, 2.0),
@@ -87,7 +89,7 @@ fn bare<T: Tamper>(
     knob
 }
 
-/// Calibrates with a sweep; returns the telemetry.
+/// Runs a calibration with a sweep; returns the sweep's telemetry.
 fn sweep<T: Tamper, S: Stepper>(knob: &mut Knob<T, S>, sweep: Sweep) -> Vec<SweepTick> {
     knob.ask(Command::Stop);
     knob.tick();
@@ -102,7 +104,7 @@ fn sweep<T: Tamper, S: Stepper>(knob: &mut Knob<T, S>, sweep: Sweep) -> Vec<Swee
     ticks
 }
 
-/// A telemetry record as the desktop evaluates it.
+/// The desktop's form of a telemetry record.
 fn told<T: Tamper, S: Stepper>(knob: &Knob<T, S>) -> Option<SweepTick> {
     let record = knob.telemetry();
     record.measuring.map(|it| SweepTick {
@@ -118,7 +120,7 @@ fn play<T: Tamper, S: Stepper>(knob: &mut Knob<T, S>, map: &CoggingMap, settings
     knob.device.play(&mut knob.around, Some(&played));
 }
 
-/// How far a map is from the truth, effective value, N·m.
+/// Root mean square difference between a map and the true cogging, N·m.
 fn error(map: &CoggingMap, cogging: &[Harmonic], known: &KnownKnob) -> f64 {
     let places = 2_520;
     let squares: f64 = (0..places)
@@ -186,11 +188,11 @@ fn a_sweep_finds_the_cogging_and_the_map_takes_the_ripple_away() {
     }
 }
 
-/// Orders of the cogging, and of the torque that an offset of the current sensors causes.
+/// Orders (periods per turn) of the cogging, and of the torque that an offset of the current sensors causes.
 const ORDERS: [f64; 5] = [7.0, 12.0, 14.0, 84.0, 168.0];
 
-/// Torque of motor and cogging together on a hand that turns the armed knob evenly, at their orders: effective value,
-/// N·m.
+/// Root mean square torque, N·m, of motor and cogging together at their orders, on a hand that turns the armed knob at a constant
+/// speed.
 fn felt(
     settings: &DeviceSettings,
     map: Option<&CoggingMap>,

@@ -1,5 +1,4 @@
-//! An unattended start: the board gives the commands of a person, once, where everything is in order, and none where
-//! something is not.
+//! An unattended start: the board gives the start commands once if everything is in order, and none otherwise.
 
 use touchstone_drive::autostart::{Autostart, Glance, STEP_MS};
 use touchstone_drive::{DeviceSettings, ResetReason, Si};
@@ -30,7 +29,7 @@ fn asked() -> Autostart {
     Autostart::new(true, ResetReason::PowerOn, true)
 }
 
-/// Steps with these inputs until a command comes, for at most this many seconds; returns the command and its time.
+/// Runs steps with these inputs until a command comes, for at most this many seconds; returns the command and its time.
 fn until(
     autostart: &mut Autostart,
     seconds: u32,
@@ -233,7 +232,7 @@ fn what_goes_wrong_between_check_and_arming_ends_it() {
     }
 }
 
-/// The supervisor's step around a whole knob, without a desktop.
+/// Runs the supervisor's step with a whole knob and without a host computer: the knob arms, and its force fades in.
 #[test]
 fn a_knob_nobody_speaks_to_arms_and_its_force_fades_in() {
     let mut settings = DeviceSettings::default();

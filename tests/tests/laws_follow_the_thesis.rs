@@ -1,4 +1,4 @@
-//! Places in which a law once left the thesis' equations, each on its own.
+//! Places in which a law once differed from the thesis' equations, each with its own test.
 
 use touchstone_control::law::{Contact, EnhancedState, Law, Sample, Sfa, SfaState};
 use touchstone_control::{
@@ -22,7 +22,7 @@ fn sfa(update: LawKind, first_contact: FirstContact) -> Sfa<f64> {
     law
 }
 
-/// (2.16) and (2.17): the first contact ends at `n_r`, with the force that `k_de` shows there and not a tick before.
+/// (2.16) and (2.17): the first contact phase ends at `n_r`, with the force that `k_de` gives in that tick, not in the tick before.
 #[test]
 fn the_first_contact_hands_over_the_force_of_its_own_tick() {
     let law = sfa(LawKind::Sfa, FirstContact::KeepForce);
@@ -44,7 +44,7 @@ fn the_first_contact_hands_over_the_force_of_its_own_tick() {
     assert!((state.offset.0 - offset).abs() < 1e-8, "{:?}", state.offset);
 }
 
-/// (2.14c), third line from below: where the displayed stiffness is the desired one, the offset stays.
+/// (2.14c), third line from below: if the displayed stiffness is the desired one, the offset stays.
 #[test]
 fn the_offset_stays_where_the_stiffness_is_right() {
     for kind in [LawKind::Sfa, LawKind::SfaContinuous] {
@@ -77,7 +77,8 @@ fn the_offset_stays_where_the_stiffness_is_right() {
     assert_eq!(law.offset(&state, Position(0.01)), Position(0.05));
 }
 
-/// A hand that leans on a wall at the limit of its force and trembles there winds up no offset: when it lets go, the wall is where it was.
+/// A hand that presses a wall at the force limit and trembles there does not change the offset. When it lets go, the wall is where
+/// it was.
 #[test]
 fn leaning_at_the_force_limit_winds_up_no_offset() {
     for kind in [LawKind::Sfa, LawKind::SfaContinuous] {
@@ -112,8 +113,8 @@ fn leaning_at_the_force_limit_winds_up_no_offset() {
     }
 }
 
-/// A wall pushes. Inside it nothing pulls, however fast the HIP leaves the virtual mass behind; and the mass' energy, credit
-/// included, stays what it was plus the work of the force on it.
+/// A wall only pushes. Inside it no force pulls, however fast the HIP leaves the virtual mass behind. The energy of the mass,
+/// credit included, stays what it was plus the work of the force on it.
 #[test]
 fn the_enhanced_law_never_pulls_inside_the_wall() {
     let stiff = Settings {
@@ -164,7 +165,7 @@ fn the_enhanced_law_never_pulls_inside_the_wall() {
     }
 }
 
-/// The published observer lends nothing: what the thesis' form displays, it displays by its own sum.
+/// The published observer lends no energy: the thesis' form reaches its force by its own energy sum.
 #[test]
 fn the_published_observer_has_no_loan() {
     for (observer, lent) in [(ObserverForm::Thesis, false), (ObserverForm::Exact, true)] {

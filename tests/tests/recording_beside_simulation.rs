@@ -1,6 +1,5 @@
-//! A recording compared with its simulation. A knob like its scene agrees; another one differs, and the comparison
-//! names the property that differs. For the whole drive only a bounce is compared, as a shield's coarse current
-//! sensors dominate its slow motion.
+//! A recording compared with its simulation. A knob like its scene agrees. With another knob the comparison names the property that
+//! differs. For the whole drive only a bounce is compared, as the coarse current sensors of a motor shield dominate slow motion.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -27,7 +26,7 @@ fn settings() -> DeviceSettings {
     settings
 }
 
-/// The thesis' knob with friction and an encoder; a hand presses it twice.
+/// A scene of the thesis' knob with friction and an encoder; a hand presses it twice.
 fn said() -> Scene {
     let friction = Friction {
         kinetic_n_m: FRICTION_N_M,
@@ -44,7 +43,7 @@ fn said() -> Scene {
     Scene::load("thesis-knob").unwrap().with(change).unwrap()
 }
 
-/// The same scene after a flick.
+/// The same scene, but the knob is flicked and let go.
 fn flicked() -> Scene {
     let change = |scene: &mut Scene| {
         scene.operator.grip = Grip::None;
@@ -56,7 +55,7 @@ fn flicked() -> Scene {
     said().with(change).unwrap()
 }
 
-/// A recording as `touchstone monitor` keeps it: a count, a penetration and a force a tick.
+/// Writes a recording as `touchstone monitor` does: count, penetration and force of each tick.
 fn kept(test: &str, ticks: impl Iterator<Item = (String, String, String)>) -> PathBuf {
     let mut text = String::from("tick,time_s,count,penetration_rad,force_n_m,state,limits\n");
     for (tick, (count, penetration, force)) in ticks.enumerate() {
@@ -73,7 +72,7 @@ fn kept(test: &str, ticks: impl Iterator<Item = (String, String, String)>) -> Pa
     file
 }
 
-/// Telemetry of a simulated device.
+/// Records the telemetry of a simulated device.
 fn simulated(test: &str, of: &Scene) -> PathBuf {
     let trace = run(of, true).unwrap().trace.unwrap();
     let step = std::f64::consts::TAU / f64::from(COUNTS);
@@ -93,8 +92,8 @@ fn compared(test: &str, file: &Path, scene: &Scene, hand: HandWas) -> Beside {
     found
 }
 
-/// Allowed difference as a share of a flick's span, 0.2 rad and 76 mN·m. A force of a count (0.4 mrad, 5 N·m/rad) is
-/// 2.5 % of it.
+/// Allowed difference as a fraction of a flick's span of 0.2 rad and 76 mN·m. The force of one count (0.4 mrad at 5 N·m/rad) is 2.5
+/// % of it.
 const LIKE: f64 = 0.02;
 
 #[test]
@@ -162,10 +161,11 @@ fn a_held_knob_like_its_scene_stays_with_it() {
     assert!(!found.holds(0.05), "{:?}", found.differences);
 }
 
-/// Half a step of the shield's current, 7.8 mA of 0.25 N·m/A, of a bounce with 65 mN·m.
+/// Allowed difference as a fraction of a bounce of 65 mN·m. Half a step of the shield's current (7.8 mA at 0.25 N·m/A) is 0.015
+/// of it.
 const COARSE: f64 = 0.03;
 
-/// The whole drive with its motor: what it bounces like.
+/// The inertia of the whole drive with its motor is identified from a bounce.
 #[test]
 fn a_bounce_of_the_whole_drive_tells_the_inertia() {
     for inertia in [0.7, 1.0, 1.3] {

@@ -1,16 +1,16 @@
-//! Every shipped scene, with every combination of effects, leaves the bits that it left before.
+//! Every shipped scene, with every combination of effects, gives bit for bit the results of the stored hashes.
 //!
-//! How the loop is put together may change; what it computes may not. A hash covers every column of every tick and what the
-//! run was judged by. Where a change of behaviour is meant, `cargo test --test runs_keep_their_bits -- --nocapture` prints the
-//! new hashes; they are then entered together with that change and with nothing else.
+//! The program's structure may change, its results may not. A hash covers every column of every tick and the measures of the run.
+//! For an intended change of behaviour, `cargo test --test runs_keep_their_bits -- --nocapture` prints the new hashes. They are
+//! then entered in the same commit as that change, and with no other.
 //!
-//! Every machine has these bits: sums are made in one order, and sines and exponentials are those of `libm`.
+//! The bits are the same on every machine: sums are calculated in one order, and sines and exponentials are those of `libm`.
 
 use touchstone_sim::run::{self, record::Run};
 use touchstone_sim::scene::{self, Scene};
 use touchstone_tests::thesis;
 
-/// FNV-1a, 64 bits.
+/// FNV-1a hash with 64 bits.
 struct Hash(u64);
 
 impl Hash {

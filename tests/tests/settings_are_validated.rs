@@ -1,12 +1,12 @@
-//! Both sides of every bound of [`Settings`]: the last value that is accepted, and the typed error for the next one. The
-//! bounds are written down here a second time, on purpose.
+//! Both sides of every bound of [`Settings`]: the last accepted value, and the typed error for the next one. The bounds are
+//! repeated in this file on purpose, so that a change of one shows.
 
 use touchstone_control::{
     Controller, Field, Fixed16, Fixed32, LawKind, Number, Regulate, Settings, SettingsError, Si,
 };
 use touchstone_tests::si::{assert_one_line, next, si};
 
-/// A setting, how to set it, and its smallest and largest value.
+/// A setting, the function that sets it, and its smallest and largest value.
 type Bound = (Field, fn(&mut Settings, Si), &'static str, &'static str);
 
 const BOUNDS: [Bound; 26] = [
@@ -238,8 +238,7 @@ fn the_compensated_regulator_needs_a_coupling_above_the_desired_stiffness() {
     }
 }
 
-/// A setting whose coefficient meets the end of a format: the law that uses it, the value of the setting, one coefficient
-/// more than fits.
+/// Asserts that a law accepts a setting whose coefficient just fits the number format, and refuses one coefficient quantum more.
 fn assert_fits_up_to<N: Number>(
     law: LawKind,
     field: Field,

@@ -1,4 +1,4 @@
-//! Estimated states in three axes: on a plane they equal those of one axis, and at rest they equal the true state.
+//! Estimated states on three axes: on a plane they equal those of one axis, and at rest they equal the true state.
 
 use touchstone_control::estimator::EstimatorState;
 use touchstone_control::space::environment::{Plane, Sphere};
@@ -12,7 +12,7 @@ use touchstone_tests::variants;
 
 const RATE_HZ: u32 = 1000;
 
-/// Estimator settings of an omega.3's axis, with commands that act half a tick late.
+/// Estimator settings for one axis of an omega.3, with commands that act half a tick late.
 fn axis() -> EstimatorSettings {
     EstimatorSettings {
         bandwidth_hz: si("62.6"),
@@ -40,7 +40,7 @@ fn wall(shape: Shape<F>, shell: Shell<F, AnyLaw<F>>) -> SpaceWall<F, Shape<F>, A
     wall
 }
 
-/// Pressed in and let go, in counts of 10 um, while it goes to and fro along the floor.
+/// A press and release in counts of 10 µm, while the HIP moves to and fro along the floor.
 fn press(tick: u32) -> [f64; 3] {
     let t = f64::from(tick) / 1000.0;
     let count = |x: f64| (x * 100.0).round() / 100.0;
@@ -91,8 +91,7 @@ fn a_floor_is_the_wall_of_one_axis_to_the_bit() {
     assert!(pushing > compared / 3, "{pushing} of {compared} push");
 }
 
-/// Held still, at a place and under a force, the estimate equals the measured place, to a quantum, whatever the
-/// surface does.
+/// At rest, at any place and under any force, the estimate equals the measured place to one quantum, also if the surface moves.
 #[test]
 fn at_rest_the_place_is_the_measured_one() {
     let centre = Vector::default();
@@ -117,8 +116,7 @@ fn at_rest_the_place_is_the_measured_one() {
     }
 }
 
-/// The estimator uses the force that was commanded in the end: one that is told of no force at all expects another
-/// motion.
+/// The estimator uses the force that was commanded in the end: if no force is reported, it predicts another motion.
 #[test]
 fn a_force_that_did_not_act_is_told() {
     let law = UNIT.law::<F>(&omega(LawKind::Spring, 5.0)).expect("law");

@@ -1,4 +1,5 @@
-//! Friction across the normal: it does not creep, slides at its coefficient, and gives no energy that the device's own damping does not pay for.
+//! Friction across the normal: it does not creep, slides at its coefficient, and gives no energy beyond what the device's own
+//! damping dissipates.
 
 use touchstone_control::space::environment::{Plane, Sphere};
 use touchstone_control::space::{
@@ -39,7 +40,8 @@ fn floor(normal: Direction<F>) -> Plane<F> {
     }
 }
 
-/// A mass under a push along x, held by friction: exact between ticks but for the damping, which is a first-order step of a fiftieth.
+/// A mass under a push along x, held by friction, does not creep. Its motion between ticks is exact, except for the damping, which
+/// uses a first-order step of a fiftieth of a tick.
 #[test]
 fn in_stick_nothing_creeps_over_a_million_ticks() {
     const MASS_KG: f64 = 0.148;
@@ -87,7 +89,7 @@ fn in_stick_nothing_creeps_over_a_million_ticks() {
     assert_eq!(push_in_n(back), [0.0; 3]);
 }
 
-/// A million ticks of tremor across an inclined plane: the same place has the same force.
+/// A million ticks of tremor across an inclined plane: the same place always has the same force.
 #[test]
 fn on_an_inclined_plane_the_same_place_has_the_same_force() {
     let law = friction();
@@ -181,7 +183,7 @@ fn it_slides_at_its_coefficient() {
     assert!(worst < 0.01);
 }
 
-/// The motion of a loop: random, back to its first place, on a surface or around it.
+/// A random closed path, back to its first place, on a surface or around it.
 fn closed_loop(random: &mut Random) -> Vec<[f64; 3]> {
     let ticks = 10 + (random.bits() % 50) as usize;
     let size = 2.0_f64.powf(4.0 * random.real() - 2.0);
@@ -200,7 +202,7 @@ fn closed_loop(random: &mut Random) -> Vec<[f64; 3]> {
     path
 }
 
-/// What friction takes around a loop, and what damps: mJ.
+/// Energy in mJ around a closed path: what friction takes, and what the device's damping dissipates.
 fn around(
     law: &Friction<F>,
     surface: &impl Surface<F>,

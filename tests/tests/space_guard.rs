@@ -1,4 +1,4 @@
-//! The energy guard on the port of three axes keeps its promise under an adversary that moves in space, whatever the law.
+//! The energy guard of three axes keeps its bound against an adversary that moves in space, for any law.
 
 use touchstone_control::GuardSettings;
 use touchstone_control::space::{LengthUnit, Vector, VectorGuard};
@@ -6,7 +6,8 @@ use touchstone_control::{Fixed32, Force, GuardedDevice, Position, Si};
 use touchstone_tests::si::si;
 use touchstone_tests::space_port::{CAPACITY_MJ, COUNT_MM, Law, Port, Way, ball, whirl};
 
-/// Half a count in each coordinate at each end of a window, under the largest force that the account allows: 20 mJ over 1 mm.
+/// Energy of half an encoder count in each coordinate at each end of a window, under the largest force that the account allows: 20
+/// mJ over 1 mm, which is 20 N.
 const ENCODER_MJ: f64 = 1.7320509 * COUNT_MM * 20.0;
 
 fn port(law: Law, delay: f64, guard: Option<f64>) -> Port {
@@ -50,7 +51,7 @@ fn no_hand_in_space_gets_out_more_than_promised() {
     assert!(worst_turn < 3.0 * 6e-8 / 0.01);
 }
 
-/// Shows that the test can fail: a guard that assumes no delay does not hold with one.
+/// Shows that the test can fail: a guard that is configured for no delay does not keep its bound at a delay.
 #[test]
 fn a_guard_that_does_not_know_the_delay_does_not_hold() {
     let (_, got) = port(ball, 0.5, Some(0.0)).worst(Way::Policy, 1500, 500, 2);
@@ -131,7 +132,7 @@ fn the_end_of_positions_in_any_direction_takes_the_force_away() {
     }
 }
 
-/// Along one axis it is the guard of one axis, but for the counts of a vector.
+/// A guard of three axes that moves along one axis is the guard of one axis, except for the length of an encoder count.
 #[test]
 fn what_is_commanded_smaller_is_booked_smaller() {
     let guard = guard();

@@ -1,4 +1,4 @@
-//! When a contact of three laws ends (thesis §4.4.1): the figures, each as a check, under all three rules.
+//! When a contact with three laws, one per axis, ends (thesis §4.4.1): each figure as a test, under all three rules.
 
 use touchstone_control::space::environment::Cuboid;
 use touchstone_control::space::{Along, Leaving, PerAxis, Rule, SurfacePoint};
@@ -23,7 +23,7 @@ struct Hand {
 }
 
 impl Hand {
-    /// Touches the top 1 mm from its right edge, and rests 0.3 mm deep until the offset has grown.
+    /// The HIP touches the top 1 mm from its right edge, and rests 0.3 mm deep until the offset has grown.
     fn pressing(leaving: Leaving) -> Self {
         let law = UNIT
             .law::<F>(&omega(LawKind::EnhancedSfa, 25.0))
@@ -63,7 +63,8 @@ impl Hand {
     }
 }
 
-/// Fig. 4.7: out through the side. Decoupled, the vertical offset goes on pushing in free air; coupled, nothing does.
+/// Fig. 4.7: the HIP leaves through the side. With the decoupled rule the vertical offset goes on pushing in free air; with a
+/// coupled rule nothing does.
 #[test]
 fn figure_4_7_a_force_remains_after_the_side_is_left() {
     for leaving in RULES {
@@ -79,7 +80,8 @@ fn figure_4_7_a_force_remains_after_the_side_is_left() {
     }
 }
 
-/// Fig. 4.8: a little out of the top within the offset, and a little past the edge: the coordinate that has no offset has left. By any axis the force drops at once.
+/// Fig. 4.8: the HIP is a little above the top, within the offset, and a little past the edge, where that coordinate has no offset
+/// and has left. With the rule "any axis" the force drops at once.
 #[test]
 fn figure_4_8_a_small_coordinate_drops_the_force() {
     for leaving in RULES {
@@ -99,7 +101,7 @@ fn figure_4_8_a_small_coordinate_drops_the_force() {
     }
 }
 
-/// Fig. 4.9: by projection the object is left just where the distance is the offset's part along it.
+/// Fig. 4.9: with the rule "projection" the contact ends exactly where the distance equals the offset's part along it.
 #[test]
 fn figure_4_9_the_projection_ends_the_contact_at_the_offset() {
     let mut hand = Hand::pressing(Leaving::Projection);
@@ -129,7 +131,7 @@ fn figure_4_9_the_projection_ends_the_contact_at_the_offset() {
     assert!(left, "it was never left");
 }
 
-/// (4.8) as printed: `α < 1` holds wherever the HIP is outside, so that the object is never left. The sign is the thesis' slip.
+/// (4.8) as printed: `α < 1` holds wherever the HIP is outside, so the contact never ends. The sign is an error in the thesis.
 #[test]
 fn equation_4_8_as_printed_never_ends_a_contact() {
     for out in [0.1, 1.0, 10.0, 1000.0] {

@@ -1,4 +1,5 @@
-//! The loop of the page of three axes is that of the thesis' comparison: the same hand gives the same forces, bit for bit.
+//! The simulation loop of the web page on three axes equals that of the thesis' comparison: the same hand gives the same forces,
+//! bit for bit.
 
 use touchstone_control::{GuardSettings, LawKind, Si};
 use touchstone_lab::thesis::space::{

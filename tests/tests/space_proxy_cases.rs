@@ -1,4 +1,5 @@
-//! The cases that a proxy has to pass, each by its number; the second is Fig. 4.5, in `space_surface_points`.
+//! The cases that a proxy (surface point of the HIP) has to pass, each by its number. The second is Fig. 4.5, in
+//! `space_surface_points`.
 
 use touchstone_control::LawKind;
 use touchstone_control::space::Magnitude;
@@ -12,7 +13,7 @@ use touchstone_tests::surface_path::{
     RATIO, ROUNDING, along, inside, largest_turn, plane, restricted, thin,
 };
 
-/// Thinner than the 0.48 mm that 12 N press into 25 N/mm.
+/// A plate that is thinner than the 0.48 mm by which 12 N press into 25 N/mm.
 #[test]
 fn proxy_case_1_no_pop_through_a_thin_plate() {
     let press = [[3.0, 2.0, 1.0], [3.0, 2.0, -0.6], [4.0, -2.0, -0.6]];
@@ -97,8 +98,8 @@ fn proxy_case_3_in_a_concave_corner_it_lies_on_the_crease() {
     }
 }
 
-/// Around an edge at 0.3 mm below both faces. The cone keeps the first face until the way out through it is `1/sin` of
-/// the cone's angle times that through the other.
+/// The HIP goes around an edge at 0.3 mm below both faces. The cone keeps the first face until the way out through that face is
+/// `1/sin` of the cone's angle times the way out through the other.
 #[test]
 fn proxy_case_4_over_a_convex_edge_the_force_turns_continuously() {
     let edge = Edge::new([
@@ -148,7 +149,7 @@ fn proxy_case_4_over_a_convex_edge_the_force_turns_continuously() {
     assert!(largest_turn(&along(Rule::Closest, &edge, &path, 470)) > 1.5);
 }
 
-/// Faces of a convex body; two of the top's halves are coplanar.
+/// Faces of a convex body, of which two on the top are coplanar.
 #[test]
 fn proxy_case_5_a_seam_between_coplanar_faces_is_not_felt() {
     let top = plane(Direction::along(2, false), 0.0);
@@ -162,7 +163,7 @@ fn proxy_case_5_a_seam_between_coplanar_faces_is_not_felt() {
     }
 }
 
-/// A pyramid of this many faces with its apex at the origin.
+/// A pyramid with this many faces and its apex at the origin.
 fn pyramid(faces: u32) -> Vec<Plane<F>> {
     (0..faces)
         .map(|i| {
@@ -243,7 +244,7 @@ fn proxy_case_7_degenerate_and_duplicate_faces_change_no_bit() {
     ));
 }
 
-/// 5 mm in a tick through a plate of 0.2 mm: by the HIP, or by the plate that moves. (No object here turns over.)
+/// 5 mm in a tick through a plate of 0.2 mm, by the HIP or by a moving plate. No object in this test turns over.
 #[test]
 fn proxy_case_8_faster_than_it_is_thick() {
     for rule in [Rule::Closest, restricted()] {

@@ -1,4 +1,4 @@
-//! Where the force points: Figs. 4.3 to 4.5, and the bound on how fast a restricted point turns.
+//! Directions of the force: Figs. 4.3 to 4.5 of the thesis, and the bound on how fast a restricted surface point turns.
 
 use touchstone_control::space::environment::{Corner, Cuboid, Cylinder, Edge, Shape, Sphere};
 use touchstone_control::space::{Direction, Rule, Surface, SurfacePoint, Turn};
@@ -15,7 +15,7 @@ fn block() -> Cuboid<F> {
     }
 }
 
-/// Into the box from above 3 mm from its right face, and on until that face is closer.
+/// A path into the box from above, 3 mm from its right face, and on until that face is the closer one.
 const TOWARDS_AN_EDGE: [[f64; 3]; 3] = [[17.0, 0.0, 21.0], [17.0, 0.0, 18.0], [19.5, 0.0, 15.0]];
 
 #[test]
@@ -58,7 +58,8 @@ fn figure_4_4_the_point_of_penetration_pulls_back() {
     );
 }
 
-/// Fig. 4.5, and case 2 of the proxy: pressed towards an edge, the force stays on the face through which the HIP came in.
+/// Fig. 4.5, and case 2 of the proxy: while the HIP is pressed towards an edge, the force stays on the face through which it came
+/// in.
 #[test]
 fn figure_4_5_and_proxy_case_2_a_restricted_point_does_not_jump() {
     let touches = along(restricted(), &block(), &TOWARDS_AN_EDGE, 300);
@@ -158,7 +159,7 @@ fn a_restricted_point_turns_by_at_most_its_cone() {
     }
 }
 
-/// Against an independent search: the closest surface point of each object, and the exit along a direction, in floats.
+/// Closest surface point and exit along a direction of each object are compared with an independent search in floating point.
 #[test]
 fn depths_are_those_of_the_signed_distance() {
     let mut random = Random::new(77);

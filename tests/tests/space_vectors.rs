@@ -1,4 +1,5 @@
-//! Lengths, directions, shares and limits of vectors keep their stated errors, for hard and random vectors, and no vector divides by zero.
+//! Lengths, directions, fractions and limits of vectors keep their documented errors, for difficult and random vectors, and no
+//! vector causes a division by zero.
 
 use touchstone_control::space::number::Spatial;
 use touchstone_control::space::{Direction, Turn, Vector};
@@ -12,7 +13,7 @@ fn position(bits: Words) -> Vector<Position<F>> {
     Vector(bits.map(|b| Position(fixed::types::I8F24::from_bits(b))))
 }
 
-/// Vectors with parts at every power of two and its neighbours, and random ones of all lengths.
+/// Vectors with components at every power of two and its neighbours, and random ones of all lengths.
 fn vectors() -> Vec<Words> {
     let mut parts = vec![0, i32::MAX, i32::MIN, i32::MIN + 1];
     for bit in [0, 1, 5, 11, 15, 16, 23, 24, 29, 30] {
@@ -36,7 +37,7 @@ fn vectors() -> Vec<Words> {
     all
 }
 
-/// The sum of squares, exactly.
+/// The exact sum of the components' squares.
 fn squares(v: Words) -> u128 {
     v.iter().map(|x| u128::from(x.unsigned_abs()).pow(2)).sum()
 }
@@ -114,7 +115,7 @@ fn a_limited_vector_is_within_the_limit_and_keeps_its_direction() {
     }
 }
 
-/// Every vector of 8 bits: the same source, without exception.
+/// Tests every vector of 8 bits; the source is that of the other formats.
 #[test]
 fn every_direction_of_8_bits() {
     for x in i8::MIN..=i8::MAX {

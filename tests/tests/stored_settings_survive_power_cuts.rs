@@ -1,5 +1,4 @@
-//! The settings in flash: a cut of power at any write or erase loses only that write, and damaged settings are
-//! refused.
+//! Settings in flash: a power cut during any write or erase loses only that write, and damaged settings are refused.
 
 use touchstone_control::Si;
 use touchstone_drive::wire::checked;
@@ -13,9 +12,9 @@ use touchstone_protocol::{
 use touchstone_tests::flash::Flash;
 use touchstone_tests::random::Random;
 
-/// Pages of settings on the boards.
+/// Number of flash pages for settings on the boards.
 const PAGES: usize = 8;
-/// Enough to go through all pages, and again.
+/// Number of saves: enough to go through all pages more than once.
 const SAVES: u16 = 200;
 const BOARD: Board = Board::NucleoG474re;
 
@@ -23,14 +22,14 @@ fn check(settings: &DeviceSettings) -> Result<(), SettingsError> {
     checked(settings, BOARD)
 }
 
-/// Settings that differ from all others.
+/// Settings that differ from those of every other number.
 fn settings(number: u16) -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(BOARD);
     settings.wall.k_desired_n_m_per_rad = Si::from_num(number);
     settings
 }
 
-/// Data for the start that are kept with the settings.
+/// Data for the next start that are stored with the settings.
 fn kept(number: u16) -> KeptStart {
     KeptStart {
         alignment: Some(KeptAlignment::new(
@@ -43,7 +42,7 @@ fn kept(number: u16) -> KeptStart {
     }
 }
 
-/// The map of the cogging, of every second one.
+/// The cogging map that is stored with the settings; every second number has one.
 fn cogging(number: u16) -> Option<KeptCogging> {
     let part = |order| CoggingHarmonic {
         order,
@@ -79,7 +78,8 @@ fn load(flash: &mut Flash) -> Start {
     flash::load(flash, pages, DeviceSettings::defaults(BOARD), &check)
 }
 
-/// The number of the settings in flash, 0 for none; nothing else is ever found. Refused are only the remains of a first write.
+/// The number of the settings in flash, 0 for none. Asserts that nothing else is found, and that only the remains of a first write
+/// are refused.
 fn number_in(flash: &mut Flash) -> u16 {
     let start = load(flash);
     if start.settings == DeviceSettings::defaults(BOARD) {
@@ -167,7 +167,7 @@ fn what_is_damaged_is_refused_and_can_be_written_over() {
     }
 }
 
-/// An image with a right CRC around any content.
+/// An image with a correct CRC around any content.
 fn sealed(content: &[u8]) -> Vec<u8> {
     let sum = touchstone_protocol::frame::crc_of(content);
     [content, &sum.to_le_bytes()].concat()

@@ -1,8 +1,7 @@
-//! The thesis' comparison (§5.1), cell by cell: three grips, encoders of 16,384 and 40,000 counts, default parameters.
+//! The thesis' comparison (§5.1), cell by cell: three grips, encoders of 16,384 and 40,000 counts per turn, default parameters.
 //!
-//! The bounds are those of `docs/figures.md`. A verdict below [`Verdict::LimitCycle`] means that the knob comes to
-//! rest within four encoder counts in every hold. [`Verdict::Active`] then says that the user's port gave energy, and is no
-//! instability.
+//! The bounds are those of `docs/figures.md`. A verdict below [`Verdict::LimitCycle`] means that the knob comes to rest within four
+//! encoder counts in every hold. [`Verdict::Active`] then means that the wall gave energy at some time; it is no instability.
 
 use touchstone_control::LawKind;
 use touchstone_lab::thesis::{BEYOND, COUNTS, GRIPS, cell};
@@ -20,7 +19,7 @@ fn at(law: LawKind, k_desired: f64, grip: Grip, counts: u32) -> Summary {
     run::run(&scene, false).unwrap().summary
 }
 
-/// One law at one stiffness for every grip and encoder.
+/// Results of one law at one stiffness for every grip and encoder.
 fn all(law: LawKind, k_desired: f64) -> Vec<Summary> {
     let mut runs = Vec::new();
     for counts in COUNTS {

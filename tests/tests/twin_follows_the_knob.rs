@@ -1,5 +1,5 @@
-//! The model beside a device computes its force bit for bit from the telemetry, whatever the law remembers; and gives
-//! nothing where it cannot know.
+//! A simulated copy beside a device calculates the device's force bit for bit from the telemetry, whatever the law remembers. It
+//! gives no force where telemetry is missing.
 
 use touchstone_control::Si;
 use touchstone_drive::DeviceSettings;

@@ -1,5 +1,5 @@
-//! Velocity filters compared with closed forms: ramps, noise, the Riccati equation, and the adaptive window as its
-//! authors write it; in every number format.
+//! Velocity filters compared with closed forms in every number format: ramps, noise, the Riccati equation, and the adaptive window
+//! in its authors' form.
 
 use touchstone_control::velocity::{LONGEST_WINDOW, Velocity, VelocityState};
 use touchstone_control::{
@@ -29,14 +29,14 @@ fn velocity<N: Reported>(from: VelocityKind, count: f64) -> Velocity<N> {
         .expect("a filter of its own")
 }
 
-/// Displacements per tick that a filter makes of a path.
+/// Displacements per tick that a filter calculates from a path.
 fn over<N: Reported>(from: VelocityKind, count: f64, path: impl Iterator<Item = f64>) -> Vec<f64> {
     let (filter, mut state) = (velocity::<N>(from, count), VelocityState::default());
     path.map(|x| filter.tick(&mut state, Position::from_f64(x)).to_f64())
         .collect()
 }
 
-/// The steady Kalman gains of white noise `lambda` as large, by iterating the Riccati equation.
+/// Steady Kalman gains for white noise of relative size `lambda`, from iterating the Riccati equation.
 fn riccati(order: usize, lambda: f64) -> [f64; 3] {
     let free = [[1.0, 1.0, 0.5], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]];
     let driven = [0.5, 1.0, if order == 3 { 1.0 } else { 0.0 }];
@@ -137,7 +137,7 @@ fn of_white_noise_remains_what_the_closed_form_says() {
     }
 }
 
-/// The window as the paper writes it: grow while every position between lies within `d` of the line through both ends.
+/// The window as its paper defines it: it grows while every position in between lies within `d` of the line through both ends.
 fn window_as_published(past: &[i64], d: i64, longest: usize) -> (i64, i64) {
     let now = past[past.len() - 1];
     let at = |back: usize| {
@@ -217,8 +217,8 @@ fn a_slow_ramp_of_counts_is_quieter_than_its_difference() {
     }
 }
 
-/// Rounding error of the velocity in fixed point. A part is cut at 2^-28, half a step of a weight is 2^-27, and each
-/// error of a state lives on as long as the filter remembers.
+/// Bound of the rounding error of the velocity in fixed point. A part is cut at 2^-28, half a quantum of a weight is 2^-27, and
+/// each error of a state persists for as long as the filter remembers.
 fn rounding(from: VelocityKind, surprise: f64) -> f64 {
     let (cut, half_step) = (2f64.powi(-28), 2f64.powi(-27));
     let gains = match velocity::<f64>(from, COUNT) {

@@ -1,6 +1,5 @@
-//! A motor that is driven by voltage, for want of current sensors: its torque, its errors, and the faults that go
-//! unnoticed. `cargo test -p touchstone-tests --test voltage_mode -- --nocapture` prints the figures of
-//! docs/voltage-mode.md.
+//! A motor that is driven by voltage because there are no current sensors: its torque, its errors, and the faults that go
+//! unnoticed. `cargo test -p touchstone-tests --test voltage_mode -- --nocapture` prints the figures of docs/voltage-mode.md.
 
 use touchstone_control::Si;
 use touchstone_drive::change::ChangeConfig;
@@ -19,7 +18,7 @@ use touchstone_world::plant::{BareLinear, Device, HeldLinear, MEDIUM, State as M
 
 const BOARD: Board = Board::NucleoG474reSimplefocMini;
 
-/// The small gimbal motor with a transistor of the driver.
+/// The small gimbal motor; its resistance includes a transistor of the driver.
 const MOTOR: MotorParameters = MotorParameters {
     resistance_ohm: 5.53,
     inductance_h: 1.05e-3,
@@ -34,7 +33,7 @@ const KNOB: Device = Device {
     friction: None,
 };
 
-/// Settings with the motor's values as a person enters them.
+/// Settings with the motor's values as a user enters them.
 fn told() -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(BOARD);
     settings.motor.resistance_ohm = Si::lit("5.53");
@@ -61,7 +60,7 @@ impl Tamper for Supply {
     }
 }
 
-/// Loop, bridge and motor; the command is given by hand.
+/// Current loop, bridge and motor; the test itself gives the command.
 struct Bare {
     current: CurrentLoop,
     rig: Rig<BareLinear>,
@@ -91,7 +90,7 @@ impl Bare {
         }
     }
 
-    /// Runs one PWM period, with a new command from the true angle once in 20; returns the mean torque, N·m.
+    /// Runs one PWM period, with a new command from the true angle in every 20th; returns the mean torque, N·m.
     fn period(&mut self, q: f64) -> f64 {
         if self.periods.is_multiple_of(20) {
             let now = self.rig.now();
@@ -128,7 +127,7 @@ impl Bare {
         (halves[0] + halves[1]) / 2.0
     }
 
-    /// The torque of a commanded current on a held shaft, N·m.
+    /// Torque at a commanded current on a held shaft, N·m.
     fn held(&mut self, q: f64) -> f64 {
         for _ in 0..100 {
             self.period(q);
@@ -192,7 +191,7 @@ fn a_step_of_the_torque_is_a_count_of_the_timer() {
     assert!(rms > 0.05 * count, "nothing is rounded: {rms}");
 }
 
-/// The damping that a knob shows, N·m·s/rad, from its speed now and 30 ms later.
+/// Damping of a free knob in N·m·s/rad, from its falling speed at two instants 30 ms apart.
 fn damping(motor: MotorParameters, drives: bool) -> f64 {
     let mut bare = Bare::new(motor, &KNOB, 12.0);
     if !drives {
@@ -336,8 +335,8 @@ fn a_computed_current_trips_and_a_real_one_does_not() {
     assert!(largest > 5.0, "{largest}");
 }
 
-/// A hand goes to and fro about the surface for four seconds, at 3 Hz. Returns the most energy that the motor gave
-/// back after any moment, and the same for the wanted force, mJ.
+/// A hand moves to and fro about the surface for four seconds, at 3 Hz. Returns the most energy in mJ that the motor gave back from
+/// any moment on, and the same for the requested force.
 fn given_back(factor: f64) -> [f64; 2] {
     let plant = HeldLinear::new(&KNOB, &MEDIUM, PERIOD_S / 2.0).unwrap();
     let mut settings = told();

@@ -1,10 +1,11 @@
-//! The measures of a whole run against closed forms: a spring in f64 whose stiffness and lag are known.
+//! The measures of a whole run compared with closed forms, for a spring in f64 with known stiffness and lag.
 
 use touchstone_sim::run::record::{Summary, Verdict};
 use touchstone_sim::run::{self};
 use touchstone_tests::thesis;
 
-/// A hand that moves at 4 Hz inside a spring of 0.5 N·m/rad, half of what this knob is stable with; no encoder, no friction.
+/// A hand that moves at 4 Hz inside a spring of 0.5 N·m/rad, half of the largest stable stiffness of this knob; no encoder, no
+/// friction.
 fn spring(delay_s: f64) -> Summary {
     let mut scene = thesis("press-wiggle-release")
         .with_overrides(&[
