@@ -79,39 +79,39 @@ macro_rules! table {
     };
 }
 table!(
-    /// Table of products of settings.
+    /// Table of recorded answers for products of settings.
     products, 16, any
 );
 table!(
-    /// Table of quotients of settings.
+    /// Table of recorded answers for quotients of settings.
     quotients, 12, any
 );
 table!(
-    /// Table of products of numbers with 56 fractional bits.
+    /// Table of recorded answers for products of numbers with 56 fractional bits.
     long_products, 12, nth
 );
 table!(
-    /// Table of quotients of numbers with 56 fractional bits.
+    /// Table of recorded answers for quotients of numbers with 56 fractional bits.
     long_quotients, 3, nth
 );
 table!(
-    /// Table of ratios of two settings.
+    /// Table of recorded answers for ratios of two settings.
     ratios, 4, nth
 );
 table!(
-    /// Table of `V`: how far a displacement per tick moves the device in a time.
+    /// Table of recorded answers for `V`: how far a displacement per tick moves the device in a time.
     reaches, 5, nth
 );
 table!(
-    /// Table of `X`: how far the hand's push moves the device in a time.
+    /// Table of recorded answers for `X`: how far the hand's push moves the device in a time.
     drifts, 5, nth
 );
 table!(
-    /// Table of products of a weight and a part of a state.
+    /// Table of recorded answers for products of a weight and a part of a state.
     weights, 10, any
 );
 table!(
-    /// Table of square roots.
+    /// Table of recorded answers for square roots.
     roots, 1, nth
 );
 
@@ -248,15 +248,16 @@ macro_rules! flows {
     };
 }
 flows!(
-    /// Table of the estimator's predictions (state transitions) over one tick.
+    /// Table of recorded answers for the estimator's predictions (state transitions) over one tick.
     over_ticks, 9
 );
 flows!(
-    /// Table of the estimator's predictions (state transitions) from a sample to the time when the next command acts.
+    /// Table of recorded answers for the estimator's predictions (state transitions) from a sample to the time when the next
+    /// command acts.
     aheads, 7
 );
 flows!(
-    /// Table of the estimator's correction gains.
+    /// Table of recorded answers for the estimator's correction gains.
     corrections, 3
 );
 fn told_of(device: &DeviceInTicks) -> [i64; 3] {

@@ -39,9 +39,9 @@ pub trait Format: Number {
     const HIGHEST: Self::Signal;
     /// Number of fractional bits of a signal (position or force).
     const SIGNAL_BITS: u32;
-    /// Integer type of four times the width. It is no wider, as each further bit costs a solver much time.
+    /// Integer type of four times the width of a signal. It is no wider, as each further bit costs a solver much time.
     type Exact: Exact;
-    /// Converts bits to that integer type of four times the width.
+    /// Converts bits to that wide integer type.
     fn exact(bits: i64) -> Self::Exact;
     /// A position with any bits, from the source of inputs.
     fn any_position<S: Source>(s: &mut S) -> Position<Self>;

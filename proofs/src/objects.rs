@@ -196,7 +196,7 @@ property! {
     }
 }
 
-/// Largest sideways error of a normal at a cylinder's rim, over the distance from the rim, in quanta.
+/// Largest sideways error of the point to which a normal at a cylinder's rim leads, in quanta.
 const RIM: f64 = 2.5;
 /// Step between the sizes of cylinders, in quanta.
 const STEP: i64 = 3;

@@ -134,8 +134,8 @@ fn what_a_scene_does_not_name_costs_no_instruction() {
     );
 }
 
-/// Instructions that a stage may cost beyond its own calculation. They are two calls (to the stage and to the inner part) and the
-/// check whether it changed the torque, which is reported to estimator and guard.
+/// Instructions that a stage may cost beyond its own calculation. They are two calls (of the stage, and by the stage of the loop
+/// inside it) and the check whether it changed the torque, which is reported to estimator and guard.
 const STAGE: f64 = 32.0;
 
 /// Every column of a run's trace, as bits.
