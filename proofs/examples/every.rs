@@ -1,6 +1,8 @@
 //! Tries all inputs of properties that have few enough: `every [NAME]`, `every --list`.
 //!
-//! Products and a root on three axes at 8 bits are too hard for the solvers, and have no more than 2^32 inputs. For quotients with 2^24 inputs, solvers take longer than trying each input. The body that runs here is the one that every test samples, compiled with overflow checks and debug assertions (`--profile every`). So at this width it is a proof that needs no solver.
+//! Products and a root on three axes at 8 bits are too hard for the solvers, and have no more than 2^32 inputs. For quotients with
+//! 2^24 inputs, solvers take longer than trying each input. The body that runs here is the one that every test samples, compiled
+//! with overflow checks and debug assertions (`--profile every`). So at this width it is a proof that needs no solver.
 //!
 //! ```text
 //! cargo xtask prove --every

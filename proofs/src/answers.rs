@@ -1,5 +1,5 @@
 //! Tables of answers that replace arithmetic under the model checker. Each question (of settings, of the estimator's 56-bit
-//! numbers, of flows of a device) gets any answer, and an equal question gets the same answer.
+//! numbers, of predictions of a device) gets any answer, and an equal question gets the same answer.
 
 use crate::spec::estimator_settings::Device;
 use crate::spec::settings::MOST;
@@ -79,39 +79,39 @@ macro_rules! table {
     };
 }
 table!(
-    /// Table of products of settings.
+    /// Table of recorded answers for products of settings.
     products, 16, any
 );
 table!(
-    /// Table of quotients of settings.
+    /// Table of recorded answers for quotients of settings.
     quotients, 12, any
 );
 table!(
-    /// Table of products of numbers with 56 fractional bits.
+    /// Table of recorded answers for products of numbers with 56 fractional bits.
     long_products, 12, nth
 );
 table!(
-    /// Table of quotients of numbers with 56 fractional bits.
+    /// Table of recorded answers for quotients of numbers with 56 fractional bits.
     long_quotients, 3, nth
 );
 table!(
-    /// Table of ratios of two settings.
+    /// Table of recorded answers for ratios of two settings.
     ratios, 4, nth
 );
 table!(
-    /// Table of `V`: how far a displacement per tick moves the device in a time.
+    /// Table of recorded answers for `V`: how far a displacement per tick moves the device in a time.
     reaches, 5, nth
 );
 table!(
-    /// Table of `X`: how far the hand's push moves the device in a time.
+    /// Table of recorded answers for `X`: how far the hand's push moves the device in a time.
     drifts, 5, nth
 );
 table!(
-    /// Table of products of a weight and a part of a state.
+    /// Table of recorded answers for products of a weight and a part of a state.
     weights, 10, any
 );
 table!(
-    /// Table of square roots.
+    /// Table of recorded answers for square roots.
     roots, 1, nth
 );
 
@@ -168,7 +168,7 @@ pub fn specified_over(a: Int, b: Int) -> Int {
     let answer = quotient(double(a), double(b));
     if b <= 0 { MOST } else { answer.into() }
 }
-/// For `saturating_div` of settings.
+/// Replaces `saturating_div` of settings under the model checker: gives any answer, and the same for the same question.
 pub fn saturating_div<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> FixedI64<Frac> {
     assert!(b.to_bits() != 0, "nothing is divided by zero");
     FixedI64::from_bits(quotient(a.to_bits(), b.to_bits()))
@@ -208,8 +208,8 @@ pub fn specified_integrals(loss: Int, time: Int) -> (Int, Int) {
         drifts::ask(loss, time).into(),
     )
 }
-/// Defines answers for a flow of a device or for its correction: any words, or `None`. For an equal device, the specification gets
-/// the code's answer.
+/// Defines answers for a prediction of a device or for its correction: any words, or `None`. For an equal device, the specification
+/// gets the code's answer.
 macro_rules! flows {
     ($(#[doc = $doc:literal])* $module:ident, $words:literal) => {
         $(#[doc = $doc])*
@@ -248,15 +248,16 @@ macro_rules! flows {
     };
 }
 flows!(
-    /// Table of flows over one tick.
+    /// Table of recorded answers for the estimator's predictions (state transitions) over one tick.
     over_ticks, 9
 );
 flows!(
-    /// Table of flows from a sample to the time when the next command acts.
+    /// Table of recorded answers for the estimator's predictions (state transitions) from a sample to the time when the next
+    /// command acts.
     aheads, 7
 );
 flows!(
-    /// Table of the estimator's correction gains.
+    /// Table of recorded answers for the estimator's correction gains.
     corrections, 3
 );
 fn told_of(device: &DeviceInTicks) -> [i64; 3] {
@@ -265,7 +266,7 @@ fn told_of(device: &DeviceInTicks) -> [i64; 3] {
 fn specified_of(device: &Device) -> [i64; 3] {
     [device.loss, device.per_torque, device.delay].map(double)
 }
-/// A flow made of words: the low half of each number is one coefficient.
+/// The coefficients of a prediction (state transition), made of the low half of each given number.
 fn of_words<N: Number, const COMMANDS: usize>(words: &[i64]) -> Flow<N, COMMANDS> {
     let weight = |i: usize| {
         let long = Exact::from_bits(i64::from(words[i] as i32) << 30);

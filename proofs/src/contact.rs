@@ -190,9 +190,9 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): friction sticks to its anchor while the stretch is at most what the normal force holds. Beyond that it
-    /// slides, cut to the kinetic limit, and sticks again below three quarters of it. It pulls against the stretch; without a
-    /// normal force nothing is kept.
+    /// P4 (geometry): friction sticks to its anchor while the stretch (distance from the anchor) is at most what the normal force
+    /// holds. Beyond that it slides, cut to the kinetic limit, and sticks again below three quarters of it. It pulls against the
+    /// stretch; without a normal force nothing is kept.
     equation "z = x - anchor; slides: |z| > s f_n; cut to k f_n where longer; F = -k z towards zero"
     over "reaches of 4 bits, stiffness of 3 bits, normal force of 3 bits; a place of 4 bits along one axis and of 3 along another, eight times as large, from rest and slid"
     by sampled fn p4_friction_sticks_and_slides(s) {
@@ -249,8 +249,8 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): where the surface turns, the stretch of friction is turned into the new tangent plane and does not get
-    /// longer; the anchor follows.
+    /// P4 (geometry): where the surface turns, the stretch of friction (distance from its anchor) is turned into the new tangent
+    /// plane and does not get longer; the anchor follows.
     equation "|z'| <= |z|, z' = z - (n·z) n to 3 quanta, z' = x - anchor' to 3 quanta"
     over "normals of 3 bits along two axes, a stretch of 4 bits along two axes, four times as large, the HIP at rest"
     by sampled fn p4_friction_turns(s) {

@@ -1,10 +1,12 @@
-//! A device's control tick, from the readings to the drive's command. Whatever its parts answer, the code asks them the same questions as its specification and calculates the same from the answers. Samples run six ticks in a row with the real parts.
+//! A device's control tick, from the readings to the drive's command. Whatever its parts answer, the code asks them the same
+//! questions as its specification and calculates the same from the answers. Samples run six ticks in a row with the real parts.
 //!
 //! ```text
 //! output, memory = spec(memory, input, answers)     p11_control_tick
 //! ```
 //!
-//! Many of the parts have harnesses of their own: the counter (`device::p9_*`), the fault machine (`device::p10_*`), count to penetration (`settings::p6_penetration*`), law and guard (`refines`), the torque that fades in and its current (`drive::p4_*`).
+//! Many of the parts have harnesses of their own: the counter (`device::p9_*`), the fault machine (`device::p10_*`), count to
+//! penetration (`settings::p6_penetration*`), law and guard (`refines`), the torque that fades in and its current (`drive::p4_*`).
 
 use crate::device::{any_command, any_context, any_state};
 use crate::source::Source;
@@ -338,8 +340,9 @@ replaced_property! {
     (touchstone_control::Controller::is_beyond_reach, crate::device_parts::is_beyond_reach)
     (touchstone_drive::device::torque_of, crate::device_parts::torque)
     (<touchstone_drive::command::AnyDrive as touchstone_drive::command::Drive>::command, crate::device_parts::command)]
-    /// P11 (refinement): a control tick is its specification, from the reading to the drive's command, with the whole memory. Code
-    /// and specification ask the parts the same questions, whatever these answer. Law and supervisor are asked in the same order.
+    /// P11 (refinement): a control tick equals its specification, from the reading to the drive's command, with the whole memory.
+    /// Code and specification ask the parts the same questions, whatever these answer. Law and supervisor are asked in the same
+    /// order.
     equation "output, memory = spec(memory, input, answers); on => armed or calibrating, no fault, a good reading"
     over "memory, input and command, settings that wait; three phases or analogue, steps of fading in, force limits; without a measurement; under the checker one tick, whatever the parts answer, by samples six of the parts as they are"
     by minisat fn p11_control_tick(s) {

@@ -36,12 +36,12 @@ static HISTORY: AtomicUsize = AtomicUsize::new(1);
 static DIFFERS: AtomicUsize = AtomicUsize::new(0);
 static OF_CODE: AtomicUsize = AtomicUsize::new(0);
 
-/// Marks that the following calls come from the specification.
+/// Marks that the questions from now on come from the specification, not from the code.
 pub fn of_specification() {
     OF_CODE.store(HISTORY.swap(1, Relaxed), Relaxed);
     SPECIFIES.store(1, Relaxed);
 }
-/// Whether the specification has asked exactly the same questions, and made the same changes in the same order.
+/// Whether the specification has asked exactly the same questions as the code, and made the same changes in the same order.
 #[must_use]
 pub fn end() -> bool {
     let open = [

@@ -1,13 +1,19 @@
-//! Division and roots for the model checker at 32 bits: any result that has the known facts, and the same result for the same question.
+//! Division and roots for the model checker at 32 bits: any result that has the known facts, and the same result for the same
+//! question.
 //!
-//! A quotient is here any number that has the facts of [`facts`], as a product is in [`crate::multiplied`]. The specification's next question gets the code's answer if it is the same question. The part of the dividend that the quotient accounts for is a product with the facts of products. A `divided_property!` replaces divisions and roots of code and specification by the functions of this file, and products by those of [`crate::multiplied`].
+//! A quotient is here any number that has the facts of [`facts`], as a product is in [`crate::multiplied`]. The specification's
+//! next question gets the code's answer if it is the same question. The part of the dividend that the quotient accounts for is a
+//! product with the facts of products. A `divided_property!` replaces divisions and roots of code and specification by the
+//! functions of this file, and products by those of [`crate::multiplied`].
 //!
 //! ```text
 //! q b <= a, a - q b < b, and q < 2^31 where a < 2^31 b     p3_quotient, obligations/check.py
 //! r < 2^31 where r^2 <= x < 2^62                           p3_root, obligations/check.py
 //! ```
 //!
-//! That the code's operations have these facts is proved by `heart::p1_divide`, `p1_affordable`, `p6_quotient` and `p5_root_digit`, and for signed numbers by `edges::p1_edge_*` and `p6_edge_divide`. That the reciprocal gives the same is shown in `control/src/reciprocal.rs`. Settings are divided in 128 bits; of those quotients a proof uses only the sign.
+//! That the code's operations have these facts is proved by `heart::p1_divide`, `p1_affordable`, `p6_quotient` and `p5_root_digit`,
+//! and for signed numbers by `edges::p1_edge_*` and `p6_edge_divide`. That the reciprocal gives the same is shown in
+//! `control/src/reciprocal.rs`. Settings are divided in 128 bits; of those quotients a proof uses only the sign.
 
 use crate::{cover, property};
 #[cfg(kani)]
@@ -122,7 +128,7 @@ pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Fi
     FixedI64::from_bits(any)
 }
 
-/// The known facts of quotients and roots.
+/// The facts of quotients and roots that the model checker assumes.
 pub mod facts {
     /// The facts of a quotient, and of the part of the dividend that it accounts for. A quotient beyond a signed word has no such
     /// part.
@@ -132,7 +138,7 @@ pub mod facts {
         (quotient < 1 << 31) == fits
             && (!fits || part <= dividend && dividend - part < u64::from(divisor))
     }
-    /// The facts of a root.
+    /// Whether a result has the facts of a square root.
     #[must_use]
     pub fn is_root(radicand: u64, root: u32) -> bool {
         radicand >= 1 << 62 || root < 1 << 31

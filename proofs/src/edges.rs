@@ -14,8 +14,8 @@ macro_rules! edges {
             type N = $number;
 
             property! {
-                /// P1 (energy): the signed passivity step is the unsigned step (`heart`) of the magnitudes; negative energies and
-                /// forces count as 0.
+                /// P1 (energy): the signed passivity step is the unsigned step in [`crate::heart`] of the magnitudes; negative
+                /// energies and forces count as 0.
                 equation "(E', f') = heart(max(E, 0), max(f, 0), |d|, d >= 0)"
                 over "energy, force, displacement"
                 by $products fn p1_edge_step(s) {
@@ -36,7 +36,7 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P1 (energy): the signed retreat is the unsigned one (`heart`); negative energies count as 0.
+                /// P1 (energy): the signed retreat is the unsigned one in [`crate::heart`]; negative energies count as 0.
                 equation "(m, r) = heart(max(E, 0), |f|)"
                 over "force and stored energy"
                 by $quotients fn p1_edge_affordable(s) {
@@ -66,7 +66,7 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P1 (energy): the force that works off an energy deficit is the unsigned quotient (`heart`).
+                /// P1 (energy): the force that works off an energy deficit is the unsigned quotient in [`crate::heart`].
                 equation "|E / d| = heart(|E|, |d|)"
                 over "displacement and energy"
                 by $quotients fn p1_edge_per(s) {
@@ -83,7 +83,7 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P2 (rounding): a scaled signal keeps its sign; its magnitude is the unsigned `scale` (`heart`) of the
+                /// P2 (rounding): a scaled signal keeps its sign; its magnitude is the unsigned `scale` in [`crate::heart`] of the
                 /// magnitudes.
                 equation "|r x| = heart(|r|, |x|), sign of x"
                 over "ratio >= 0 and signal"
@@ -104,7 +104,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P6 (rounding): the quotient keeps the sign of the tension; its magnitude is the unsigned quotient (`heart`).
+                /// P6 (rounding): the quotient keeps the sign of the tension; its magnitude is the unsigned quotient in
+                /// [`crate::heart`].
                 equation "|p / k| = heart(|p|, |k|), sign of p"
                 over "stiffness above 0 and tension"
                 by $quotients fn p6_edge_divide(s) {

@@ -170,7 +170,8 @@ macro_rules! enhanced {
             }
             property! {
                 /// P1 (energy), hand-over: the virtual mass starts with no more energy than the contact has. The coupling's stored
-                /// energy is subtracted; if the energy does not cover a stretch, the stretch is 0. The energy is not negative.
+                /// energy is subtracted; if the energy does not cover the coupling's stretch, the mass starts without a stretch.
+                /// The energy is not negative.
                 equation "0 <= E' <= max(E, 0)"
                 over "valid configuration, memory at the end of a first contact, any energy up to the cap"
                 by $solver fn p1_hand_over(s) {

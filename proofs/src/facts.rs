@@ -346,7 +346,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `DivideBy`: a quotient by a prepared divisor is 0 or has the dividend's sign.
+        /// P3 (arithmetic): `Fixed32` has the fact `DivideBy`: a quotient by a prepared divisor (stored reciprocal) is 0 or has the
+        /// dividend's sign.
         equation "sign(p / k) = sign(p) or 0"
         over "double word and word"
         by kissat fn p3_fact_divide_by(s) {

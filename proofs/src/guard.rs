@@ -1,6 +1,7 @@
 //! The energy guard: one tick from every memory, for every configuration that `Guard::new` can give.
 //!
-//! That the guard's account is a lower bound of the true energy account is proved on paper, in `docs/energy-guard.md`. The properties here prove that the code keeps that account: the sum, its limits, the reserve, and the bound on the force.
+//! That the guard's account is a lower bound of the true energy account is proved on paper, in `docs/energy-guard.md`. The
+//! properties here prove that the code keeps that account: the sum, its limits, the reserve, and the bound on the force.
 //!
 //! ```text
 //! f D <= A  if  D/reach <= 1      p1_force_is_paid
@@ -25,7 +26,7 @@ pub fn room<N: Format>(x: &Position<N>) -> bool {
     *x >= Position::zero() && N::of_signal(x.0) <= quarter::<N>()
 }
 
-/// The product of two signed words.
+/// The exact product of two signed words of the format.
 pub fn times<N: Format>(a: i64, b: i64) -> N::Exact {
     N::exact(a) * N::exact(b)
 }

@@ -238,7 +238,7 @@ pub mod root8 {
     }
 }
 
-/// Quotients by a prepared divisor, which is used for many dividends.
+/// Quotients by a prepared divisor (stored reciprocal), which is used for many dividends.
 pub mod reciprocal {
     use super::*;
     use fixed::FixedI32;
@@ -246,8 +246,8 @@ pub mod reciprocal {
     use touchstone_control::{Fixed32, Number};
 
     property! {
-        /// P3/P6: the quotient by a prepared divisor is the plain quotient, for every dividend and divisor at 8 bits. All inputs
-        /// are tried, as a solver takes longer for two divisions and a product.
+        /// P3/P6: the quotient by a prepared divisor (stored reciprocal) is the plain quotient, for every dividend and divisor at 8
+        /// bits. All inputs are tried, as a solver takes longer for two divisions and a product.
         equation "q = min(floor(n / d), highest)"
         over "word and double word"
         by sampled fn p6_reciprocal_8(s) {
@@ -261,8 +261,8 @@ pub mod reciprocal {
         }
     }
     property! {
-        /// P3/P6: the quotient by a prepared divisor is the plain quotient, on samples at 32 bits. `obligations/` proves its
-        /// arithmetic over the integers.
+        /// P3/P6: the quotient by a prepared divisor (stored reciprocal) is the plain quotient, on samples at 32 bits.
+        /// `obligations/` proves its arithmetic over the integers.
         equation "q = min(floor(n / d), highest)"
         over "double word and word"
         by sampled fn p6_reciprocal_32(s) {

@@ -1,6 +1,7 @@
 //! Virtual objects at 8 bits: closest surface point, and way out in a direction. Each is compared with the surface by Pythagoras.
 //!
-//! All inputs of each object are tried (`cargo xtask prove --every objects`), as solvers cannot follow products and roots on three axes.
+//! All inputs of each object are tried (`cargo xtask prove --every objects`), as solvers cannot follow products and roots on three
+//! axes.
 //!
 //! ```text
 //! ball       R - depth = floor |v|, normal along v          p4_ball_nearest
@@ -45,7 +46,7 @@ pub(crate) fn place<S: Source>(s: &mut S, width: u32) -> [i64; 3] {
 pub(crate) fn direction<S: Source>(s: &mut S, width: u32) -> Option<Direction<N>> {
     Direction::of(vector(place(s, width)))
 }
-/// One of the six directions along the axes.
+/// A random one of the six directions along the axes.
 pub(crate) fn axis<S: Source>(s: &mut S) -> Direction<N> {
     Direction::along((s.bits(2) % 3) as usize, s.bool())
 }
@@ -56,7 +57,7 @@ pub(crate) fn squares(v: [i64; 3]) -> i64 {
 pub(crate) fn parts(u: &Direction<N>) -> [i64; 3] {
     u.0.map(N::of_signal)
 }
-/// A place relative to the centre.
+/// A place relative to [`CENTRE`], in quanta.
 fn from_centre(at: [i64; 3]) -> [i64; 3] {
     let ([x, y, z], [a, b, c]) = (at, CENTRE);
     [x - a, y - b, z - c]
@@ -195,7 +196,7 @@ property! {
     }
 }
 
-/// Largest sideways error of a normal at a cylinder's rim, over the distance from the rim, in quanta.
+/// Largest sideways error of the point to which a normal at a cylinder's rim leads, in quanta.
 const RIM: f64 = 2.5;
 /// Step between the sizes of cylinders, in quanta.
 const STEP: i64 = 3;
@@ -293,7 +294,7 @@ fn plate<S: Source>(s: &mut S, width: u32, at: u32) -> (Plate<N>, [i64; 3], [i64
     };
     (Plate { body, axis }, at, from_centre(at))
 }
-/// Whether a place is over a plate.
+/// Whether a place is over a plate, so that a way along its normal meets the plate.
 fn is_over(plate: &Plate<N>, x: [i64; 3]) -> bool {
     let half = plate.body.half.0.map(bits);
     (0..3).all(|i| i == plate.axis.min(2) || x[i].abs() <= half[i])

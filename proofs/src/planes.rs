@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! plane      depth = h - floor(n·x)                          p4_plane_nearest
-//! facets     the nearest plane; at a tie the last one        p4_facets_nearest
+//! facets     nearest plane; at a tie the last tick's         p4_facets_nearest
 //! edge       below both: the higher; else the distance       p4_edge_nearest
 //! corner     its free space is an edge                       p4_corner_nearest
 //! ```

@@ -21,7 +21,7 @@ use touchstone_control::space::{
 };
 use touchstone_control::{AnyLaw, Energy, Force, Number, Position};
 
-/// A spring that is never at its limit.
+/// A spring whose force never reaches its limit.
 fn spring(stiff: i64) -> Held<N, Spring<N>> {
     Held::new(Spring {
         desired: stiffness(stiff),
@@ -50,8 +50,8 @@ impl Along<N> for Pushes {
 }
 
 property! {
-    /// P4 (geometry): a shell with one law along the normal passes penetration and displacement to that law, and its force points
-    /// out of the object.
+    /// P4 (geometry): a three-axis law (shell) with one law along the normal passes penetration and displacement to that law, and
+    /// its force points out of the object.
     equation "F = n f(e, m)"
     over "stiffness of 3 bits, normals of 3 bits an axis, depths of 5 bits"
     by sampled fn p4_magnitude_is_the_law(s) {
@@ -89,8 +89,8 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): a shell with one law per axis passes to each the size of its part of the penetration, negative outside. Each
-    /// pushes towards the surface.
+    /// P4 (geometry): a three-axis law (shell) with one law per axis passes to each the size of its part of the penetration,
+    /// negative outside. Each pushes towards the surface.
     equation "F_i = ± f_i(|n_i| e)"
     over "stiffness of 2 bits an axis, normals of 3 bits an axis, depths of 5 bits, from outside at rest"
     by sampled fn p4_per_axis_is_three_laws(s) {

@@ -4,7 +4,7 @@
 //! The crate bolero offers the common interface as well. But its Kani engine accepts a generator that can give no value, and it
 //! cannot report whether a cover was reached. These proofs need both, and this file adds them in few lines.
 
-/// Inputs, assumptions and covers of a property.
+/// A source of a property's inputs; it also takes the property's assumptions and covers (situations to be reached).
 pub trait Source {
     /// A random or symbolic number of this many bits.
     fn bits(&mut self, bits: u32) -> u64;

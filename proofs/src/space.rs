@@ -248,8 +248,8 @@ macro_rules! space {
                 }
             }
             property! {
-                /// P4 and P7: the stretch of friction is never longer than its state (sliding or sticking) allows. Without a normal
-                /// force nothing is remembered.
+                /// P4 and P7: the stretch of friction (distance from its anchor) is never longer than its state (sliding or
+                /// sticking) allows. Without a normal force nothing is remembered.
                 equation "|z| <= reach_k f_n  or stuck and  |z| <= reach_s f_n"
                 over "configuration with kinetic at most static, any memory, position along the axes"
                 by $friction fn p4_friction(s) {
@@ -298,8 +298,8 @@ macro_rules! space {
     };
 }
 space!(
-    /// At 8 bits: all inputs are tried (`PROPERTIES` of `examples/every.rs`), or a solver proves it; across and friction are
-    /// sampled.
+    /// At 8 bits: all inputs are tried (`PROPERTIES` of `examples/every.rs`), or a solver proves the property; `across` and
+    /// `friction` are sampled.
     w8, Fixed8, unit sampled, across sampled, longer kissat, polar sampled, within sampled, work kissat, leaving sampled, friction sampled
 );
 space!(

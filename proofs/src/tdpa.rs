@@ -47,7 +47,8 @@ macro_rules! tdpa {
             }
             property! {
                 /// P1 (energy), thesis' observer: a tick inside the wall is the passivity step of the stored energy plus what the
-                /// counted damper dissipated, at most the cap. With `heart` follows `0 <= E' <= E + loss + f'·Δe`.
+                /// counted damper dissipated, at most the cap. With the properties of `heart` follows `0 <= E' <= E + loss +
+                /// f'·Δe`.
                 equation "(E', f') = step(min(E + loss, cap), k e, Δe)"
                 over "valid configuration, memory in the invariant, position inside"
                 by $step fn p1_thesis_is_the_step(s) {

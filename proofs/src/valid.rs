@@ -30,7 +30,7 @@ pub trait Valid<N: Format>: Sized {
     fn holds(&self, state: &Self::State) -> bool;
 }
 
-/// Any stiffness, on samples mostly one that is not negative.
+/// A stiffness with any bits; on samples mostly one that is not negative.
 fn any_gain<N: Format, S: Source>(s: &mut S) -> Stiffness<N> {
     one_with(s, N::any_stiffness, |k| gain_ok(*k))
 }
@@ -42,7 +42,7 @@ fn any_limit<N: Format, S: Source>(s: &mut S) -> Force<N> {
 fn any_share<N: Format, S: Source>(s: &mut S) -> Compliance<N> {
     one_with(s, N::any_compliance, |c| N::of_signal_ratio(c.0) >= 0)
 }
-/// Any energy, mostly one that is not negative and within the cap.
+/// An energy with any bits; on samples mostly one that is not negative and within the cap.
 fn any_stored<N: Format, S: Source>(s: &mut S) -> Energy<N> {
     let cap = N::energy_cap();
     one_with(s, N::any_energy, |e| *e >= Energy::zero() && *e <= cap)
@@ -305,7 +305,7 @@ pub fn augmentation_ok<N: Format>(a: &Augmentation<N>) -> bool {
         && N::of_signal_ratio(a.of_force.0) >= 0
         && N::of_signal_ratio(a.of_penetration.0) >= 0
 }
-/// Any virtual mass.
+/// A virtual mass with any coefficients.
 pub fn any_mass<N: Format, S: Source>(s: &mut S) -> VirtualMass<N> {
     let bits = |k: &Stiffness<N>| N::of_gain(k.0);
     let part = |s: &mut S| {
@@ -327,7 +327,8 @@ pub fn any_mass<N: Format, S: Source>(s: &mut S) -> VirtualMass<N> {
         by_total: Divisor::of(total),
     }
 }
-/// Whether the coefficients are not negative, their sum is at most the total, and twice the total fits the format.
+/// Whether a virtual mass is valid: its coefficients are not negative, their sum is at most the stored total, and twice the total
+/// fits the format.
 pub fn mass_ok<N: Format>(mass: &VirtualMass<N>) -> bool {
     let [inertia, stiffness, damping, total] =
         [mass.inertia, mass.stiffness, mass.damping, mass.total].map(|k| N::of_gain(k.0));

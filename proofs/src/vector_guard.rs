@@ -1,6 +1,7 @@
 //! The energy guard of three axes: its energy account is the sum over three axes, and the account covers its force.
 //!
-//! At 32 bits it is tested on samples: products on three axes are beyond the solvers even at 8 bits. At 8 bits all inputs of one configuration per property are tried (`cargo xtask prove --every vector_guard`).
+//! At 32 bits it is tested on samples: products on three axes are beyond the solvers even at 8 bits. At 8 bits all inputs of one
+//! configuration per property are tried (`cargo xtask prove --every vector_guard`).
 //!
 //! ```text
 //! B' = max(min(sum of three axes, C), R)   p1_vector_account
@@ -202,7 +203,7 @@ pub mod w32 {
     }
 }
 
-/// At 8 bits, all inputs.
+/// Properties at 8 bits, of which all inputs are tried.
 pub mod w8 {
     use super::*;
     type N = Fixed8;

@@ -103,7 +103,7 @@ property! {
     }
 }
 
-/// `floor(u·v)`, limited to the range of the format.
+/// The scalar product `floor(u·v)`, limited to the range of the format.
 fn scalar(u: Direction<N>, v: [i64; 3]) -> i64 {
     let [x, y, z] = u.0.map(N::of_signal);
     shown((x * v[0] + y * v[1] + z * v[2]).div_euclid(128))

@@ -1,11 +1,12 @@
-//! The estimator's wide states as numbers, and the few functions of `Fixed32` and `Fixed8` that no other file covers. Each is compared with its equation over integers.
+//! The estimator's wide states as numbers, and the few functions of `Fixed32` and `Fixed8` that no other file covers. Each is
+//! compared with its equation over integers.
 //!
 //! ```text
 //! a + b, a - b where they fit; leading digits; ±2^k     p3_wide_sums, p3_wide_parts, p3_wide_within
 //! a machine of words takes the same word               p3_wide_of_words
 //! a weight is the nearest, or there is none             p3_wide_weights
 //! setting -> signal, towards zero, to the end           p8_saturating_signal32
-//! p / k by a prepared divisor, at 8 bits                p6_divide_by8
+//! p / k by a prepared divisor (stored reciprocal), at 8 bits                p6_divide_by8
 //! floor(e 2^-24)                                        p3_energy_digits32
 //! ```
 
@@ -123,8 +124,8 @@ property! {
     }
 }
 property! {
-    /// P6 (rounding): at 8 bits, the quotient by a prepared divisor is the exact one, rounded towards zero and limited to the
-    /// format.
+    /// P6 (rounding): at 8 bits, the quotient by a prepared divisor (stored reciprocal) is the exact one, rounded towards zero and
+    /// limited to the format.
     equation "|q| = min(floor(|p| / k), 127), sign of p"
     over "product of 16 bits, gain of 8 bits above zero"
     by kissat fn p6_divide_by8(s) {

@@ -122,7 +122,8 @@ fn near(
     }
 }
 
-/// Weights of a device's flow over `time` in closed form; each command ends the given number of ticks before the flow's end.
+/// Weights of a device's prediction over `time` in closed form; each command ends the given number of ticks before the prediction's
+/// end.
 fn of_device<const C: usize>(
     flow: &Flow<Fixed32, C>,
     [loss, per_torque]: [f64; 2],

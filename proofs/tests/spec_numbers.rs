@@ -9,7 +9,7 @@ use touchstone_control::space::{Axes, Direction, Spatial, Vector};
 use touchstone_control::{Fixed8, Fixed16, Fixed32, Force, Number, Position, Si, Stiffness};
 use touchstone_proofs::spec::hands::Random;
 
-/// `floor(sqrt(n))`.
+/// The square root `floor(sqrt(n))`.
 fn root(n: i128) -> i128 {
     n.isqrt()
 }

@@ -15,7 +15,7 @@ fn product<const N: usize>(a: &[[f64; N]; N], b: &[[f64; N]; N]) -> [[f64; N]; N
     std::array::from_fn(|i| std::array::from_fn(|j| (0..N).map(|k| a[i][k] * b[k][j]).sum()))
 }
 
-/// `exp(M t)` by scaling and squaring.
+/// The matrix exponential `exp(M t)`, by scaling and squaring.
 fn exponential(m: &Four, t: f64) -> Four {
     let identity: Four = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(i == j)));
     let small = m.map(|row| row.map(|x| x * t / 1024.0));
@@ -53,7 +53,7 @@ pub struct Reference {
     delay: f64,
     /// `[x, d, g]` at the last sample; `None` before the first.
     pub state: Option<[f64; 3]>,
-    /// Past commands, the latest last.
+    /// Past commands in N·m, the latest last.
     commands: Vec<f64>,
 }
 
@@ -129,7 +129,7 @@ impl Reference {
     }
 }
 
-/// Largest force, N·m.
+/// Force limit of the devices, N·m.
 pub const LIMIT: Si = Si::lit("0.5");
 
 /// A row of the table of devices: rate in Hz, bandwidth, inertia, damping, delay in ticks.

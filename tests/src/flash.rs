@@ -23,7 +23,7 @@ pub struct Flash {
 /// Why the flash refused an operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FlashFault {
-    /// The power is gone.
+    /// The power has failed.
     PowerGone,
     /// The word was not erased before it was programmed, or the address does not begin a word or page.
     Wrong,
@@ -36,7 +36,7 @@ impl NorFlashError for FlashFault {
 }
 
 impl Flash {
-    /// A flash of this many erased pages.
+    /// A flash memory of this many erased pages.
     #[must_use]
     pub fn erased(pages: usize) -> Self {
         Self {
@@ -70,7 +70,7 @@ impl Flash {
         self.bytes.fill(byte);
     }
 
-    /// Begins an operation; returns whether the power fails in it.
+    /// Begins an operation (programming a word or erasing a page); returns whether the power fails in it.
     fn begin(&mut self) -> Result<bool, FlashFault> {
         self.operations += 1;
         match &mut self.left {

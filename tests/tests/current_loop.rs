@@ -21,7 +21,7 @@ struct Setup {
     motor: MotorParameters,
     shunts: [Shunt; 2],
     preloaded: Drive,
-    /// The command of the next control tick.
+    /// The command that the next control tick gives to the current loop.
     wanted: CurrentCommand,
     command: CurrentCommand,
     alive: bool,
@@ -121,7 +121,7 @@ impl Setup {
     }
 }
 
-/// A shaft too heavy to move.
+/// A device whose inertia is so large that the shaft does not move.
 const BLOCKED: Device = Device {
     inertia: 1e3,
     ..KNOB

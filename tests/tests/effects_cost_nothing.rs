@@ -61,7 +61,7 @@ fn instructions(example: &Path, name: &str, ticks: u64) -> u64 {
         .unwrap_or_else(|| panic!("no count in {said}"))
 }
 
-/// Instructions of one tick.
+/// Mean instructions per tick of the example `tick_cost` with the named effect.
 fn per_tick(example: &Path, name: &str) -> f64 {
     let (short, long) = (
         instructions(example, name, 1_000),
@@ -134,8 +134,8 @@ fn what_a_scene_does_not_name_costs_no_instruction() {
     );
 }
 
-/// Instructions that a stage may cost beyond its own calculation. They are two calls (to the stage and to the inner part) and the
-/// check whether it changed the torque, which is reported to estimator and guard.
+/// Instructions that a stage may cost beyond its own calculation. They are two calls (of the stage, and by the stage of the loop
+/// inside it) and the check whether it changed the torque, which is reported to estimator and guard.
 const STAGE: f64 = 32.0;
 
 /// Every column of a run's trace, as bits.

@@ -50,7 +50,7 @@ const COGGING: [Harmonic; 4] = [
 /// Torque of a weight on the shaft, 1 mN·m: ten grams, ten millimetres from the axis.
 const WEIGHT: Harmonic = torque(1e-3, 1.0, 0.7);
 
-/// Noise of the current sensors, 1.15 codes rms, and of the encoder, 0.8 counts rms.
+/// Adds noise to the readings: 1.15 codes rms to the current sensors, 0.8 counts rms to the encoder.
 struct Noisy(Random);
 
 impl Tamper for Noisy {

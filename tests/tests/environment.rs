@@ -279,7 +279,7 @@ fn a_reading_is_odd() {
 /// A number of turns so large that a position there does not occur by chance.
 const FAR: i64 = 10_000;
 
-/// A wall this many turns further on.
+/// The same wall, this many whole turns further on.
 fn further(wall: &WallSettings, turns: i64) -> WallSettings {
     // A turn in 2^-64 rad.
     let way = (i128::from(turns) * 0x6_487e_d511_0b46_11a6 + (1 << 31)) >> 32;

@@ -81,7 +81,7 @@ fn reason(state: State) -> Option<Reason> {
     }
 }
 
-/// Error of the device's rotor angle, electrical degrees.
+/// Error of the rotor angle that the device calculates, electrical degrees.
 fn wrong_deg<T: Tamper>(knob: &Knob<T, BareCoulomb>, motor: &MotorParameters, start: f64) -> f64 {
     // Count 0 is where the device was switched on.
     let truth = motor.electrical_rad(start) / TAU * 65_536.0;

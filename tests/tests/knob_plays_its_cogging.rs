@@ -64,7 +64,7 @@ fn known(settings: &DeviceSettings, reversed: bool) -> KnownKnob {
     }
 }
 
-/// Noise of the current sensors.
+/// Adds random noise of 1.15 codes rms to the readings of the current sensors.
 struct Noisy(Random);
 
 impl Tamper for Noisy {

@@ -8,7 +8,7 @@ use touchstone_world::motor::GIMBAL;
 
 const STEPS_A_SECOND: u32 = 1_000 / STEP_MS;
 
-/// Inputs in which everything is in order.
+/// Inputs of the supervisor in which everything is in order for a start.
 const GOOD: Glance = Glance {
     state: State::Boot,
     is_supplied: true,

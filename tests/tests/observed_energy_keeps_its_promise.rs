@@ -16,7 +16,7 @@ struct Port {
     held: i128,
     /// `Σ f(n-1) Δe(n)`: the energy that the port absorbed.
     exact: i128,
-    /// `Σ f(n) Δe(n)`: the thesis' sum.
+    /// `Σ f(n) Δe(n)`: the sum that the thesis' observer calculates.
     thesis: i128,
 }
 

@@ -45,7 +45,7 @@ impl Hash {
     }
 }
 
-/// The scene with each effect absent or present: encoder, torque limit, amplifier steps, delay, dry friction.
+/// A scene with each combination of effects: encoder, torque limit, amplifier steps, delay, dry friction.
 fn combinations(scene: &Scene) -> Vec<Scene> {
     let mut all = Vec::new();
     for choice in 0..32_u32 {

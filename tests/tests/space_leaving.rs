@@ -7,7 +7,7 @@ use touchstone_tests::space::{F, Push, UNIT, at, in_mm, omega, push_in_n};
 
 const RULES: [Leaving; 3] = [Leaving::Decoupled, Leaving::AnyAxis, Leaving::Projection];
 
-/// A box of 40 mm with its top at z = 0 and its right face at x = 0.
+/// A box with sides of 40 mm, its top at z = 0 and its right face at x = 0.
 fn block() -> Cuboid<F> {
     Cuboid {
         centre: at(-20.0, 0.0, -20.0),

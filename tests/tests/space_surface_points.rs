@@ -120,7 +120,7 @@ fn shapes() -> Vec<(&'static str, Shape<F>)> {
     ]
 }
 
-/// Random motions, calm and wild, with steps of up to 3 mm.
+/// A random motion of the HIP, in calm and wild sections, with steps of up to 3 mm.
 fn wander(seed: u64, ticks: usize) -> Vec<Place> {
     let mut random = Random::new(seed);
     let (mut here, mut speed) = ([0.0; 3], [0.0; 3]);

@@ -15,7 +15,7 @@ fn shipped(guard: bool) -> DeviceSettings {
     settings
 }
 
-/// Arms twice, presses twice each time, and is disarmed in the middle of a press; returns every telemetry record.
+/// Runs a knob that arms twice, presses twice each time, and is disarmed in the middle of a press; returns every telemetry record.
 fn records(settings: &DeviceSettings) -> Vec<Telemetry> {
     let mut knob = honest(settings).armed();
     let start = knob.rig.now().angle_rad;

@@ -26,7 +26,7 @@ const MOTOR: MotorParameters = MotorParameters {
     ..GIMBAL
 };
 
-/// The knob on that motor, without dry friction.
+/// Inertia and damping of the knob on the small gimbal motor, without dry friction.
 const KNOB: Device = Device {
     inertia: 3e-5,
     damping: 9e-6,
@@ -52,7 +52,7 @@ fn of_resistance(factor: f64) -> MotorParameters {
     }
 }
 
-/// A supply of 12 V.
+/// Sets the supply voltage to a constant 12 V.
 struct Supply;
 impl Tamper for Supply {
     fn bus_v(&mut self, _tick: u32) -> f64 {

@@ -17,7 +17,7 @@ pub enum ts_status {
     TS_NOT_INITIALISED = 2,
     /// A setting is out of its range. `ts_guard_check` and `ts_settings_check` name it.
     TS_OUT_OF_RANGE = 3,
-    /// No setting has this name.
+    /// There is no setting of this name.
     TS_UNKNOWN_SETTING = 4,
     /// The text is not a value of this setting.
     TS_BAD_VALUE = 5,

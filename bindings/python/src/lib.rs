@@ -292,7 +292,7 @@ impl PyWall {
         self.inner.tripped()
     }
 
-    /// The law's name.
+    /// Name of the control law.
     #[getter]
     fn law(&self) -> &'static str {
         self.settings.law.word()

@@ -1,9 +1,9 @@
-//! Tunes laws for random devices: `cargo run --release -p touchstone-lab --example tune_campaign -- FILE.csv [DEVICES
-//! a stiffness] [SEED] [LAWS] [TICKS] [SECOND TICKS]`.
+//! Tunes control laws for random devices: `cargo run --release -p touchstone-lab --example tune_campaign -- FILE.csv [DEVICES per
+//! stiffness] [SEED] [LAWS] [TICKS] [SECOND TICKS]`.
 //!
-//! LAWS are names of a scorecard with commas between. Rows are appended to the file, one for each device and law; an
-//! interrupted campaign goes on with the same arguments. At the end it prints how many walls hold, under each law and
-//! under the better one of each device, and why the others do not.
+//! LAWS are names of laws as in a scorecard, separated by commas. Results are appended to the file, one row per device and law; an
+//! interrupted campaign continues when started with the same arguments. At the end the program prints how many walls hold under
+//! each law and under the better law of each device, and why the other walls do not hold.
 
 use std::error::Error;
 use std::path::Path;

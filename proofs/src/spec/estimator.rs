@@ -66,9 +66,9 @@ impl<const COMMANDS: usize> Flow<COMMANDS> {
 /// Coefficients of the estimator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Estimator {
-    /// The flow from one sample to the next.
+    /// Prediction of the motion from one sample to the next.
     pub tick: Flow<REMEMBERED>,
-    /// The flow from a sample to the time at which the next command begins to act.
+    /// Prediction of the motion from a sample to the time at which the next command begins to act.
     pub ahead: Flow<2>,
     /// Correction gains `α`, `β`, `γ`.
     pub correction: [Int; 3],

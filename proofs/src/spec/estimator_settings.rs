@@ -91,7 +91,7 @@ pub struct Device {
     pub delay: Int,
 }
 
-/// Weights of a flow, each with 56 fractional bits.
+/// Weights of a prediction (state transition over a time), each with 56 fractional bits.
 struct LongFlow<const COMMANDS: usize> {
     reach: Int,
     drift: Int,
@@ -100,8 +100,8 @@ struct LongFlow<const COMMANDS: usize> {
 }
 
 impl Device {
-    /// The flow over a time. The latest command ends `latest` ticks before the end; each earlier command ends one tick before the
-    /// next.
+    /// Prediction of the motion over a time. The latest command ends `latest` ticks before the end; each earlier command ends one
+    /// tick before the next.
     fn flow<const COMMANDS: usize>(&self, time: Int, latest: Int) -> LongFlow<COMMANDS> {
         let at = |t: Int| integrals(self.loss, t.max(0).min(time));
         let taken = |since, until| long_times(long(since - until), self.per_torque);
@@ -142,7 +142,7 @@ impl Device {
     }
 }
 
-/// The flow with its weights rounded to words; `None` if a weight does not fit.
+/// A prediction (state transition) with its weights rounded to words; `None` if a weight does not fit.
 fn weighed<const COMMANDS: usize>(long: &LongFlow<COMMANDS>) -> Option<Flow<COMMANDS>> {
     let mut commands = [[0; 2]; COMMANDS];
     let mut i = 0;
@@ -159,13 +159,14 @@ fn weighed<const COMMANDS: usize>(long: &LongFlow<COMMANDS>) -> Option<Flow<COMM
     })
 }
 
-/// The flow over a tick; `None` if a weight does not fit a word. [`crate::reckoned`] says what replaces it under the model checker.
+/// Prediction of the motion over a tick; `None` if a weight does not fit a word. [`crate::reckoned`] says what replaces it under
+/// the model checker.
 #[must_use]
 pub fn over_a_tick(device: &Device) -> Option<Flow<3>> {
     weighed(&device.flow(LONG_ONE, -device.delay))
 }
-/// The flow from a sample to the time when the next command begins to act; [`crate::reckoned`] says what replaces it under the
-/// checker.
+/// Prediction of the motion from a sample to the time when the next command begins to act. [`crate::reckoned`] says what replaces
+/// it under the model checker.
 #[must_use]
 pub fn ahead(device: &Device) -> Option<Flow<2>> {
     weighed(&device.flow(device.delay, 0))
@@ -220,8 +221,8 @@ pub fn made(set: &Settings, rate: Int, limit: Int) -> Option<Estimator> {
     (signal_fits(limit) && bounded(&made)).then_some(made)
 }
 
-/// Whether a flow is bounded: commands up to the limit displace by less than 2 rad per tick (with 54 fractional bits), and no other
-/// weight exceeds the time in ticks.
+/// Whether a prediction is bounded: commands up to the limit displace by less than 2 rad per tick (with 54 fractional bits), and no
+/// other weight exceeds the time in ticks.
 #[must_use]
 pub fn flow_bounded<const COMMANDS: usize>(flow: &Flow<COMMANDS>, ticks: Int, limit: Int) -> bool {
     let taken = |which: usize| {

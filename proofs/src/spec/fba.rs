@@ -5,11 +5,11 @@ use super::{BITS, GAIN, HIGHEST, Int, cut, damping_loss, spring, times};
 /// The law's coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fba {
-    /// `k_de`: stiffness that the wall should show, a gain.
+    /// `k_de`: stiffness that the wall should show, in the format of gains.
     pub desired: Int,
-    /// `c_i/T` of the device's damping, a gain.
+    /// `c_i/T` of the device's damping, in the format of gains.
     pub device_damping: Int,
-    /// `sqrt(4 c_i/T)`: factor of the bound on the force, a gain.
+    /// `sqrt(4 c_i/T)`: factor of the bound on the force, in the format of gains.
     pub bound: Int,
     /// Largest force, in quanta.
     pub limit: Int,

@@ -11,7 +11,7 @@ use touchstone_control::{
 /// Generator of seeded random numbers.
 pub struct Random(pub u64);
 impl Random {
-    /// Any 64 bits.
+    /// The next 64 random bits.
     pub fn any(&mut self) -> u64 {
         self.0 = self
             .0

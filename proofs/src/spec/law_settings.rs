@@ -46,7 +46,7 @@ pub struct Settings {
     pub keep_force: bool,
     /// The stiffness towards which the offset regulates.
     pub regulated: Regulated,
-    /// The moments at which the offset is changed.
+    /// The moments at which the offset of the wall's surface changes.
     pub update: Update,
     /// Whether the ideal step assumes that the hand's force stays (`c/k_de`) instead of its position (`c/k_v`, 3.7).
     pub force_stays: bool,
@@ -73,9 +73,9 @@ pub struct Settings {
 /// A spring with damping: `k_de` and `b/T` as gains, and the largest force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Spring {
-    /// `k_de`: stiffness of the wall, a gain.
+    /// `k_de`: stiffness of the wall, in the format of gains.
     pub desired: Int,
-    /// `b/T`: damping per tick, a gain.
+    /// `b/T`: damping per tick, in the format of gains.
     pub damping: Int,
     /// Largest force, in quanta.
     pub limit: Int,
@@ -123,7 +123,7 @@ pub fn derived(of: &Settings) -> Derived {
 /// Which damping a spring has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Damped {
-    /// No damping.
+    /// The spring has no damping.
     Not,
     /// The configured damping `b`.
     Fully,

@@ -5,11 +5,11 @@ use super::{HIGHEST, Int, LOWEST, LOWEST_ENERGY, damping_loss, over, spring, tim
 /// The law's coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tdpa {
-    /// `k_de`: stiffness that the wall should show, a gain.
+    /// `k_de`: stiffness that the wall should show, in the format of gains.
     pub desired: Int,
     /// Whether the law counts `f(n-1) Δe`, the port's energy, instead of `f(n) Δe` (thesis 2.1).
     pub exact: bool,
-    /// `c_i/T` of the device's damping (2.6), a gain.
+    /// `c_i/T` of the device's damping (2.6), in the format of gains.
     pub device_damping: Int,
     /// Largest force, in quanta.
     pub limit: Int,

@@ -144,7 +144,7 @@ fn in_space(
     }
 }
 
-/// Ends QEMU.
+/// Ends the emulator QEMU with an exit status.
 fn stop(status: debug::ExitStatus) -> ! {
     debug::exit(status);
     loop {

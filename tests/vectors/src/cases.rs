@@ -6,7 +6,7 @@ use touchstone_control::{
     VelocityKind,
 };
 
-/// A law with its settings.
+/// A test case: a law with its settings.
 #[derive(Debug, Clone, Copy)]
 pub struct Case {
     /// Short name without spaces.

@@ -21,7 +21,7 @@ fn the_documented_schema_is_this_one() {
     is_documented("accuracy.schema.json", &schema::schema());
 }
 
-/// Errors, unlike times, are the same on every machine, bit for bit or nearly.
+/// Checks the errors of a quick run. Errors, unlike times, are nearly or exactly the same on every machine.
 #[test]
 fn a_quick_run_says_what_is_known() {
     let found = quick();

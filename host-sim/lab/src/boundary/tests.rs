@@ -1,4 +1,4 @@
-//! A spring ends where damping does, a tuned wall where inertia does; computed cells are kept.
+//! Tests of the map: damping limits a spring, inertia limits a tuned wall, and cells in the file are not computed again.
 
 use super::map::{figures, picture, words};
 use super::*;

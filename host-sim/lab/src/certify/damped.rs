@@ -1,14 +1,14 @@
-//! The spring-damper with a velocity of its own, in matrices.
+//! The spring-damper with a filtered velocity as matrices.
 //!
-//! With the filter's states from `touchstone_control::velocity`: a first-order filter has the last position and its velocity, a Kalman
-//! filter its three states, a window of `n` ticks the last `n` positions. An adaptive window may stay at any length, so that
-//! each is a phase; what it does by changing from one to another is in no matrix.
+//! Its states are those of the filters in `touchstone_control::velocity`. A first-order filter has the last position and its
+//! velocity, a Kalman filter its three states, a window of `n` ticks the last `n` positions. An adaptive window may stay at any
+//! length, so each length is a phase. The matrices do not describe what happens when the length changes.
 
 use super::linear_law::{LinearLaw, Phase};
 use touchstone_control::law::Damped;
 use touchstone_control::velocity::Velocity;
 
-/// The phases in which it can stay.
+/// The phases in which the law can stay.
 pub(super) fn phases(law: &Damped<f64>) -> Vec<Phase> {
     let (k, b) = (law.spring.desired.0, law.spring.damping.0);
     let phase = |name, law| Phase { name, law };
@@ -60,7 +60,7 @@ mod tests {
         AnyLaw, Controller, LawKind, Position, Settings, StatesKind, VelocityKind,
     };
 
-    /// The matrices give the law's forces, around a point of rest inside.
+    /// Checks that the matrices give the same forces as the law, around a point of rest inside the wall.
     #[test]
     fn the_matrices_say_what_the_law_says() {
         let all = [

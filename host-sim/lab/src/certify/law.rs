@@ -32,36 +32,39 @@ use super::linear_law::{LinearLaw, Phase};
 use touchstone_control::law::EnhancedSfa;
 use touchstone_control::{AnyLaw, OffsetUpdate, Regulate};
 
-/// The phase in which an offset changes at every tick.
+/// Name of the phase in which the law changes its offset at every tick.
 pub const OFFSET_UPDATED: &str = "offset updated";
 
-/// How a law's phases may follow each other.
+/// How a law may change between its phases.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Switching {
-    /// There is one phase only.
+    /// The law has one phase only.
     Never,
-    /// Between two laws that differ in one gain, in any order and to any degree: from the first to the second.
+    /// The law changes between two phases that differ in one gain, in any order; every gain between the two may occur.
     Between(Box<[LinearLaw; 2]>),
 }
 
-/// A law as the certificate sees it.
+/// A law as a set of linear phases, with what the certificate needs to know about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Phases {
-    /// Phases in which the law can stay; each must be stable.
+    /// Phases in which the law can stay; each of them must be stable.
     pub lasting: Vec<Phase>,
-    /// What happens between them.
+    /// How the law changes between its phases.
     pub switching: Switching,
-    /// Whether the gain changes with the direction of the motion, and not only with its amplitude: that can feed a motion.
+    /// Whether the gain depends on the direction of the motion, and not only on its amplitude. Such a gain can feed energy into a
+    /// motion.
     pub by_direction: bool,
-    /// Largest press whose energy in the coupling, `F²/(2 k_f)`, the loan covers, N·m; absent for laws without one.
+    /// Largest press in N·m whose energy in the coupling, `F²/(2 k_f)`, is at most the loan; absent for laws without a loan.
     pub loan_covers_n_m: Option<f64>,
-    /// The spring of the first contact, N·m/rad, for a law that leaves it when the motion turns.
+    /// Stiffness of the spring that the law starts a contact with, N·m/rad; absent if the law does not leave it when the motion
+    /// turns.
     pub first_contact: Option<f64>,
-    /// Whether the law reduces its force when its energy account demands it: it may then rest where its phases do not.
+    /// The law's reduction of force by its energy account, if it has one. With it, a press may rest although the phases are
+    /// unstable.
     pub clamps: Option<Clamp>,
 }
 
-/// A law's clamp by energy.
+/// How a law reduces its force to keep an energy bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Clamp {
     /// Time-domain passivity approach.
@@ -71,7 +74,7 @@ pub enum Clamp {
 }
 
 impl Phases {
-    /// The phases of a law.
+    /// Derives the phases of a law.
     #[must_use]
     pub fn of(controller: &AnyLaw<f64>) -> Self {
         let springs = |stiffness: f64, damping: f64, clamps| Self {
@@ -144,18 +147,19 @@ impl Phases {
     }
 }
 
-/// What becomes of the offset of the enhanced law.
+/// How the offset of the enhanced law is treated in a phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Offset {
-    /// The ideal step at every tick, (6) or (7).
+    /// Changed at every tick by the ideal step, (6) or (7).
     Updated,
-    /// Kept, and counted as a state that does not change.
+    /// Constant, but kept as a state of the matrix.
     Held,
-    /// Kept, and left out: a constant moves the point of rest only.
+    /// Constant and not in the matrix, because a constant offset only moves the point of rest.
     Frozen,
 }
 
-/// (6) to (11). The states are `[e_f, d, O, f or p of the tick before]`, with a frozen offset `[e_f, d]`.
+/// Matrices of the enhanced law, equations (6) to (11). The states are `[e_f, d, O, f or p of the tick before]`, or `[e_f, d]` with
+/// a frozen offset.
 #[must_use]
 pub fn enhanced(law: &EnhancedSfa<f64>, offset: Offset) -> LinearLaw {
     let share = if offset == Offset::Updated {

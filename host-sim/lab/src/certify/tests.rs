@@ -1,4 +1,4 @@
-//! The matrices against the laws and plants themselves.
+//! Tests that the certificate's matrices move as the real laws and plants do.
 
 use super::contact::Contact;
 use super::estimator::Estimator;
@@ -48,10 +48,10 @@ fn law(scene: &Scene) -> EnhancedSfa<f64> {
     }
 }
 
-/// Penetration at which the tests rest, rad.
+/// Penetration of the point of rest in the tests, rad.
 const DEPTH: f64 = 0.01;
 
-/// The law at rest at [`DEPTH`].
+/// State of the law at rest at [`DEPTH`].
 fn resting(law: &EnhancedSfa<f64>) -> EnhancedState<f64> {
     // At the mass, the target is that of force over the mass' position.
     let coupling = law.mass.stiffness.0;
@@ -76,7 +76,7 @@ fn resting(law: &EnhancedSfa<f64>) -> EnhancedState<f64> {
     }
 }
 
-/// `[e_f, d, O, f or p, e]`.
+/// The law's states as `[e_f, d, O, f or p, e]`.
 fn states(law: &EnhancedSfa<f64>, state: &EnhancedState<f64>) -> [f64; 5] {
     let held = &state.augmented;
     [
@@ -129,7 +129,7 @@ fn the_enhanced_law_near_rest_is_its_matrix() {
     }
 }
 
-/// The real law on the real plant, through a delay, and the loop's matrix: the same motion.
+/// Checks that the real law on the real plant, with delay, moves as the loop's matrix predicts.
 #[test]
 fn the_whole_loop_is_its_matrix() {
     for delay_ticks in [0.0, 0.3, 1.0, 1.6] {
@@ -226,7 +226,7 @@ fn a_fast_current_loop_changes_little_and_a_slow_one_much() {
     assert!(radius(Some(5.0)) > 1.0);
 }
 
-/// The composed system beside the controller that runs: the same law, the same forces.
+/// Checks that law and estimator as one linear system give the same forces as the controller.
 #[test]
 fn the_estimators_composition_does_what_the_controller_does() {
     let (k, damping) = (20.0, 0.02);
@@ -315,7 +315,7 @@ fn a_sample_of_random_devices_is_never_called_stable_wrongly() {
     }
 }
 
-/// A slow offset that every touch leaves at rest, and a press does not.
+/// Checks a slowly decaying offset: every touch comes to rest, a slow press does not, and the certificate simulates the press.
 #[test]
 fn an_offset_that_dies_out_slowly_is_asked_for_by_presses() {
     let mut scene = campaign::scene(61, 1121, StatesKind::Measured);
@@ -398,5 +398,5 @@ fn every_draw_of_a_campaign_is_a_wall_that_the_law_takes() {
 
 /// Seed of the campaign's scenes.
 const SEED: u64 = 1;
-/// Runs: some seconds.
+/// Number of runs; they take some seconds.
 const SAMPLE: u64 = 48;
