@@ -57,14 +57,14 @@ macro_rules! table {
             table! { @$row }
         }
     };
-    // Whoever asks the same again gets the same answer.
+    // The same question gets the same answer, in any order.
     (@any) => {
         fn rows(specifies: bool, asked: usize) -> (usize, usize) {
             (0, if specifies { ROWS } else { asked })
         }
     };
-    // The specification's n-th question gets the code's n-th answer, if it is the same question: a solver's work for each is one
-    // comparison, not one for each row. That leaves out what else is true of the answers: more is possible then, and proved, than the code can do.
+    // The specification's n-th question gets the code's n-th answer, if it is the same question. The solver then compares one
+    // question with one row, not with each. Less is known of the answers then, so that the proof covers more than the code can do.
     (@nth) => {
         static AGAIN: AtomicUsize = AtomicUsize::new(0);
 
@@ -335,7 +335,7 @@ pub fn weighed(weight: i32, part: i32) -> Wide64 {
 /// Replaces [`crate::estimator::times`] under the model checker: gives any answer, and the same for the same question.
 pub fn at_limit(weight: i32, limit: i64) -> i64 {
     let answer = signed(weight.into(), limit, weights::ask(weight.into(), limit));
-    // Of two words.
+    // The product of two words is at most this.
     kani::assume(answer.unsigned_abs() <= 1 << 62);
     answer
 }

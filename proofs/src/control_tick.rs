@@ -77,7 +77,7 @@ impl Parts for Own {
         let fresh = Calibration::new(self.config.calibration);
         let mut running = self.calibration.unwrap_or(fresh);
         let progress = running.tick(tick, count, &self.input.current);
-        // The checker has answers in its place, which remembers nothing.
+        // The checker uses recorded answers instead of this law, which then has no memory.
         if cfg!(not(kani)) {
             self.calibration = Some(running);
         }
@@ -89,7 +89,7 @@ impl Parts for Own {
     fn changes_over(&mut self) -> bool {
         let waited = core::mem::take(&mut self.waits);
         if waited {
-            // The checker has the same ones.
+            // Under the checker, code and specification have the same settings.
             if cfg!(not(kani)) {
                 self.config = self.next;
             }
@@ -204,7 +204,7 @@ fn any_config<S: Source>(s: &mut S) -> Option<Config> {
 }
 fn any_memory<S: Source>(s: &mut S) -> Memory {
     let last = any_position(s);
-    // Of a short way a law has more to say.
+    // On samples mostly a short displacement, at which the law's force varies more.
     let way = |s: &mut S| {
         if s.shortcut() {
             position(s.i16().into())
@@ -349,7 +349,7 @@ replaced_property! {
         let Some(config) = any_config(s) else {
             return;
         };
-        // Of two sets at once the checker makes too much; which of them a tick uses samples see.
+        // The checker's formula would be too large with two configurations. Samples check which one a tick uses.
         let next = if cfg!(kani) { config } else { any_config(s).unwrap_or(config) };
         let mut device = Device::of(config, any_memory(s));
         let waits = s.bool();

@@ -87,7 +87,7 @@ macro_rules! part {
             pub fn ask(question: [i64; $words]) -> [i64; $answers] {
                 let mut answer = [0; $answers];
                 let (is_new, mut same) = (SPECIFIES.load(Relaxed) == 0, true);
-                // 0: not asked, 1: by the code, 2: by the specification as well.
+                // States: 0 not asked, 1 asked by the code, 2 asked by the specification as well.
                 if is_new {
                     same &= ASKED.swap(1, Relaxed) == 0;
                     for at in 0..$words {
@@ -180,7 +180,7 @@ pub fn inspect(
     let (encoder, word) = match input.encoder {
         EncoderReading::Silent => (0, 0),
         EncoderReading::Counter32(word) => (1, word),
-        // The harness has no others.
+        // The harness has no other readings.
         _ => (2, 0),
     };
     let both = pair((packed << 2) | encoder, word);

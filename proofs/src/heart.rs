@@ -326,7 +326,7 @@ pub mod reciprocal {
         let question = [1, by.divisor.into(), dividend];
         let same = (0..3).all(|at| ASKED[at].load(Relaxed) == question[at]);
         kani::assume(!same || ASKED[3].load(Relaxed) == u64::from(answer));
-        // Of nothing there is none.
+        // The quotient of 0 is 0.
         kani::assume(answer <= i32::MAX as u32 && (dividend > 0 || answer == 0));
         for at in 0..3 {
             ASKED[at].store(question[at], Relaxed);
@@ -347,7 +347,7 @@ pub mod algebra32 {
         by cvc5 fn p1_smaller_force(s) {
             let (saved_force, smaller, moved) = (s.u64(), s.u64(), s.u64());
             assume!(s, saved_force <= 1 << 31 && smaller <= 1 << 31 && moved <= 1 << 31, "types of the callers");
-            // At most 2^32 · 2^31: nothing wraps. (With the checks of that beside the identity no solver finishes.)
+            // At most 2^32 · 2^31, so nothing wraps. No solver finishes if it also has to check for wrapping.
             let work = smaller.wrapping_mul(moved);
             let saved = saved_force.wrapping_mul(moved);
             assert!(saved.wrapping_add(work) == saved_force.wrapping_add(smaller).wrapping_mul(moved));

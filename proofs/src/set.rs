@@ -43,7 +43,7 @@ pub fn bits(x: Si) -> Int {
 pub fn any_guard_settings<S: Source>(s: &mut S) -> (GuardSettings, GuardedDevice) {
     const ONE: i64 = 1 << 32;
     let rate_hz = s.u32();
-    // Of samples only: a division is nothing that the checker should follow for nothing.
+    // Only for samples: the checker need not follow a division.
     let (rate_hz, tick) = if s.shortcut() {
         let rate_hz = 1 + rate_hz % 10_000;
         (rate_hz, ONE / i64::from(rate_hz))

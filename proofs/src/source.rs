@@ -76,7 +76,7 @@ impl Source for Symbolic {
         false
     }
     fn cover(&mut self, _: bool, _: &'static str) {}
-    // Each width as such, not as a part of 64 bits: the integer solver knows no masks.
+    // Each width is drawn as such, not as a part of 64 bits: the integer solver does not know bit masks.
     fn bool(&mut self) -> bool {
         kani::any()
     }
@@ -143,7 +143,7 @@ impl Source for Sampler {
             6 => mask >> 1,
             7 => (mask >> 1) + 1,
             8 | 9 => random % 4,
-            // Negative in two's complement, of any size.
+            // A negative number in two's complement, of any size.
             10 | 11 => (random >> (63 - size)).wrapping_neg(),
             _ => random >> (63 - size),
         };
@@ -172,7 +172,7 @@ impl Source for Sampler {
 pub fn sample(name: &str, property: fn(&mut Sampler)) {
     const ACCEPTED: u64 = 1_000;
     const TRIES: u64 = 20_000_000;
-    // A seed of its own for each property, the same in every run.
+    // Each property has its own seed, the same in every run.
     let seed = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
     });

@@ -150,7 +150,7 @@ macro_rules! space {
                     let stays = limited == v;
                     let after = force_bits(limited);
                     assert!(squares::<N>(after) <= most * most);
-                    // Of one that stays, there is no more to say.
+                    // For a vector that is unchanged, nothing else is claimed.
                     if !stays {
                         let bits = force_bits(v);
                         assert_reached!(squares::<N>(bits) > most * most);

@@ -153,7 +153,7 @@ impl<N: Format> Valid<N> for Fba<N> {
         }
         shown(state.force, self.limit)
             && state.energy <= self.energy_cap
-            // With a deficit (the counted damping is rounded down) nothing is shown until it is worked off.
+            // With an energy deficit (the counted damping is rounded down) the force is 0 until the deficit is worked off.
             && (state.energy >= Energy::zero() || state.force == Force::zero())
     }
 }
@@ -213,7 +213,7 @@ impl<N: Format> Valid<N> for EnhancedSfa<N> {
             observer: any_observer(s),
             first_contact: any_first(s),
             mass,
-            // Each of any stiffness whatever: what the law keeps does not rest on where the mass starts.
+            // Divisors of any stiffness: what the law guarantees does not depend on where the mass starts.
             by_coupling: Divisor::of(N::any_stiffness(s)),
             series: Divisor::of(N::any_stiffness(s)),
             credit: any_stored(s),

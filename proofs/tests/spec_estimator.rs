@@ -50,7 +50,7 @@ fn every_tick_of_the_estimator_is_its_specification() {
         let (mut e, mut moved) = (0_i64, 0_i64);
         for _ in 0..500 {
             ticks += 1;
-            // A hand of any speed, that jumps now and then.
+            // A hand of any speed that jumps now and then.
             if random.below(8) == 0 {
                 moved = random.signed(26);
             }

@@ -17,7 +17,7 @@ const SHARE: f64 = PATIENCE_S / work::LONG_S;
 pub const TRIED_S: f64 = 0.2;
 
 fn number(seeded: &mut impl Choices, numbers: &[f64]) -> String {
-    // `1e300` for what `Display` would write in 301 digits.
+    // `1e300`, for which `Display` would write 301 digits.
     format!("{:e}", numbers[seeded.below(numbers.len())])
 }
 
@@ -141,7 +141,7 @@ fn processor_s(begun: Instant) -> f64 {
 pub fn tried(base: &str, sets: &[String]) -> (Ended, f64) {
     let one_line = |error: touchstone_sim::error::Error| {
         let text = error.to_string();
-        // A name of the file may hold anything; what prints it makes it visible.
+        // A file's name may contain anything; the program that prints it escapes it.
         assert!(
             !text.contains('\n') && text.chars().count() < 1200,
             "{base} {sets:?}: {text}"

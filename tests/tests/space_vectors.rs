@@ -115,7 +115,7 @@ fn a_limited_vector_is_within_the_limit_and_keeps_its_direction() {
     }
 }
 
-/// Tests every vector of 8 bits; the source is that of the other formats.
+/// Tests every vector of 8 bits. The code is generic, so the same source serves all formats.
 #[test]
 fn every_direction_of_8_bits() {
     for x in i8::MIN..=i8::MAX {

@@ -171,7 +171,7 @@ impl Enhanced {
         } else {
             (per(times(self.coupling, e), self.series), 0)
         };
-        // Half of the coupling's force times its stretch, both rounded up; a force beyond the format is not granted.
+        // Energy of the coupling: half of its force times its stretch, both rounded up. A force beyond the format is not covered.
         let stretch = size(signal(e - mass));
         let tension = times(self.coupling, stretch);
         let stored = (times(outward_up(tension), stretch) + 1) >> 1;
@@ -251,7 +251,7 @@ impl Enhanced {
         (m.energy, m.at_mass, step) = if self.exact {
             self.paid_move(m.energy, m.mass, drive, wanted)
         } else {
-            // Fig. 3.18: the last displacement stands for the next.
+            // Fig. 3.18: the last displacement is used in place of the next one.
             let (energy, force) = passive(m.energy, wanted, m.mass_moved, self.energy_cap);
             let step = self.displacement(m.mass, drive, force);
             (energy, force, step)
@@ -264,7 +264,7 @@ impl Enhanced {
         if e <= 0 {
             return None;
         }
-        // A wall does not pull: the mass goes on as if it were not coupled, if that is paid for.
+        // A wall does not pull: the mass moves on as if it were not coupled, if its energy covers that.
         let force = if self.exact { wanted } else { m.at_mass };
         let coast = self.displacement(before.mass, times(self.inertia, before.mass_moved), force);
         let mut step = coast;

@@ -26,9 +26,9 @@ pub fn weighed(weight: Int, part: Int) -> Int {
 pub struct Motion {
     /// Position `x`.
     pub x: Int,
-    /// Displacement per tick `d`.
+    /// Displacement `d` per tick.
     pub d: Int,
-    /// Push of the hand `g`.
+    /// Push of the hand `g`: the change of the displacement per tick that it causes in a tick.
     pub g: Int,
 }
 
@@ -136,7 +136,7 @@ impl Estimator {
             Some(before) => self.corrected(before, memory.commands, e),
             None => None,
         };
-        // Anew: at rest where it was measured.
+        // Restart: at rest at the measured position.
         let motion = corrected.unwrap_or(Motion {
             x: state(e),
             d: 0,

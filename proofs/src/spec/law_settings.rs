@@ -216,9 +216,9 @@ impl Settings {
             plus(plus(derived.inertia, self.coupling), derived.filter_damping),
             derived.ground_damping,
         );
-        // The thesis' observer lends what it needs by itself.
+        // The thesis' observer lends by itself; it needs no credit.
         let lent = if self.exact { self.credit } else { 0 };
-        // Shares per millisecond become shares per tick, at most all of it.
+        // Fractions per millisecond become fractions per tick, at most 1.
         let of_tick = |share| over(times(share, 1000 * ONE), (self.rate * ONE).min(MOST)).min(ONE);
         let compliance = over(ONE, self.soft);
         let of_force = over(of_tick(self.limit_of_force), self.soft);

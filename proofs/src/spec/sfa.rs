@@ -72,7 +72,7 @@ impl Sfa {
             return 0;
         }
         let step = cut(times(self.gain, moved), SIGNAL).clamp(-HIGHEST, HIGHEST);
-        // What the limit takes away again is no reason for an offset.
+        // A force that the limit cuts off is no reason to move the offset.
         let wanted = spring(self.desired, m.last).min(self.limit);
         match (m.last > 0, m.force.cmp(&wanted)) {
             (true, std::cmp::Ordering::Less) => step,

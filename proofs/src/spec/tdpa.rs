@@ -81,7 +81,7 @@ pub fn passive(energy: Int, wanted: Int, moved: Int, cap: Int) -> (Int, Int) {
     if after >= 0 {
         return (after.min(cap), wanted);
     }
-    // Outward, and not enough in store: what there is, over the displacement.
+    // Outward, with too little energy: the force is the energy divided by the displacement.
     let force = over(energy, -moved);
     (energy + times(force, moved), force)
 }
