@@ -92,8 +92,8 @@ fn compared(test: &str, file: &Path, scene: &Scene, hand: HandWas) -> Beside {
     found
 }
 
-/// Allowed difference as a fraction of a flick's span of 0.2 rad and 76 mN·m. The force of one count (0.4 mrad at 5 N·m/rad) is 2.5
-/// % of it.
+/// Allowed difference as a fraction of a flick's span of 0.2 rad and 76 mN·m. The force of one count (0.4 mrad at 5 N·m/rad) is
+/// 0.025 of that torque.
 const LIKE: f64 = 0.02;
 
 #[test]

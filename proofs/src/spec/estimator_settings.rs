@@ -80,7 +80,7 @@ fn of_torque(x: Int) -> Option<Int> {
     weight(x, 30)
 }
 
-/// Constants of the device: `β`, `q`, and the delay in ticks.
+/// Constants of the device: loss of velocity `β`, displacement per torque `q`, and the delay in ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Device {
     /// Loss of velocity per tick: `β = b T/J`.

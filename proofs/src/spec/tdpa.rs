@@ -22,7 +22,7 @@ pub struct Tdpa {
 pub struct Memory {
     /// Force of the last tick.
     pub force: Int,
-    /// Energy that the law has observed.
+    /// Energy that the law's observer has summed, in quanta.
     pub energy: Int,
     /// Whether the HIP was in the wall in the last tick.
     pub inside: bool,
