@@ -66,7 +66,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P1 (energy): the force that works off an energy deficit is the unsigned quotient in [`crate::heart`].
+                /// P1 (energy): the force that works off an energy deficit is energy divided by displacement, by the unsigned
+                /// function in [`crate::heart`].
                 equation "|E / d| = heart(|E|, |d|)"
                 over "displacement and energy"
                 by $quotients fn p1_edge_per(s) {

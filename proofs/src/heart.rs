@@ -275,8 +275,8 @@ pub mod reciprocal {
         }
     }
     property! {
-        /// P6 (rounding): the quotient is the leading digits of a product, scaled dividend times inverse. It is proved for inverses
-        /// with one binary digit set and with two.
+        /// P6 (rounding): the quotient by a prepared divisor is the leading digits of a product: the scaled dividend times the
+        /// stored inverse. It is proved for inverses with one binary digit set and with two.
         equation "q = ((n 2^scale + 1) inverse / 2^64) / 2^31"
         over "dividend below 2^62; inverses 2^63 and 2^62 + 2^33, divisors 2^31"
         by cadical fn p6_leading_digits32(s) {

@@ -22,7 +22,7 @@ use touchstone_control::{
     Stiffness,
 };
 
-/// Any sample of position and displacement.
+/// A sample with any position and any displacement.
 pub fn any_sample<N: Format, S: Source>(s: &mut S) -> Sample<N> {
     Sample {
         e: N::any_position(s),

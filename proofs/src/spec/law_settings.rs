@@ -52,9 +52,9 @@ pub struct Settings {
     pub force_stays: bool,
     /// `c`: fraction of the ideal step of the offset (3.8), per millisecond.
     pub step_of_ideal: Int,
-    /// `b`: bound of the offset's step by the force (3.9), per millisecond.
+    /// `b`: largest step of the offset per force (3.9), per millisecond.
     pub limit_of_force: Int,
-    /// `a`: bound of the offset's step by the penetration (3.11), per millisecond.
+    /// `a`: largest step of the offset per penetration (3.11), per millisecond.
     pub limit_of_penetration: Int,
     /// `m`: virtual mass (an inertia), kg·m².
     pub mass: Int,
@@ -127,7 +127,7 @@ pub enum Damped {
     Not,
     /// The configured damping `b`.
     Fully,
-    /// Damping `b k_de/k_v`: that of the enhanced law for `k_de` up to `k_v`.
+    /// Damping `b k_de/k_v`, for the enhanced law with a stiffness `k_de` up to that of its virtual spring, `k_v`.
     InProportion,
 }
 

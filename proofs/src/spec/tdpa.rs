@@ -9,7 +9,7 @@ pub struct Tdpa {
     pub desired: Int,
     /// Whether the law counts `f(n-1) Δe`, the port's energy, instead of `f(n) Δe` (thesis 2.1).
     pub exact: bool,
-    /// `c_i/T` of the device's damping (2.6), in the format of gains.
+    /// `c_i/T`: damping of the device per tick (2.6), in the format of gains.
     pub device_damping: Int,
     /// Largest force, in quanta.
     pub limit: Int,
