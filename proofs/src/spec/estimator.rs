@@ -70,7 +70,7 @@ pub struct Estimator {
     pub tick: Flow<REMEMBERED>,
     /// Prediction of the motion from a sample to the time at which the next command begins to act.
     pub ahead: Flow<2>,
-    /// Correction gains `α`, `β`, `γ`.
+    /// Correction gains `α`, `β`, `γ`: of position, displacement and push per measured deviation.
     pub correction: [Int; 3],
     /// Largest command, in quanta of a signal.
     pub limit: Int,
