@@ -156,7 +156,7 @@ impl Number for Facts32 {
     fn sub_product(a: i64, b: i64) -> i64 {
         Fixed32::sub_product(a, b)
     }
-    // That these two fit is checked by the checker, and by every sampled test.
+    // The model checker and every sampled test check that these two fit.
     fn add_fitting(a: i64, b: i64) -> i64 {
         Fixed32::add_fitting(a, b)
     }
@@ -204,7 +204,7 @@ impl Number for Facts32 {
     fn sub_energy(a: Energy, b: Energy) -> Energy {
         Fixed32::sub_energy(a, b)
     }
-    // That these two fit is checked by the checker, and by every sampled test.
+    // On samples mostly a short displacement, at which the law's force varies more.
     fn add_energy_fitting(a: Energy, b: Energy) -> Energy {
         Fixed32::add_energy_fitting(a, b)
     }
@@ -217,7 +217,7 @@ impl Number for Facts32 {
     fn modulus_fitting(a: Signal) -> Signal {
         Fixed32::modulus_fitting(a)
     }
-    // Nothing is known of it but that it is a word.
+    // Nothing is known of the result except that it is a word.
     fn scale_both_fitting(r: Signal, x: Signal, q: Signal, y: Signal) -> Signal {
         signal(known!(
             "ScaleBoth",
@@ -249,7 +249,7 @@ impl Number for Facts32 {
         } else {
             Fixed32::affordable(e, f)
         };
-        // Outside the contract nothing is known; the laws never leave it.
+        // Outside this contract nothing is known; the laws never leave it.
         let inside = stored >= 0 && force > 0;
         let moved = known!("Moved", bits(_exact_moved), |y| word(y)
             && (!inside || y >= 0));
@@ -346,7 +346,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `DivideBy`: a quotient by a prepared divisor is 0 or has the dividend's sign.
+        /// P3 (arithmetic): `Fixed32` has the fact `DivideBy`: a quotient by a prepared divisor (stored reciprocal) is 0 or has the
+        /// dividend's sign.
         equation "sign(p / k) = sign(p) or 0"
         over "double word and word"
         by kissat fn p3_fact_divide_by(s) {

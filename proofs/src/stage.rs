@@ -1,4 +1,6 @@
-//! The guard as a stage of the controller (`control/src/guard/guarded.rs`). The properties are about four subjects: what it measures, that no motion under a force goes uncounted at the end of positions, that over-speed latches, and what memory remains when it resumes.
+//! The guard as a stage of the controller (`control/src/guard/guarded.rs`). The properties are about four subjects: what it
+//! measures, that no motion under a force goes uncounted at the end of positions, that over-speed latches, and what memory remains
+//! when it resumes.
 //!
 //! ```text
 //! tripped => f = 0, tripped'                 p4_stage_latches
@@ -81,7 +83,7 @@ pub fn any_tick<N: Format>(
     if fine { Ok(shown) } else { Err(Overspeed) }
 }
 
-/// Any stage whose memory satisfies the guard's invariant.
+/// A stage with any content whose memory satisfies the guard's invariant.
 pub fn any_stage<N: Format, S: Source>(s: &mut S) -> Guarded<N> {
     let mut stage = Guarded::new(Guard::any(s));
     stage.state = <Guard<N> as Valid<N>>::any_state(s);
@@ -119,7 +121,7 @@ pub fn stage_holds<N: Format>(stage: &Guarded<N>) -> bool {
         && place_holds(stage)
 }
 
-/// At 8 bits.
+/// Properties of the stage at 8 bits.
 pub mod w8 {
     use super::*;
     type N = Fixed8;

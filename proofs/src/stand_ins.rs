@@ -31,7 +31,7 @@ fn following() -> [i64; 6] {
     }
     core::array::from_fn(|i| DERIVED[i].load(Relaxed))
 }
-/// Replaces [`Settings::derived`] under the model checker: gives any answer, and the same for the same question.
+/// Replaces [`Settings::derived`] under the model checker: the code gets any result, and the same one for equal arguments.
 pub fn derived(_: &Settings) -> Derived {
     let [k_critical, inertia, filter, ground, device, damper] = following().map(Si::from_bits);
     Derived {
@@ -43,7 +43,8 @@ pub fn derived(_: &Settings) -> Derived {
         virtual_damping_per_tick: damper,
     }
 }
-/// Replaces [`crate::spec::law_settings::derived`] under the model checker: gives the code's answer if the question is the same.
+/// Replaces [`crate::spec::law_settings::derived`] under the model checker: the specification gets the result that the code got for
+/// equal arguments.
 pub fn specified_derived(
     _: &crate::spec::law_settings::Settings,
 ) -> crate::spec::law_settings::Derived {
@@ -69,7 +70,8 @@ pub fn not_plain(_: &Settings) -> bool {
 pub fn root_of_four(k: FixedI32<U12>) -> FixedI32<U12> {
     FixedI32::from_bits(roots::ask(k.to_bits().into(), 0) as i32)
 }
-/// Replaces [`crate::spec::fba::Fba::bound_of`] under the model checker: gives the code's answer if the question is the same.
+/// Replaces [`crate::spec::fba::Fba::bound_of`] under the model checker: the specification gets the result that the code got for
+/// equal arguments.
 pub fn specified_root_of_four(k: Int) -> Int {
     Int::from(roots::ask(double(k), 0) as i32)
 }

@@ -114,7 +114,7 @@ fn the_same_input_gives_the_same_force<N: Reported>() {
         for (tick, &e) in path.iter().enumerate() {
             assert_eq!(first.tick(e), second.tick(e), "{name}, tick {tick}");
             if tick == 2_000 {
-                // The state is all there is: a copy goes on as the original.
+                // The memory is complete: a copy of it continues as the original.
                 second = first;
             }
         }

@@ -26,9 +26,9 @@ pub fn weighed(weight: Int, part: Int) -> Int {
 pub struct Motion {
     /// Position `x`.
     pub x: Int,
-    /// Displacement per tick `d`.
+    /// Displacement `d` per tick.
     pub d: Int,
-    /// Push of the hand `g`.
+    /// Push of the hand `g`: the change of the displacement per tick that it causes in a tick.
     pub g: Int,
 }
 
@@ -66,9 +66,9 @@ impl<const COMMANDS: usize> Flow<COMMANDS> {
 /// Coefficients of the estimator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Estimator {
-    /// The flow from one sample to the next.
+    /// Prediction of the motion from one sample to the next.
     pub tick: Flow<REMEMBERED>,
-    /// The flow from a sample to the time at which the next command begins to act.
+    /// Prediction of the motion from a sample to the time at which the next command begins to act.
     pub ahead: Flow<2>,
     /// Correction gains `α`, `β`, `γ`.
     pub correction: [Int; 3],
@@ -136,7 +136,7 @@ impl Estimator {
             Some(before) => self.corrected(before, memory.commands, e),
             None => None,
         };
-        // Anew: at rest where it was measured.
+        // Restart: at rest at the measured position.
         let motion = corrected.unwrap_or(Motion {
             x: state(e),
             d: 0,

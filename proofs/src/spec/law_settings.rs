@@ -46,15 +46,15 @@ pub struct Settings {
     pub keep_force: bool,
     /// The stiffness towards which the offset regulates.
     pub regulated: Regulated,
-    /// The moments at which the offset is changed.
+    /// The moments at which the offset of the wall's surface changes.
     pub update: Update,
     /// Whether the ideal step assumes that the hand's force stays (`c/k_de`) instead of its position (`c/k_v`, 3.7).
     pub force_stays: bool,
     /// `c`: fraction of the ideal step of the offset (3.8), per millisecond.
     pub step_of_ideal: Int,
-    /// `b`: bound of the offset's step by the force (3.9), per millisecond.
+    /// `b`: largest step of the offset per force (3.9), per millisecond.
     pub limit_of_force: Int,
-    /// `a`: bound of the offset's step by the penetration (3.11), per millisecond.
+    /// `a`: largest step of the offset per penetration (3.11), per millisecond.
     pub limit_of_penetration: Int,
     /// `m`: virtual mass (an inertia), kg·m².
     pub mass: Int,
@@ -73,9 +73,9 @@ pub struct Settings {
 /// A spring with damping: `k_de` and `b/T` as gains, and the largest force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Spring {
-    /// `k_de`: stiffness of the wall, a gain.
+    /// `k_de`: stiffness of the wall, in the format of gains.
     pub desired: Int,
-    /// `b/T`: damping per tick, a gain.
+    /// `b/T`: damping per tick, in the format of gains.
     pub damping: Int,
     /// Largest force, in quanta.
     pub limit: Int,
@@ -123,11 +123,11 @@ pub fn derived(of: &Settings) -> Derived {
 /// Which damping a spring has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Damped {
-    /// No damping.
+    /// The spring has no damping.
     Not,
     /// The configured damping `b`.
     Fully,
-    /// Damping `b k_de/k_v`: that of the enhanced law for `k_de` up to `k_v`.
+    /// Damping `b k_de/k_v`, for the enhanced law with a stiffness `k_de` up to that of its virtual spring, `k_v`.
     InProportion,
 }
 
@@ -216,9 +216,9 @@ impl Settings {
             plus(plus(derived.inertia, self.coupling), derived.filter_damping),
             derived.ground_damping,
         );
-        // The thesis' observer lends what it needs by itself.
+        // The thesis' observer lends by itself; it needs no credit.
         let lent = if self.exact { self.credit } else { 0 };
-        // Shares per millisecond become shares per tick, at most all of it.
+        // Fractions per millisecond become fractions per tick, at most 1.
         let of_tick = |share| over(times(share, 1000 * ONE), (self.rate * ONE).min(MOST)).min(ONE);
         let compliance = over(ONE, self.soft);
         let of_force = over(of_tick(self.limit_of_force), self.soft);

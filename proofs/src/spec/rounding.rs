@@ -2,7 +2,7 @@
 
 use super::{GAIN, HIGHEST, Int, LOWEST, over, times};
 
-/// The quotient rounded towards zero.
+/// The quotient of two integers, rounded towards zero.
 #[must_use]
 pub fn towards_zero(dividend: Int, divisor: Int) -> Int {
     let size = over(dividend.abs(), divisor);

@@ -43,7 +43,7 @@ pub fn signal_of(x: Int) -> Int {
 pub fn gain_of(x: Int) -> Int {
     x >> 20
 }
-/// A setting as an energy, with 48 fractional bits.
+/// A setting converted to an energy, with 48 fractional bits.
 #[must_use]
 pub fn energy_of(x: Int) -> Int {
     x << 16

@@ -27,13 +27,13 @@ pub enum Update {
 /// The law's coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sfa {
-    /// `k_de`: stiffness that the wall should show, a gain.
+    /// `k_de`: stiffness that the wall should show, in the format of gains.
     pub desired: Int,
-    /// `k_v`: stiffness of the virtual spring, a gain.
+    /// `k_v`: stiffness of the virtual spring, in the format of gains.
     pub soft: Int,
-    /// `k_c/k_v - 1`: step of the offset per displacement (2.14a), a ratio.
+    /// `k_c/k_v - 1`: step of the offset per displacement (2.14a), in the format of ratios.
     pub gain: Int,
-    /// `1/k_v`, a ratio.
+    /// `1/k_v`: compliance of the virtual spring, in the format of ratios.
     pub compliance: Int,
     /// The moments at which the offset of the wall's surface changes.
     pub update: Update,
@@ -72,7 +72,7 @@ impl Sfa {
             return 0;
         }
         let step = cut(times(self.gain, moved), SIGNAL).clamp(-HIGHEST, HIGHEST);
-        // What the limit takes away again is no reason for an offset.
+        // A force that the limit cuts off is no reason to move the offset.
         let wanted = spring(self.desired, m.last).min(self.limit);
         match (m.last > 0, m.force.cmp(&wanted)) {
             (true, std::cmp::Ordering::Less) => step,
