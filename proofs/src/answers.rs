@@ -57,14 +57,14 @@ macro_rules! table {
             table! { @$row }
         }
     };
-    // Whoever asks the same again gets the same answer.
+    // The same question gets the same answer, in any order.
     (@any) => {
         fn rows(specifies: bool, asked: usize) -> (usize, usize) {
             (0, if specifies { ROWS } else { asked })
         }
     };
-    // The specification's n-th question gets the code's n-th answer, if it is the same question: a solver's work for each is one
-    // comparison, not one for each row. That leaves out what else is true of the answers: more is possible then, and proved, than the code can do.
+    // The specification's n-th question gets the code's n-th answer, if it is the same question. The solver then compares one
+    // question with one row, not with each. Less is known of the answers then, so that the proof covers more than the code can do.
     (@nth) => {
         static AGAIN: AtomicUsize = AtomicUsize::new(0);
 
@@ -144,12 +144,13 @@ pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Fi
         long_products::ask(a, b)
     })
 }
-/// Replaces [`crate::spec::settings::times`] under the model checker: gives the code's answer if the question is the same.
+/// Replaces [`crate::spec::settings::times`] under the model checker: the specification gets the result that the code got for equal
+/// arguments.
 pub fn times(a: Int, b: Int) -> Int {
     product(double(a), double(b)).into()
 }
-/// Replaces [`crate::spec::estimator_settings::long_times`] under the model checker: gives the code's answer if the question is the
-/// same.
+/// Replaces [`crate::spec::estimator_settings::long_times`] under the model checker: the specification gets the result that the
+/// code got for equal arguments.
 pub fn long_times(a: Int, b: Int) -> Int {
     long_products::ask(double(a), double(b)).into()
 }
@@ -163,12 +164,13 @@ pub fn over(a: Si, b: Si) -> Si {
         Si::from_bits(answer)
     }
 }
-/// Replaces [`crate::spec::settings::over`] under the model checker: gives the code's answer if the question is the same.
+/// Replaces [`crate::spec::settings::over`] under the model checker: the specification gets the result that the code got for equal
+/// arguments.
 pub fn specified_over(a: Int, b: Int) -> Int {
     let answer = quotient(double(a), double(b));
     if b <= 0 { MOST } else { answer.into() }
 }
-/// Replaces `saturating_div` of settings under the model checker: gives any answer, and the same for the same question.
+/// Replaces `saturating_div` of settings under the model checker: the code gets any result, and the same one for equal arguments.
 pub fn saturating_div<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> FixedI64<Frac> {
     assert!(b.to_bits() != 0, "nothing is divided by zero");
     FixedI64::from_bits(quotient(a.to_bits(), b.to_bits()))
@@ -178,8 +180,8 @@ pub fn checked_div<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Optio
     let answer = long_quotients::ask(a.to_bits(), b.to_bits());
     (b.to_bits() != 0).then_some(FixedI64::from_bits(answer))
 }
-/// Replaces [`crate::spec::estimator_settings::long_over`] under the model checker: gives the code's answer if the question is the
-/// same.
+/// Replaces [`crate::spec::estimator_settings::long_over`] under the model checker: the specification gets the result that the code
+/// got for equal arguments.
 pub fn long_over(a: Int, b: Int) -> Int {
     let answer = long_quotients::ask(double(a), double(b));
     if b == 0 { 0 } else { answer.into() }
@@ -188,19 +190,19 @@ pub fn long_over(a: Int, b: Int) -> Int {
 pub fn ratio_of_bits(a: i64, b: i64) -> Exact {
     Exact::from_bits(ratios::ask(a, b))
 }
-/// Replaces [`crate::spec::estimator_settings::ratio`] under the model checker: gives the code's answer if the question is the
-/// same.
+/// Replaces [`crate::spec::estimator_settings::ratio`] under the model checker: the specification gets the result that the code got
+/// for equal arguments.
 pub fn specified_ratio(a: Int, b: Int) -> Int {
     ratios::ask(double(a), double(b)).into()
 }
-/// Replaces [`DeviceInTicks::integrals`] under the model checker: gives any answer, and the same for the same question.
+/// Replaces [`DeviceInTicks::integrals`] under the model checker: the code gets any result, and the same one for equal arguments.
 pub fn integrals(device: &DeviceInTicks, time: Exact) -> (Exact, Exact) {
     let (loss, time) = (device.loss.to_bits(), time.to_bits());
     let (reach, drift) = (reaches::ask(loss, time), drifts::ask(loss, time));
     (Exact::from_bits(reach), Exact::from_bits(drift))
 }
-/// Replaces [`crate::spec::estimator_settings::integrals`] under the model checker: gives the code's answer if the question is the
-/// same.
+/// Replaces [`crate::spec::estimator_settings::integrals`] under the model checker: the specification gets the result that the code
+/// got for equal arguments.
 pub fn specified_integrals(loss: Int, time: Int) -> (Int, Int) {
     let (loss, time) = (double(loss), double(time));
     (
@@ -292,21 +294,21 @@ fn specified_of_words<const COMMANDS: usize>(words: &[i64]) -> estimator::Flow<C
         commands: core::array::from_fn(|i| [word(3 + 2 * i), word(4 + 2 * i)]),
     }
 }
-/// Replaces [`DeviceInTicks::tick`] under the model checker: gives any answer, and the same for the same question.
+/// Replaces [`DeviceInTicks::tick`] under the model checker: the code gets any result, and the same one for equal arguments.
 pub fn over_a_tick<N: Number>(device: &DeviceInTicks) -> Option<Flow<N, TAPS>> {
     over_ticks::ask(told_of(device)).map(|words| of_words(&words))
 }
-/// Replaces [`crate::spec::estimator_settings::over_a_tick`] under the model checker: gives the code's answer if the question is
-/// the same.
+/// Replaces [`crate::spec::estimator_settings::over_a_tick`] under the model checker: the specification gets the result that the
+/// code got for equal arguments.
 pub fn specified_over_a_tick(device: &Device) -> Option<estimator::Flow<3>> {
     over_ticks::ask(specified_of(device)).map(|words| specified_of_words(&words))
 }
-/// Replaces [`DeviceInTicks::ahead`] under the model checker: gives any answer, and the same for the same question.
+/// Replaces [`DeviceInTicks::ahead`] under the model checker: the code gets any result, and the same one for equal arguments.
 pub fn ahead<N: Number>(device: &DeviceInTicks) -> Option<Flow<N, UNDER_WAY>> {
     aheads::ask(told_of(device)).map(|words| of_words(&words))
 }
-/// Replaces [`crate::spec::estimator_settings::ahead`] under the model checker: gives the code's answer if the question is the
-/// same.
+/// Replaces [`crate::spec::estimator_settings::ahead`] under the model checker: the specification gets the result that the code got
+/// for equal arguments.
 pub fn specified_ahead(device: &Device) -> Option<estimator::Flow<2>> {
     aheads::ask(specified_of(device)).map(|words| specified_of_words(&words))
 }
@@ -318,8 +320,8 @@ pub fn correction<N: Number>(device: &DeviceInTicks, angle: Exact) -> Option<[We
         [flow.reach, flow.drift, flow.loss]
     })
 }
-/// Replaces [`crate::spec::estimator_settings::Device::correction`] under the model checker: gives the code's answer if the
-/// question is the same.
+/// Replaces [`crate::spec::estimator_settings::Device::correction`] under the model checker: the specification gets the result that
+/// the code got for equal arguments.
 pub fn specified_correction(device: &Device, angle: Int) -> Option<[Int; 3]> {
     let told = [double(device.loss), double(angle), 0];
     corrections::ask(told).map(|words| words.map(|word| Int::from(word as i32)))
@@ -332,10 +334,10 @@ pub fn accepted(_: &EstimatorSettings, _: u32, _: Si) -> Result<(), SettingsErro
 pub fn weighed(weight: i32, part: i32) -> Wide64 {
     Wide64(at_limit(weight, part.into()))
 }
-/// Replaces [`crate::estimator::times`] under the model checker: gives any answer, and the same for the same question.
+/// Replaces [`crate::estimator::times`] under the model checker: the code gets any result, and the same one for equal arguments.
 pub fn at_limit(weight: i32, limit: i64) -> i64 {
     let answer = signed(weight.into(), limit, weights::ask(weight.into(), limit));
-    // Of two words.
+    // The product of two words is at most this.
     kani::assume(answer.unsigned_abs() <= 1 << 62);
     answer
 }
@@ -344,8 +346,8 @@ pub fn at_limit(weight: i32, limit: i64) -> i64 {
 pub fn bounded<N: Number>(_: &Estimator<N>) -> bool {
     true
 }
-/// Replaces [`crate::spec::estimator_settings::bounded`] under the model checker: gives the code's answer if the question is the
-/// same.
+/// Replaces [`crate::spec::estimator_settings::bounded`] under the model checker: the specification gets the result that the code
+/// got for equal arguments.
 pub fn specified_bounded(_: &crate::spec::estimator::Estimator) -> bool {
     true
 }

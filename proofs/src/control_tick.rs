@@ -49,7 +49,7 @@ fn same_law(device: &Device, own: &Own) {
 #[cfg(kani)]
 fn same_law(_: &Device, _: &Own) {}
 
-/// The device's parts for the specification: the real parts on samples, the recorded answers under the model checker.
+/// The device's parts for the specification: the real parts in random tests, the recorded answers under the model checker.
 struct Own {
     config: Config,
     supervisor: Supervisor,
@@ -77,7 +77,7 @@ impl Parts for Own {
         let fresh = Calibration::new(self.config.calibration);
         let mut running = self.calibration.unwrap_or(fresh);
         let progress = running.tick(tick, count, &self.input.current);
-        // The checker has answers in its place, which remembers nothing.
+        // The checker uses recorded answers instead of this law, which then has no memory.
         if cfg!(not(kani)) {
             self.calibration = Some(running);
         }
@@ -89,7 +89,7 @@ impl Parts for Own {
     fn changes_over(&mut self) -> bool {
         let waited = core::mem::take(&mut self.waits);
         if waited {
-            // The checker has the same ones.
+            // Under the checker, code and specification have the same settings.
             if cfg!(not(kani)) {
                 self.config = self.next;
             }
@@ -173,7 +173,7 @@ fn position(bits: i32) -> Position<Fixed32> {
 fn any_position<S: Source>(s: &mut S) -> Position<Fixed32> {
     position(s.i32())
 }
-/// An option that is sometimes `None` on samples; under the model checker always `Some`, to save a case.
+/// An option that is sometimes `None` in random tests; under the model checker always `Some`, to save a case.
 fn some_sampled<S: Source, T>(s: &mut S, any: impl FnOnce(&mut S) -> T) -> Option<T> {
     if cfg!(kani) { None } else { some(s, any) }
 }
@@ -204,7 +204,7 @@ fn any_config<S: Source>(s: &mut S) -> Option<Config> {
 }
 fn any_memory<S: Source>(s: &mut S) -> Memory {
     let last = any_position(s);
-    // Of a short way a law has more to say.
+    // On samples mostly a short displacement, at which the law's force varies more.
     let way = |s: &mut S| {
         if s.shortcut() {
             position(s.i16().into())
@@ -349,7 +349,7 @@ replaced_property! {
         let Some(config) = any_config(s) else {
             return;
         };
-        // Of two sets at once the checker makes too much; which of them a tick uses samples see.
+        // The checker's formula would be too large with two configurations. Samples check which one a tick uses.
         let next = if cfg!(kani) { config } else { any_config(s).unwrap_or(config) };
         let mut device = Device::of(config, any_memory(s));
         let waits = s.bool();

@@ -21,7 +21,7 @@ macro_rules! edges {
                 by $products fn p1_edge_step(s) {
                     let (energy, force, moved) = (N::any_energy(s), N::any_force(s), N::any_position(s));
                     let (after, shown) = N::passivity_step(energy.0, force.0, moved.0);
-                    // The operands in the words of the code: a solver that knows terms then sees the same products.
+                    // The operands are written as in the code, so that a solver with terms recognises the same products.
                     let heart = magnitude::passivity_step::<$word>(
                         energy.0.to_bits().max(0).unsigned_abs(),
                         force.0.max(Force::<N>::zero().0).to_bits().unsigned_abs(),
@@ -66,7 +66,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P1 (energy): the force that works off an energy deficit is the unsigned quotient in [`crate::heart`].
+                /// P1 (energy): the force that works off an energy deficit is energy divided by displacement, by the unsigned
+                /// function in [`crate::heart`].
                 equation "|E / d| = heart(|E|, |d|)"
                 over "displacement and energy"
                 by $quotients fn p1_edge_per(s) {
@@ -91,7 +92,7 @@ macro_rules! edges {
                     let (ratio, x) = (N::any_ratio(s), N::any_position(s));
                     assume!(s, ratio.0 >= 0, "validate");
                     let scaled = (ratio * x).0.to_bits();
-                    // The operands in the words of the code, as above.
+                    // The operands are written as in the code, as above.
                     let heart = magnitude::scale::<$word>(
                         ratio.0.to_bits() as $word,
                         x.0.to_bits().unsigned_abs(),

@@ -34,7 +34,7 @@ fn any_flow<S: Source, const COMMANDS: usize>(
 ) -> Flow<N, COMMANDS> {
     let one = i64::from(ONE);
     let limit = i64::from(limit.0.to_bits()).max(1);
-    // Of samples only: a division is nothing that the checker should follow for nothing.
+    // Only for samples: the checker need not follow a division.
     let share = if s.shortcut() {
         (2 * ONE_TORQUE).min(RAD / limit) * ticks / COMMANDS as i64
     } else {
@@ -72,7 +72,7 @@ fn flow_ok<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>, ticks: i32, limit: i
         && taken(1)
 }
 
-/// Estimator with any weights; on samples mostly weights that settings can give.
+/// Estimator with any weights; in random tests mostly weights that settings can give.
 pub fn any<S: Source>(s: &mut S) -> Estimator<N> {
     let one = i64::from(ONE);
     let limit = Force(fixed::types::I8F24::from_bits(weight(
@@ -100,11 +100,11 @@ pub fn ok(estimator: &Estimator<N>) -> bool {
         && (0..=2 * ONE).contains(&pushed)
 }
 
-/// Any motion; on samples one within the invariant.
+/// Any motion; in random tests one within the invariant.
 pub fn any_motion<S: Source>(s: &mut S) -> EstimatedMotion<N> {
     let mut state = |bits: u32| {
         let any = s.i64();
-        // Within ±2^bits at once, where that is no proof.
+        // Limits samples to ±2^bits at once; not for a proof.
         Wide64(if s.shortcut() { any >> (9 - bits) } else { any })
     };
     EstimatedMotion {
@@ -183,7 +183,7 @@ bounded_property! {
             assert!(holds(&after));
             let surprise = N::widen(measured.0).minus_fitting(expected);
             let rest = N::widen(measured.0).minus_fitting(after.position);
-            // A part is cut downwards: by one of its steps at most.
+            // A part is rounded down, so it can be wrong by one of its steps.
             assert_reached!(rest.0.unsigned_abs() <= surprise.0.unsigned_abs() + (1 << 26));
         }
         cover!(s, after.is_some_and(|after| after.position != expected), "corrected");

@@ -269,24 +269,25 @@ mod by_one_product {
         x as i32
     }
 
-    /// Replaces [`touchstone_control::magnitude::Word::times`] under the model checker: gives any answer, and the same for the same
-    /// question.
+    /// Replaces [`touchstone_control::magnitude::Word::times`] under the model checker: the code gets any result, and the same one
+    /// for equal arguments.
     pub fn words(a: u32, b: u32) -> u64 {
         magnitude(a, b)
     }
-    /// Replaces [`Number::product`] under the model checker: gives any answer, and the same for the same question.
+    /// Replaces [`Number::product`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn product(k: Gain, x: Signal) -> i64 {
         product_of(k.to_bits(), x.to_bits())
     }
-    /// Replaces [`Number::work`] under the model checker: gives any answer, and the same for the same question.
+    /// Replaces [`Number::work`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn work(f: Signal, d: Signal) -> <Fixed32 as Number>::Energy {
         <Fixed32 as Number>::Energy::from_bits(product_of(f.to_bits(), d.to_bits()))
     }
-    /// Replaces [`crate::spec::times`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`crate::spec::times`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn times(a: i128, b: i128) -> i128 {
         i128::from(product_of(word(a), word(b)))
     }
-    /// Replaces [`crate::guard::times`] under the model checker: gives any answer, and the same for the same question.
+    /// Replaces [`crate::guard::times`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn exact<N: Format>(a: i64, b: i64) -> N::Exact {
         N::exact(times(a.into(), b.into()) as i64)
     }

@@ -93,7 +93,7 @@ property! {
     equation "depth = R - floor |v|, normal = v/|v|"
     over "places of 5 bits an axis from the centre, radius up to 31 quanta, side or none"
     by sampled fn p4_ball_nearest(s) {
-        // From the centre: of places from the origin samples hardly ever meet it.
+        // The place is relative to the centre; samples of places from the origin would hardly ever meet it.
         let (radius, v, side) = (s.bits(5).cast_signed(), place(s, 5), axis(s));
         let none = Direction([position(0).0; 3]);
         let side = if s.bool() { none } else { side };
@@ -241,7 +241,7 @@ property! {
         if wall < 0 && cap < 0 {
             let square = wall * wall + cap * cap;
             assert!(depth <= 0 && depth * depth <= square && (3 - depth) * (3 - depth) >= square);
-            // Of the way from the rim, of which each part along an axis was shortened by up to two quanta.
+            // The normal is compared with the way from the rim, whose parts along the axes were shortened by up to two quanta.
             let mut way = across.map(|x| x as f64 * -wall as f64 / (squares(across) as f64).sqrt());
             way[axis] = (along.signum() * -cap) as f64;
             let size = way.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -341,7 +341,7 @@ property! {
         };
         let way = plate.exit(vector(at), &u, &side).map(bits);
         let seen = plate.nearest(vector(at), &side);
-        // Of an axis that is a quantum shorter than 1, rounded down.
+        // The axis' direction is a quantum shorter than 1; the cosine is rounded down.
         let cosine = (parts(&u)[axis] * parts(&side)[axis]).div_euclid(ONE);
         if !is_over(&plate, x) || cosine <= 0 {
             assert_reached!(way.is_none());

@@ -183,11 +183,11 @@ property! {
             other
         } else {
             assume!(s, sine2 > ONE * ONE / 4, "Edge::new: flatter edges are less exact, as it says");
-            // By the law of cosines, of the two heights.
+            // Square of the distance to the edge from both heights, by the law of cosines.
             let (square, far) = (ONE * ONE * (a * a + b * b) - 2 * cosine * ONE * a * b, -depth);
             assert!(far >= 0 && (far + EDGE) * (far + EDGE) * sine2 >= square);
             assert!((far - EDGE).max(0) * (far - EDGE).max(0) * sine2 <= square);
-            // Between both normals.
+            // The normal lies between those of both planes.
             let turn = |u: &Direction<N>, v: &Direction<N>| parts(u)[0] * parts(v)[2] - parts(u)[2] * parts(v)[0];
             let sign = turn(&one, &other).signum();
             let aside = EDGE * ONE * ONE;
@@ -229,7 +229,7 @@ property! {
         let free = Edge::new(planes.map(|plane| plane.flipped())).nearest(vector(at), &Direction::default());
         assert!(bits(seen.depth) == -bits(free.depth));
         assert!(parts(&seen.normal) == parts(&free.normal).map(|x| -x));
-        // Of the opposite normal the part is rounded the other way.
+        // With the opposite normal the part along it is rounded the other way.
         let below = |plane: &Plane<N>| -along(&plane.normal.opposite(), at) - bits(plane.height);
         let inside = planes.iter().any(|plane| below(plane) < 0);
         assert!(inside == (bits(seen.depth) > 0) || inside && bits(seen.depth) == 0);
@@ -253,7 +253,7 @@ property! {
             let free = plane.normal.opposite();
             let below = along(&free, at) + bits(plane.height);
             if below > 0 {
-                // The cosine of the normal that is turned about twice.
+                // The cosine with the normal that was reversed twice.
                 let out = slanted(below, along(&plane.normal, parts(&u)));
                 longest = longest.and_then(|longest| Some(out?.max(longest)));
             }

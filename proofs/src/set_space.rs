@@ -120,7 +120,7 @@ guarded_property! {
         reckoned::of_specification();
         assume!(s, device.count >= Si::ZERO, "GuardSettings::validate");
         let of_axis = Guard::<N>::new(&settings, &device).ok();
-        // A little more than the root of three, to seven digits.
+        // A little more than the square root of 3, to seven digits.
         let count = si(times(bits(device.count), 7_439_101_971));
         let of_length = Guard::<N>::new(&settings, &GuardedDevice { count, ..device }).ok();
         let expected = of_axis.zip(of_length).map(|(of_axis, of_length)| VectorGuard::of(Guard {

@@ -30,11 +30,11 @@ pub trait Valid<N: Format>: Sized {
     fn holds(&self, state: &Self::State) -> bool;
 }
 
-/// A stiffness with any bits; on samples mostly one that is not negative.
+/// A stiffness with any bits; in random tests mostly one that is not negative.
 fn any_gain<N: Format, S: Source>(s: &mut S) -> Stiffness<N> {
     one_with(s, N::any_stiffness, |k| gain_ok(*k))
 }
-/// Any force limit, on samples mostly one that is not negative.
+/// Any force limit, in random tests mostly one that is not negative.
 fn any_limit<N: Format, S: Source>(s: &mut S) -> Force<N> {
     one_with(s, N::any_force, |f| limit_ok(*f))
 }
@@ -42,7 +42,7 @@ fn any_limit<N: Format, S: Source>(s: &mut S) -> Force<N> {
 fn any_share<N: Format, S: Source>(s: &mut S) -> Compliance<N> {
     one_with(s, N::any_compliance, |c| N::of_signal_ratio(c.0) >= 0)
 }
-/// An energy with any bits; on samples mostly one that is not negative and within the cap.
+/// An energy with any bits; in random tests mostly one that is not negative and within the cap.
 fn any_stored<N: Format, S: Source>(s: &mut S) -> Energy<N> {
     let cap = N::energy_cap();
     one_with(s, N::any_energy, |e| *e >= Energy::zero() && *e <= cap)
@@ -153,7 +153,7 @@ impl<N: Format> Valid<N> for Fba<N> {
         }
         shown(state.force, self.limit)
             && state.energy <= self.energy_cap
-            // With a deficit (the counted damping is rounded down) nothing is shown until it is worked off.
+            // With an energy deficit (the counted damping is rounded down) the force is 0 until the deficit is worked off.
             && (state.energy >= Energy::zero() || state.force == Force::zero())
     }
 }
@@ -213,7 +213,7 @@ impl<N: Format> Valid<N> for EnhancedSfa<N> {
             observer: any_observer(s),
             first_contact: any_first(s),
             mass,
-            // Each of any stiffness whatever: what the law keeps does not rest on where the mass starts.
+            // Divisors of any stiffness: what the law guarantees does not depend on where the mass starts.
             by_coupling: Divisor::of(N::any_stiffness(s)),
             series: Divisor::of(N::any_stiffness(s)),
             credit: any_stored(s),

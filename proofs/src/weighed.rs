@@ -111,7 +111,7 @@ macro_rules! bounded_property {
 /// Marks of who asks for products (code or specification); without the checker they do nothing.
 #[cfg(not(kani))]
 mod questions {
-    /// Does nothing: properties on samples do not record who asks.
+    /// Does nothing: properties in random tests do not record who asks.
     pub fn of_specification() {}
 }
 #[cfg(not(kani))]
@@ -155,7 +155,8 @@ mod by_one_product {
         FOUND[at].store(any, Relaxed);
         Wide64(any)
     }
-    /// Replaces [`crate::spec::estimator::weighed`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`crate::spec::estimator::weighed`] under the model checker: the specification gets the result that the code got
+    /// for equal arguments.
     pub fn weighed(weight: i128, part: i128) -> i128 {
         assert!(
             SPECIFIES.load(Relaxed) == 1,
@@ -273,7 +274,7 @@ mod by_one_product {
         kani::assume(moved.unsigned_abs() < 21 << Wide64::FRACTION);
         (position, moved)
     }
-    /// Replaces [`Flow::apply`] under the model checker: gives any answer, and the same for the same question.
+    /// Replaces [`Flow::apply`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn end<N: Number, const COMMANDS: usize>(
         flow: &Flow<N, COMMANDS>,
         from: &EstimatedMotion<N>,
@@ -299,7 +300,8 @@ mod by_one_product {
         let (position, moved) = any_end(question);
         (N::Wide::made(position), N::Wide::made(moved))
     }
-    /// Replaces [`spec::Flow::end`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`spec::Flow::end`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn specified_end<const COMMANDS: usize>(
         flow: &spec::Flow<COMMANDS>,
         from: spec::Motion,
@@ -363,7 +365,8 @@ mod by_one_product {
         let [some, position, moved, pushed] = CORRECTED.answer(question);
         (some > 0).then_some([position, moved, pushed])
     }
-    /// Replaces [`spec::Estimator::corrected`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`spec::Estimator::corrected`] under the model checker: the specification gets the result that the code got for
+    /// equal arguments.
     pub fn specified_corrected(
         _: &spec::Estimator,
         before: spec::Motion,

@@ -37,12 +37,12 @@ property! {
     equation "part = floor(w 2^-26), torque part = floor(w 2^-30)"
     over "a state within ±8, within ±128"
     by cadical fn p3_wide_parts(s) {
-        // The first on samples mostly within ±8.
+        // On samples the first number is mostly within ±8.
         let any = s.i64();
         let state = Wide64(if s.shortcut() { any >> 6 } else { any });
         let whole = i128::from(state.0);
         let digits = |down: u32| {
-            // Downwards: what is left out is not negative.
+            // Rounded down: what is left out is not negative.
             let rest = whole.rem_euclid(1 << down);
             (whole - rest) / (1 << down)
         };
@@ -75,7 +75,7 @@ property! {
     over "state, k from 0 to 8"
     by cadical fn p3_wide_within(s) {
         let bits = u32::from(s.u8() % 9);
-        // On samples mostly at one of the two ends, or none would be.
+        // On samples mostly at one of the two ends, as otherwise none would be.
         let any = s.i64();
         let state = Wide64(if s.shortcut() {
             let (end, near) = (1_i64 << (54 + bits), any >> 61);
@@ -113,7 +113,7 @@ property! {
     by cadical fn p8_saturating_signal32(s) {
         let si = Si::from_bits(s.i64());
         let whole = i128::from(si.to_bits());
-        // Towards zero: digits of the magnitude are cut.
+        // Towards zero: digits of the magnitude are cut off.
         let size = whole.abs() >> 8;
         let cut = if whole < 0 { -size } else { size };
         let shown = cut.clamp(i128::from(i32::MIN), i128::from(i32::MAX));
@@ -134,7 +134,7 @@ property! {
         let divisor = Fixed8::divisor(<Fixed8 as Number>::Gain::from_bits(k));
         let found = i32::from(Fixed8::divide_by(p, &divisor).to_bits());
         let (size, dividend, k) = (found.abs(), i32::from(p).abs(), i32::from(k));
-        // Multiplied out: a division here would be another that a solver has to follow.
+        // Checked by products: the solver would have to follow another division.
         assert!(size * k <= dividend && size <= 127);
         assert!(size == 127 || dividend < size * k + k);
         assert!(found == 0 || (found < 0) == (p < 0));

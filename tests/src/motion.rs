@@ -5,7 +5,7 @@
 pub fn half_sine(depth_rad: f64, ticks: u32) -> Vec<f64> {
     (0..=ticks)
         .map(|tick| {
-            // The sine of π is not quite zero in floats.
+            // In floating point the sine of π is not quite zero.
             if tick == 0 || tick == ticks {
                 0.0
             } else {

@@ -237,12 +237,12 @@ impl Port {
             lowest_account_j: joules(&guard),
             ..Outcome::default()
         };
-        // As of the beginning of the tick that was played last.
+        // Results at the beginning of the last tick that was run.
         let mut settled = (0.0, 0.0);
         for tick in 0..ticks {
             let now = sample(x);
             if let Some(board) = &board {
-                // What was read is in `at_change`, and what follows from it takes its place.
+                // `at_change` holds the second reading; the position calculated from it replaces it.
                 let since = board.change.since_change(at_change - told, now - at_change);
                 at_change = if self.reads { now - since } else { told };
             }
@@ -260,7 +260,7 @@ impl Port {
                 None => wanted,
                 Some(guard) => {
                     let force = guard.tick(now, measured.then_some(at_change), wanted);
-                    // What overspeed costs is a remainder of its own.
+                    // The energy of an over-speed is beyond the bound, and is reported on its own.
                     if ways.iter().any(|way| way.modulus() > guard.guard.furthest) {
                         outcome.with_overspeed_j = outcome.above_refill_j;
                         (outcome.worst_window_j, outcome.above_refill_j) = settled;

@@ -47,7 +47,7 @@ fn leaning() -> Knob<Spoilt> {
 
 #[test]
 fn a_tick_that_was_not_told_where_its_force_changed_shows_none() {
-    // Not made; a check that fails; and half a turn in a part of a tick.
+    // Three bad readings: none made, one that fails its check, and one half a turn away after a part of a tick.
     let far = Frames::alone(as5047p_frame(8_192));
     for reading in [
         None,
@@ -62,8 +62,8 @@ fn a_tick_that_was_not_told_where_its_force_changed_shows_none() {
                 until: next + ticks,
                 reading,
             };
-            // The tick after one that drove needs it; the one after a tick without force does not, so that it is as if every second
-            // reading had come.
+            // A tick after one with a force needs the reading; a tick after one without does not. So the result is as if every
+            // second reading had come.
             for tick in 0..2 * ticks {
                 let record = knob.tick();
                 let is_off = tick % 2 == 0 && tick < ticks;

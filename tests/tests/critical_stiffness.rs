@@ -90,7 +90,7 @@ fn growth(rate_hz: u32, delay_s: f64, stiffness: f64) -> Growth {
 
 fn is_stable(rate_hz: u32, delay_s: f64, stiffness: f64) -> bool {
     let growth = growth(rate_hz, delay_s, stiffness);
-    // A knob that is thrown out of the wall has grown, whatever its motion is later.
+    // A knob that is thrown out of the wall counts as growing, whatever its later motion.
     !growth.left && growth.squares[1] < growth.squares[0]
 }
 
@@ -125,9 +125,9 @@ fn assert_critical(rate_hz: u32, delay_s: f64, golden: f64) {
         "{rate_hz} Hz, {delay_s} s of delay: loop {found:.5}, eigenvalues {exact:.5}, formula {formula:.5} N·m/rad"
     );
     assert!((formula / golden - 1.0).abs() < 1e-12);
-    // The formula leaves out terms of the order b T/J = 5e-3.
+    // The formula leaves out terms of relative size b T/J = 5e-3.
     assert!((found / formula - 1.0).abs() < 0.02);
-    // What bisection (1e-4) and windows that cut an oscillation of some 30 periods (2e-4) leave.
+    // Allowed for bisection (1e-4) and for windows that cut an oscillation of some 30 periods (2e-4).
     assert!((found / exact - 1.0).abs() < 1e-3);
 }
 

@@ -147,7 +147,7 @@ fn beyond_every_range_the_path_the_value_and_the_range_are_named() {
         for value in [least.0 - step, most.0 + step].map(Decimal) {
             let mut settings = roomy(Board::NucleoG474re);
             if !set(&mut settings, field, value) {
-                // Nothing below zero, or beyond the type: refused before.
+                // Negative values, or values beyond the type, are refused earlier.
                 continue;
             }
             let invalid = checked(&settings, Board::NucleoG474re).expect_err(field.path);
@@ -178,7 +178,7 @@ fn refusal(board: Board, change: impl Fn(&mut DeviceSettings)) -> String {
     settings.law = LawSettings::thesis();
     change(&mut settings);
     let invalid = checked(&settings, board).expect_err("accepted");
-    // Every path fits its buffer and is a leaf's.
+    // Every path fits its buffer and names a single setting.
     assert!(FIELDS.iter().any(|field| field.path == invalid.path));
     invalid.to_string()
 }
@@ -247,7 +247,7 @@ fn settings_are_checked_against_each_other_and_the_board() {
 
 #[test]
 fn the_law_is_the_one_of_the_settings() {
-    // All fields of the law, changed: what the tree makes of them is what the law's own settings are.
+    // All fields of the law are changed: the settings tree must give the same law settings as direct conversion.
     let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
     settings.law = LawSettings::thesis();
     let law = touchstone_control::Settings {

@@ -16,7 +16,7 @@ const TICKS: u64 = 50_000;
 
 fn example() -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    // Optimised like the program that is handed out.
+    // Optimised like the released program.
     let built = Command::new(env!("CARGO"))
         .args([
             "build",
@@ -107,8 +107,8 @@ fn what_a_scene_does_not_name_costs_no_instruction() {
     let bare = cost["bare"];
     for (planned, by_hand) in [("bare", "bare-by-hand"), ("held", "held-by-hand")] {
         assert_eq!(end(&example, planned), end(&example, by_hand), "{planned}");
-        // The same work in two functions: registers may be allotted differently, by an instruction. The cheapest effect of all
-        // costs more than that, see below. Written by hand it may be dearer by what the compiler makes of it.
+        // The same work in two functions may differ by an instruction, as registers are allotted differently. The cheapest effect
+        // costs more than that (see below). The hand-written loop may be slower by what the compiler makes of it.
         let more = cost[planned] - cost[by_hand];
         assert!(
             (-5.0..=1.1).contains(&more),
@@ -126,7 +126,7 @@ fn what_a_scene_does_not_name_costs_no_instruction() {
             cost[effect]
         );
     }
-    // A limit computes two comparisons.
+    // A limit calculates two comparisons.
     assert!(
         cost["limit"] <= bare + STAGE,
         "limit {}, bare {bare}",
@@ -166,7 +166,7 @@ fn changes(scene: &Scene, setting: &str) -> bool {
 
 #[test]
 fn an_effect_named_without_effect_equals_an_absent_one_to_the_bit() {
-    // No dry friction, no torque limit, no encoder.
+    // A scene without dry friction, torque limit or encoder.
     let ideal = thesis("press-hold");
     let device = &ideal.device;
     assert!(device.friction.is_none() && device.torque_limit_n_m.is_none());
@@ -178,7 +178,7 @@ fn an_effect_named_without_effect_equals_an_absent_one_to_the_bit() {
         let name = &scene.name;
         assert!(!changes(scene, "device.torque_limit_n_m=1e9"), "{name}");
         assert!(!changes(scene, "timing.computational_delay_s=0"), "{name}");
-        // The settings do something as soon as they have a value that does.
+        // The settings have an effect as soon as their value has one.
         assert!(changes(scene, "device.torque_limit_n_m=0.05"), "{name}");
         assert!(
             changes(scene, "timing.computational_delay_s=1e-4"),
@@ -194,8 +194,8 @@ fn an_effect_named_without_effect_equals_an_absent_one_to_the_bit() {
 fn friction_of_zero_equals_none_to_the_bit_or_in_a_hand_to_rounding() {
     let free = thesis("free-release");
     assert!(!changes(&free, "device.friction.kinetic_n_m=0"));
-    // In a hand the plant locates where the velocity changes sign, and crosses such a tick in two parts. With a linear law in
-    // f64 nothing magnifies the rounding of that.
+    // In a hand the plant finds the instant at which the velocity changes sign, and crosses such a tick in two parts. With a linear
+    // law in f64 nothing amplifies that rounding.
     let held = thesis("press-hold")
         .with_overrides(&[
             "law.kind=spring",
@@ -214,6 +214,6 @@ fn friction_of_zero_equals_none_to_the_bit_or_in_a_hand_to_rounding() {
         .map(|(a, b)| (a - b).abs())
         .fold(0.0, f64::max);
     println!("largest difference {largest:.1e} rad");
-    // Some hundred turns of the motion, each of an ulp of 1 rad or two.
+    // Some hundred reversals of the motion, each with an error of one or two ulp of 1 rad.
     assert!(largest < 1e-13);
 }

@@ -60,7 +60,7 @@ impl<'a> Words<'a> {
 impl core::fmt::Write for Words<'_> {
     fn write_str(&mut self, text: &str) -> core::fmt::Result {
         for byte in text.bytes() {
-            // One byte stays for the zero.
+            // One byte is kept for the final zero.
             if self.used.saturating_add(1) >= self.buffer.len() {
                 break;
             }

@@ -132,7 +132,7 @@ impl PyGuard {
                 wanted.len()
             )));
         }
-        // All are looked at first, so that a refused call changes nothing.
+        // All values are checked before the first tick, so that a refused call changes nothing.
         let pairs: Vec<_> = moved
             .iter()
             .zip(wanted)

@@ -207,7 +207,7 @@ pub fn tick(
     };
 
     let shows = after == State::Armed && verdict.count.is_some();
-    // The last tick's force held up to this reading.
+    // The last tick's force acted up to this reading.
     let acted = drove && fault.is_none() && verdict.count.is_some();
     let leaves = armed && after != State::Armed;
     let mut at_change = None;

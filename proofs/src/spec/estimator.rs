@@ -26,9 +26,9 @@ pub fn weighed(weight: Int, part: Int) -> Int {
 pub struct Motion {
     /// Position `x`.
     pub x: Int,
-    /// Displacement per tick `d`.
+    /// Displacement `d` per tick.
     pub d: Int,
-    /// Push of the hand `g`.
+    /// Push of the hand `g`: the change of the displacement per tick that it causes in a tick.
     pub g: Int,
 }
 
@@ -70,7 +70,7 @@ pub struct Estimator {
     pub tick: Flow<REMEMBERED>,
     /// Prediction of the motion from a sample to the time at which the next command begins to act.
     pub ahead: Flow<2>,
-    /// Correction gains `α`, `β`, `γ`.
+    /// Correction gains `α`, `β`, `γ`: of position, displacement and push per measured deviation.
     pub correction: [Int; 3],
     /// Largest command, in quanta of a signal.
     pub limit: Int,
@@ -136,7 +136,7 @@ impl Estimator {
             Some(before) => self.corrected(before, memory.commands, e),
             None => None,
         };
-        // Anew: at rest where it was measured.
+        // Restart: at rest at the measured position.
         let motion = corrected.unwrap_or(Motion {
             x: state(e),
             d: 0,

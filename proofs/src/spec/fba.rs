@@ -7,7 +7,7 @@ use super::{BITS, GAIN, HIGHEST, Int, cut, damping_loss, spring, times};
 pub struct Fba {
     /// `k_de`: stiffness that the wall should show, in the format of gains.
     pub desired: Int,
-    /// `c_i/T` of the device's damping, in the format of gains.
+    /// `c_i/T`: damping of the device per tick, in the format of gains.
     pub device_damping: Int,
     /// `sqrt(4 c_i/T)`: factor of the bound on the force, in the format of gains.
     pub bound: Int,
@@ -22,7 +22,7 @@ pub struct Fba {
 pub struct Memory {
     /// Force of the last tick.
     pub force: Int,
-    /// Energy that the law has observed.
+    /// Energy that the law's observer has summed, in quanta.
     pub energy: Int,
     /// Whether the HIP was in the wall in the last tick.
     pub inside: bool,
@@ -48,7 +48,7 @@ pub fn root(x: Int) -> Int {
 }
 
 impl Fba {
-    /// `sqrt(4 c_i/T)` of the device's damping `c_i/T`, rounded down.
+    /// The force bound's factor `sqrt(4 c_i/T)` for the device's damping per tick, rounded down.
     #[must_use]
     pub fn bound_of(device_damping: Int) -> Int {
         root((4 * device_damping) << GAIN)
