@@ -40,7 +40,7 @@ pub mod fact {
             -1
         }
     }
-    /// Fact of a product: its size is at most the gain times the largest magnitude of a signal.
+    /// Fact of a product: its size is at most the gain times the largest magnitude of a signal (position or force).
     pub fn product_size(result: i64, gain: i64) -> bool {
         gain < 0 || result.unsigned_abs() <= gain.unsigned_abs() << 31
     }
@@ -278,7 +278,7 @@ pub mod fixed32 {
     use crate::{assume, cover, property};
 
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `Scale`: a scaled signal is 0 or keeps its sign.
+        /// P3 (arithmetic): `Fixed32` has the fact `Scale`: a scaled signal (position or force) is 0 or keeps its sign.
         equation "sign(|r| x) = sign(x) or 0"
         over "pair of words"
         by kissat fn p3_fact_scale(s) {

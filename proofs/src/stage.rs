@@ -25,7 +25,7 @@ use core::sync::atomic::{AtomicBool, AtomicI64, Ordering::Relaxed};
 #[cfg(kani)]
 use touchstone_control::guard::Overspeed;
 
-/// Defines a property of the stage that holds for any answers of its guard; equal questions get equal answers.
+/// Defines a property of the stage that holds for any results of its guard; equal arguments give equal results.
 #[macro_export]
 macro_rules! staged_property {
     ($($property:tt)*) => {
@@ -36,8 +36,8 @@ macro_rules! staged_property {
     };
 }
 
-/// Replaces [`Guard::tick_with_change`]: any memory and any force or over-speed, and the same for the same question. The guard
-/// itself is not recorded, as there is only one.
+/// Replaces [`Guard::tick_with_change`]: any memory and any force or over-speed, and the same for equal arguments. The guard itself
+/// is not recorded, as there is only one.
 #[cfg(kani)]
 pub fn any_tick<N: Format>(
     _: &Guard<N>,

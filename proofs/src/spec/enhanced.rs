@@ -91,7 +91,7 @@ fn outward_up(tension: Int) -> Int {
     ((tension.max(0) + (1 << GAIN) - 1) >> GAIN).min(HIGHEST)
 }
 
-/// The product of a ratio and a signal, rounded towards zero.
+/// The product of a ratio and a signal (position or force), rounded towards zero.
 fn share(ratio: Int, x: Int) -> Int {
     cut(times(ratio, x), SIGNAL).clamp(-HIGHEST, HIGHEST)
 }

@@ -84,7 +84,7 @@ pub struct Spring {
 fn gain(x: Int) -> Option<Int> {
     gain_fits(x).then(|| gain_of(x))
 }
-/// A setting as a ratio, a compliance or a signal; `None` if it does not fit.
+/// A setting as a ratio, a compliance or a signal (position or force); `None` if it does not fit.
 fn signal(x: Int) -> Option<Int> {
     signal_fits(x).then(|| signal_of(x))
 }
