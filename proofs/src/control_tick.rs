@@ -49,7 +49,7 @@ fn same_law(device: &Device, own: &Own) {
 #[cfg(kani)]
 fn same_law(_: &Device, _: &Own) {}
 
-/// The device's parts for the specification: the real parts on samples, the recorded answers under the model checker.
+/// The device's parts for the specification: the real parts in random tests, the recorded answers under the model checker.
 struct Own {
     config: Config,
     supervisor: Supervisor,
@@ -173,7 +173,7 @@ fn position(bits: i32) -> Position<Fixed32> {
 fn any_position<S: Source>(s: &mut S) -> Position<Fixed32> {
     position(s.i32())
 }
-/// An option that is sometimes `None` on samples; under the model checker always `Some`, to save a case.
+/// An option that is sometimes `None` in random tests; under the model checker always `Some`, to save a case.
 fn some_sampled<S: Source, T>(s: &mut S, any: impl FnOnce(&mut S) -> T) -> Option<T> {
     if cfg!(kani) { None } else { some(s, any) }
 }

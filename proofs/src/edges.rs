@@ -66,7 +66,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P1 (energy): the force that works off an energy deficit is the unsigned quotient in [`crate::heart`].
+                /// P1 (energy): the force that works off an energy deficit is energy divided by displacement, by the unsigned
+                /// function in [`crate::heart`].
                 equation "|E / d| = heart(|E|, |d|)"
                 over "displacement and energy"
                 by $quotients fn p1_edge_per(s) {
@@ -83,8 +84,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P2 (rounding): a scaled signal keeps its sign; its magnitude is the unsigned `scale` in [`crate::heart`] of the
-                /// magnitudes.
+                /// P2 (rounding): a scaled signal (position or force) keeps its sign; its magnitude is the unsigned `scale` in
+                /// [`crate::heart`] of the magnitudes.
                 equation "|r x| = heart(|r|, |x|), sign of x"
                 over "ratio >= 0 and signal"
                 by $bits fn p2_edge_scale(s) {
@@ -168,8 +169,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P3 (arithmetic): a sum of signals is exact or at the end of the range; calculating it in a wider word loses
-                /// nothing.
+                /// P3 (arithmetic): a sum of signals (positions and forces) is exact or at the end of the range; calculating it in
+                /// a wider word loses nothing.
                 equation "a + b = min(max(a + b, lowest), highest)"
                 over "pair of signals"
                 fn p3_sums_saturate(s) {

@@ -130,7 +130,7 @@ corrected_property! {
     }
 }
 property! {
-    /// P11 (refinement): a commanded force, limited, is remembered in front of the older ones.
+    /// P11 (refinement): a commanded force, limited, becomes the latest of the remembered commands.
     equation "f' = (min(max(f, -limit), limit), f_1, f_2)"
     over "limit not negative, memory, force"
     by cadical fn p11_estimator_commanded(s) {

@@ -72,7 +72,7 @@ fn flow_ok<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>, ticks: i32, limit: i
         && taken(1)
 }
 
-/// Estimator with any weights; on samples mostly weights that settings can give.
+/// Estimator with any weights; in random tests mostly weights that settings can give.
 pub fn any<S: Source>(s: &mut S) -> Estimator<N> {
     let one = i64::from(ONE);
     let limit = Force(fixed::types::I8F24::from_bits(weight(
@@ -100,7 +100,7 @@ pub fn ok(estimator: &Estimator<N>) -> bool {
         && (0..=2 * ONE).contains(&pushed)
 }
 
-/// Any motion; on samples one within the invariant.
+/// Any motion; in random tests one within the invariant.
 pub fn any_motion<S: Source>(s: &mut S) -> EstimatedMotion<N> {
     let mut state = |bits: u32| {
         let any = s.i64();
@@ -207,8 +207,8 @@ property! {
     }
 }
 property! {
-    /// P2 (rounding): a signal that becomes a state and a signal again is unchanged. A state becomes the nearest signal, or the end
-    /// of the range.
+    /// P2 (rounding): a signal (position or force) that becomes a state and a signal again is unchanged. A state becomes the
+    /// nearest signal, or the end of the range.
     equation "narrow(widen(x)) = x, |2^30 narrow(w) - w| <= 2^29"
     over "signal, state"
     by cadical fn p2_narrow32(s) {

@@ -406,8 +406,8 @@ macro_rules! guard {
 }
 
 guard!(
-    /// At 32 bits, the width of the firmware: the same bodies on samples, as no solver follows products of three unknown numbers at
-    /// that width.
+    /// At 32 bits, the width of the firmware: the same bodies in random tests, as no solver follows products of three unknown
+    /// numbers at that width.
     w32, Fixed32, by sampled, sum sampled
 );
 guard!(

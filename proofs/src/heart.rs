@@ -173,7 +173,8 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P2 (rounding): scaling a signal by a gain rounds towards zero: `scale(g, x) · 2^bits <= g·x`.
+                /// P2 (rounding): scaling a signal (position or force) by a gain rounds towards zero: `scale(g, x) · 2^bits <=
+                /// g·x`.
                 equation "(g x >> b) 2^b <= g x"
                 over "gain and signal"
                 by $bits
@@ -261,7 +262,7 @@ pub mod reciprocal {
         }
     }
     property! {
-        /// P3/P6: the quotient by a prepared divisor (stored reciprocal) is the plain quotient, on samples at 32 bits.
+        /// P3/P6: the quotient by a prepared divisor (stored reciprocal) is the plain quotient, in random tests at 32 bits.
         /// `obligations/` proves its arithmetic over the integers.
         equation "q = min(floor(n / d), highest)"
         over "double word and word"
@@ -275,8 +276,8 @@ pub mod reciprocal {
         }
     }
     property! {
-        /// P6 (rounding): the quotient is the leading digits of a product, scaled dividend times inverse. This is proved for
-        /// inverses with one digit and with two.
+        /// P6 (rounding): the quotient by a prepared divisor is the leading digits of a product: the scaled dividend times the
+        /// stored inverse. It is proved for inverses with one binary digit set and with two.
         equation "q = ((n 2^scale + 1) inverse / 2^64) / 2^31"
         over "dividend below 2^62; inverses 2^63 and 2^62 + 2^33, divisors 2^31"
         by cadical fn p6_leading_digits32(s) {
@@ -316,8 +317,8 @@ pub mod reciprocal {
             inverse: 0,
         }
     }
-    /// Replaces `Reciprocal32::quotient` under the model checker: any magnitude that fits a word, and the same for the same
-    /// question.
+    /// Replaces `Reciprocal32::quotient` under the model checker: any magnitude that fits a word, and the same one for equal
+    /// arguments.
     #[cfg(kani)]
     pub fn any_quotient(by: &Reciprocal32, dividend: u64) -> u32 {
         use core::sync::atomic::{AtomicU64, Ordering::Relaxed};

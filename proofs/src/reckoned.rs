@@ -126,7 +126,7 @@ macro_rules! flow_property {
 /// Marks of who asks for products and quotients (code or specification); without the checker they do nothing.
 #[cfg(not(kani))]
 mod questions {
-    /// Does nothing: properties on samples do not record who asks.
+    /// Does nothing: properties in random tests do not record who asks.
     pub fn of_specification() {}
 }
 #[cfg(not(kani))]

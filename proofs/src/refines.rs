@@ -2,7 +2,7 @@
 //!
 //! `spec/` uses no `Number` and shares nothing with the code. At 32 bits the model checker compares code and specification for
 //! every configuration, memory and sample. Products, quotients and roots are known only by facts (`multiplied.rs`, `divided.rs`).
-//! The same bodies run on samples at 8 bits as well, and `proofs/tests/spec_*.rs` compare millions of ticks.
+//! The same bodies run in random tests at 8 bits as well, and `proofs/tests/spec_*.rs` compare millions of ticks.
 //!
 //! ```text
 //! tick(state, e, Δe) = spec(state, e, Δe)     p11_*
@@ -22,7 +22,7 @@ use touchstone_control::{
     Stiffness,
 };
 
-/// Any sample of position and displacement.
+/// A sample with any position and any displacement.
 pub fn any_sample<N: Format, S: Source>(s: &mut S) -> Sample<N> {
     Sample {
         e: N::any_position(s),
@@ -349,7 +349,7 @@ macro_rules! refines {
 }
 
 refines!(
-    /// At 8 bits, on samples.
+    /// At 8 bits, in random tests.
     w8, Fixed8, at8, by sampled, products plain
 );
 refines!(

@@ -318,7 +318,7 @@ macro_rules! refines {
 }
 
 refines!(
-    /// At 8 bits, on samples.
+    /// At 8 bits, in random tests.
     w8, Fixed8, at8, by sampled, products plain
 );
 refines!(

@@ -23,7 +23,7 @@ use touchstone_control::{
 
 type N = Fixed32;
 
-/// Any setting; on samples mostly from 0 to `most`.
+/// Any setting; in random tests mostly from 0 to `most`.
 pub fn setting<S: Source>(s: &mut S, most: i64) -> Si {
     let bits = s.i64();
     Si::from_bits(if s.shortcut() {
@@ -39,7 +39,7 @@ pub fn bits(x: Si) -> Int {
     x.to_bits().into()
 }
 
-/// Any settings of the guard with any device; on samples often ones that are accepted.
+/// Any settings of the guard with any device; in random tests often ones that are accepted.
 pub fn any_guard_settings<S: Source>(s: &mut S) -> (GuardSettings, GuardedDevice) {
     const ONE: i64 = 1 << 32;
     let rate_hz = s.u32();
@@ -212,7 +212,7 @@ timed_property! {
         cover!(s, expected.is_none(), "refused");
     }
 }
-/// Any settings of the estimator and a rate in Hz; on samples many of them are valid.
+/// Any settings of the estimator and a rate in Hz; in random tests many of them are valid.
 fn any_estimator_settings<S: Source>(s: &mut S) -> (EstimatorSettings, u32) {
     const ONE: i64 = 1 << 32;
     let rate = s.u32();

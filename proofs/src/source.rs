@@ -16,39 +16,39 @@ pub trait Source {
     /// Records a situation that must have occurred for the property to mean something.
     fn cover(&mut self, reached: bool, what: &'static str);
 
-    /// Any boolean.
+    /// A boolean of any value.
     fn bool(&mut self) -> bool {
         self.bits(1) == 1
     }
-    /// Any `u8`.
+    /// An integer `u8` of any value.
     fn u8(&mut self) -> u8 {
         self.bits(8) as u8
     }
-    /// Any `u16`.
+    /// A `u16` of any value.
     fn u16(&mut self) -> u16 {
         self.bits(16) as u16
     }
-    /// Any `u32`.
+    /// A `u32` of any value.
     fn u32(&mut self) -> u32 {
         self.bits(32) as u32
     }
-    /// Any `u64`.
+    /// A `u64` of any value.
     fn u64(&mut self) -> u64 {
         self.bits(64)
     }
-    /// Any `i8`.
+    /// An integer `i8` of any value.
     fn i8(&mut self) -> i8 {
         self.u8().cast_signed()
     }
-    /// Any `i16`.
+    /// An integer `i16` of any value.
     fn i16(&mut self) -> i16 {
         self.u16().cast_signed()
     }
-    /// Any `i32`.
+    /// An integer `i32` of any value.
     fn i32(&mut self) -> i32 {
         self.u32().cast_signed()
     }
-    /// Any `i64`.
+    /// An integer `i64` of any value.
     fn i64(&mut self) -> i64 {
         self.u64().cast_signed()
     }
@@ -164,7 +164,7 @@ impl Source for Sampler {
     }
 }
 
-/// Runs a property on samples until every cover was reached and a minimum number of samples was accepted.
+/// Runs a property in random tests until every cover was reached and a minimum number of samples was accepted.
 ///
 /// # Panics
 /// The property panics, hardly any sample satisfies its assumptions, or a cover is never reached.

@@ -303,11 +303,11 @@ space!(
     w8, Fixed8, unit sampled, across sampled, longer kissat, polar sampled, within sampled, work kissat, leaving sampled, friction sampled
 );
 space!(
-    /// At 32 bits, the width of the firmware, on samples.
+    /// At 32 bits, the width of the firmware, in random tests.
     w32, Fixed32, unit sampled, across sampled, longer sampled, polar sampled, within sampled, work sampled, leaving sampled, friction sampled
 );
 
-/// A turning direction, at 32 bits on samples: solvers cannot follow products of products.
+/// A turning direction, at 32 bits in random tests: solvers cannot follow products of products.
 pub mod turn {
     use super::*;
     use touchstone_control::space::Turn;

@@ -172,7 +172,7 @@ tdpa!(
     w32, Facts32, functions Functions32, by cadical, sums cadical, step cadical
 );
 tdpa!(
-    /// At 8 bits, where the model checker refutes wrong changes of the code quickly. The sums are proved at 32 bits, and run on
-    /// samples at 8.
+    /// At 8 bits, where the model checker refutes wrong changes of the code quickly. The sums are proved at 32 bits, and run in
+    /// random tests at 8.
     w8, Fixed8, functions Fixed8, by cadical, sums sampled, step sampled
 );

@@ -30,11 +30,11 @@ pub trait Valid<N: Format>: Sized {
     fn holds(&self, state: &Self::State) -> bool;
 }
 
-/// A stiffness with any bits; on samples mostly one that is not negative.
+/// A stiffness with any bits; in random tests mostly one that is not negative.
 fn any_gain<N: Format, S: Source>(s: &mut S) -> Stiffness<N> {
     one_with(s, N::any_stiffness, |k| gain_ok(*k))
 }
-/// Any force limit, on samples mostly one that is not negative.
+/// Any force limit, in random tests mostly one that is not negative.
 fn any_limit<N: Format, S: Source>(s: &mut S) -> Force<N> {
     one_with(s, N::any_force, |f| limit_ok(*f))
 }
@@ -42,7 +42,7 @@ fn any_limit<N: Format, S: Source>(s: &mut S) -> Force<N> {
 fn any_share<N: Format, S: Source>(s: &mut S) -> Compliance<N> {
     one_with(s, N::any_compliance, |c| N::of_signal_ratio(c.0) >= 0)
 }
-/// An energy with any bits; on samples mostly one that is not negative and within the cap.
+/// An energy with any bits; in random tests mostly one that is not negative and within the cap.
 fn any_stored<N: Format, S: Source>(s: &mut S) -> Energy<N> {
     let cap = N::energy_cap();
     one_with(s, N::any_energy, |e| *e >= Energy::zero() && *e <= cap)

@@ -1,7 +1,7 @@
 //! The energy guard of three axes: its energy account is the sum over three axes, and the account covers its force.
 //!
-//! At 32 bits it is tested on samples: products on three axes are beyond the solvers even at 8 bits. At 8 bits all inputs of one
-//! configuration per property are tried (`cargo xtask prove --every vector_guard`).
+//! At 32 bits it is tested in random tests: products on three axes are beyond the solvers even at 8 bits. At 8 bits all inputs of
+//! one configuration per property are tried (`cargo xtask prove --every vector_guard`).
 //!
 //! ```text
 //! B' = max(min(sum of three axes, C), R)   p1_vector_account
@@ -142,7 +142,7 @@ fn is_as_said<N: Format + Spatial>(
     assert_reached!(sum_of_squares(shown) <= wide(N::of_signal(after.size.0)).pow(2));
 }
 
-/// At 32 bits, the width of the firmware, on samples.
+/// At 32 bits, the width of the firmware, in random tests.
 pub mod w32 {
     use super::*;
     type N = Fixed32;

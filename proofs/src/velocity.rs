@@ -1,9 +1,9 @@
-//! P11 (refinement): the velocity filters of a spring-damper equal their specification (`spec/velocity.rs`), and none of their states
-//! leaves its range.
+//! P11 (refinement): the velocity filters of a spring-damper equal their specification (`spec/velocity.rs`), and none of their
+//! states leaves its range.
 //!
 //! A product of a weight and a part is one unknown number for code and specification where they are compared, as for the estimator
 //! ([`crate::weighed`]). Where only its range matters, it is any number in that range. The window, which multiplies by whole ticks,
-//! is compared on samples, with everything else (`proofs/tests/spec_velocity.rs`).
+//! is compared in random tests, with everything else (`proofs/tests/spec_velocity.rs`).
 //!
 //! ```text
 //! v' = v + a (x - x' - v) = spec               p11_smoothed, its range p3_smoothed_stays32
@@ -36,7 +36,7 @@ type N = Fixed32;
 const ONE: i32 = 1 << 26;
 const RAD: i64 = 1 << Wide64::FRACTION;
 
-/// Any word; on samples one from 0 to `most`.
+/// Any word; in random tests one from 0 to `most`.
 fn weight<S: crate::source::Source>(s: &mut S, most: i32) -> i32 {
     let any = s.i32();
     if s.shortcut() {
@@ -171,7 +171,7 @@ replaced_property! {
     }
 }
 
-/// Replaces `Velocity::tick`: any displacement for a position, and the same for the same question.
+/// Replaces `Velocity::tick`: any displacement for a position, and the same one for an equal position.
 #[cfg(kani)]
 pub fn any_velocity<N: Format>(
     _: &Velocity<N>,

@@ -111,7 +111,7 @@ macro_rules! bounded_property {
 /// Marks of who asks for products (code or specification); without the checker they do nothing.
 #[cfg(not(kani))]
 mod questions {
-    /// Does nothing: properties on samples do not record who asks.
+    /// Does nothing: properties in random tests do not record who asks.
     pub fn of_specification() {}
 }
 #[cfg(not(kani))]
@@ -131,7 +131,7 @@ mod by_one_product {
 
     /// Number of products that a property may use.
     const END: usize = 10;
-    /// The next question, whether the specification asks, and how many questions the code has asked.
+    /// Row of the next product in the record, whether the specification asks for it, and how many products the code has asked for.
     static AT: AtomicUsize = AtomicUsize::new(0);
     static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
     static ASKED: AtomicUsize = AtomicUsize::new(0);
@@ -155,7 +155,8 @@ mod by_one_product {
         FOUND[at].store(any, Relaxed);
         Wide64(any)
     }
-    /// Replaces [`crate::spec::estimator::weighed`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`crate::spec::estimator::weighed`] under the model checker: the specification gets the result that the code got
+    /// for equal arguments.
     pub fn weighed(weight: i128, part: i128) -> i128 {
         assert!(
             SPECIFIES.load(Relaxed) == 1,
@@ -222,7 +223,7 @@ mod by_one_product {
     }
 
     const WORDS: usize = 15;
-    /// The code's one question to a part of the tick, and its answer.
+    /// Record of the code's one call of a part of the tick: arguments and result.
     struct Piece {
         asked: AtomicUsize,
         question: [AtomicI64; WORDS],
@@ -239,7 +240,8 @@ mod by_one_product {
                 answer: [const { AtomicI64::new(0) }; 4],
             }
         }
-        /// Any answer to the first question, the same answer to an equal one, and any other answer to a different one.
+        /// The result of a replaced part: any at the first call, the same one for equal arguments, and any other for different
+        /// ones.
         fn answer(&self, question: [i64; WORDS]) -> [i64; 4] {
             let mut any: [i64; 4] = [kani::any(), kani::any(), kani::any(), kani::any()];
             let first = self.asked.load(Relaxed) == 0;
@@ -273,7 +275,7 @@ mod by_one_product {
         kani::assume(moved.unsigned_abs() < 21 << Wide64::FRACTION);
         (position, moved)
     }
-    /// Replaces [`Flow::apply`] under the model checker: gives any answer, and the same for the same question.
+    /// Replaces [`Flow::apply`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn end<N: Number, const COMMANDS: usize>(
         flow: &Flow<N, COMMANDS>,
         from: &EstimatedMotion<N>,
@@ -299,7 +301,8 @@ mod by_one_product {
         let (position, moved) = any_end(question);
         (N::Wide::made(position), N::Wide::made(moved))
     }
-    /// Replaces [`spec::Flow::end`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`spec::Flow::end`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn specified_end<const COMMANDS: usize>(
         flow: &spec::Flow<COMMANDS>,
         from: spec::Motion,
@@ -363,7 +366,8 @@ mod by_one_product {
         let [some, position, moved, pushed] = CORRECTED.answer(question);
         (some > 0).then_some([position, moved, pushed])
     }
-    /// Replaces [`spec::Estimator::corrected`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`spec::Estimator::corrected`] under the model checker: the specification gets the result that the code got for
+    /// equal arguments.
     pub fn specified_corrected(
         _: &spec::Estimator,
         before: spec::Motion,

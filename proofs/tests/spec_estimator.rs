@@ -89,7 +89,8 @@ fn every_tick_of_the_estimator_is_its_specification() {
     assert!(reached.iter().all(|count| *count > 50), "{reached:?}");
 }
 
-/// `V` and `X` in closed form. For `β t` below 1/64 it is their first terms, of which the next is less than `2^-50`.
+/// How far a device moves in a time from a displacement per tick (`V`) and from a push (`X`), in closed form. For `β t` below 1/64
+/// both are their first terms, of which the next is less than `2^-50`.
 fn integrals(loss: f64, time: f64) -> [f64; 2] {
     let a = loss * time;
     if a < 1.0 / 64.0 {

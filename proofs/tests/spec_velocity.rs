@@ -25,7 +25,7 @@ fn wide(x: I8F24) -> Int {
     x.to_bits().into()
 }
 
-/// A filter's specification and its memory.
+/// A velocity filter as the specification has it, with its memory.
 enum Specified {
     Smoothed {
         share: Int,

@@ -11,7 +11,7 @@ use touchstone_sim::scene::{Preset, Scene};
 
 /// Largest processor time in s of a scene that is accepted without a remark; longer in builds without optimisation.
 const PATIENCE_S: f64 = if cfg!(debug_assertions) { 6.0 } else { 2.0 };
-/// Largest processor time of a long scene per second of its own estimate; planning takes time as well.
+/// Allowed processor time of a long scene, per second that the scene's own estimate says.
 const SHARE: f64 = PATIENCE_S / work::LONG_S;
 /// Part of a long scene that is run, in s of its estimated time.
 pub const TRIED_S: f64 = 0.2;

@@ -272,7 +272,8 @@ fn a_weight_out_of_the_axis_is_told_from_the_magnet_by_a_long_coast_alone() {
         weight: true,
         ..Case::of([0.3, 0.0], [1.0, 0.0])
     };
-    // A short coast: the field is believed, and off by the weight over its stiffness, seven times 0.25 N·m/A and 1 A.
+    // After a short coast the torque of the field is trusted. It is wrong by the weight's torque over the field's stiffness, seven
+    // times 0.25 N·m/A times 1 A.
     let (found, truth) = measured(&heavy, 40);
     assert_eq!(found.apart_rad, None);
     let [[once, _], [twice, _]] = off(&found, &truth);
@@ -280,7 +281,7 @@ fn a_weight_out_of_the_axis_is_told_from_the_magnet_by_a_long_coast_alone() {
     println!("by the field, off by {once:.2e} rad; the weight makes {by_weight:.2e}");
     assert!((once / by_weight - 1.0).abs() < 0.2, "{once}");
     assert!(twice < COUNT_RAD);
-    // A long one sees it.
+    // A long coast shows the weight.
     let smooth = Case {
         parts: SMOOTH,
         ..heavy
@@ -288,7 +289,7 @@ fn a_weight_out_of_the_axis_is_told_from_the_magnet_by_a_long_coast_alone() {
     let (found, _) = measured(&smooth, 41);
     assert_eq!(found.witness, [Witness::Coast, Witness::Field]);
     all_found(&[smooth]);
-    // And without a weight the field stays believed.
+    // Without a weight the torque of the field stays trusted.
     let light = Case {
         weight: false,
         ..smooth
@@ -305,12 +306,12 @@ fn what_is_not_whole_or_no_turn_of_the_field_is_refused() {
     let field = ticks.iter().filter(|it| it.part.is_none()).count();
     let refused = |ticks: &[CalibrationTick]| Eccentricity::new(ticks, &known).unwrap_err();
 
-    // The last half of the way back was not heard.
+    // Telemetry of the last half of the way back is lost.
     let lost: Vec<CalibrationTick> = [&ticks[..field - 900], &ticks[field - 1..]].concat();
     assert!(matches!(refused(&lost), NotSeen::Incomplete { .. }));
     assert!(matches!(refused(&[]), NotSeen::Incomplete { .. }));
 
-    // A shaft that stands, or that a hand takes along by 2 degrees on the way back.
+    // A shaft that stands still, or that a hand moves by 2 degrees on the way back.
     let changed = |how: &dyn Fn(usize, &mut CalibrationTick)| -> Vec<CalibrationTick> {
         let mut changed = ticks.clone();
         changed
@@ -329,7 +330,7 @@ fn what_is_not_whole_or_no_turn_of_the_field_is_refused() {
     });
     assert!(matches!(refused(&held), NotSeen::DoesNotRepeat { .. }));
 
-    // Every second record: as good as all.
+    // Every second telemetry record is as good as all.
     let second: Vec<CalibrationTick> = ticks.iter().step_by(2).copied().collect();
     Eccentricity::new(&second, &known).unwrap();
 }
@@ -340,7 +341,7 @@ fn what_it_costs_is_that_of_its_largest_error() {
         let (ticks, known, _) = told(&Case::of(degrees, [0.3, 1.0]), 60);
         Eccentricity::new(&ticks, &known).unwrap().cost(7.0)
     };
-    // One order alone: A, cos(7 A), n A.
+    // With one order alone: A, cos(7 A), n A.
     let within = |found: f64, truth: f64, most: f64| {
         assert!((found - truth).abs() < most, "{found} for {truth}");
     };

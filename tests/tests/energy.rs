@@ -63,7 +63,7 @@ impl<S: Stepper> Crossing for Audited<'_, S> {
     fn cross_with_flow(&mut self, state: &mut S::State, torque_n_m: f64, rest_rad: f64) -> Flow {
         let books = &mut *self.books;
         let last = books.last_rest.replace(rest_rad).unwrap_or(rest_rad);
-        // The rest point jumps at the tick: that strains the hand's spring.
+        // The rest point of the hand jumps at the tick, which strains the hand's spring.
         books.rest_point.add(
             self.plant.stored_energy_j(state, rest_rad) - self.plant.stored_energy_j(state, last),
         );
@@ -191,9 +191,9 @@ fn over_ten_million_ticks_the_exact_observer_reads_what_crossed_the_port_and_the
         100.0 * share,
         (thesis - port).abs() / throughput
     );
-    // What limits it: the observer's plain sum rounds each tick by up to half a unit in the last place of the sum.
+    // The observer's plain sum rounds each tick by up to half a unit in the last place of the sum; that limits the error.
     assert!(error < 1e-9);
-    // The same comparison tells the thesis' form apart.
+    // The same comparison detects the thesis' form.
     assert!((thesis - port).abs() > 1e-3 * throughput);
 
     let books = &done.books;
@@ -212,7 +212,7 @@ fn over_ten_million_ticks_the_exact_observer_reads_what_crossed_the_port_and_the
         gap.abs() / turnover
     );
     assert!(device > 0.0 && hand > 0.0 && rest > 0.0);
-    // Rounding of the states, 1e-16 of a radian a tick times some 0.1 N·m, and of the losses' quadratic forms.
+    // Rounding of the states, 1e-16 rad per tick times about 0.1 N·m, and of the losses' quadratic forms.
     assert!(gap.abs() < 1e-9 * turnover);
 }
 

@@ -41,7 +41,7 @@ fn a_motion_at_20_hz_gets_out_no_more_than_promised() {
         assert!(bare.worst_window_j > 3.0 * CAPACITY_J);
         assert!(guarded.above_refill_j <= CAPACITY_J + ENCODER_J);
         assert!(guarded.worst_window_j <= CAPACITY_J + 20.0 * REFILL_W + ENCODER_J);
-        // And it is not the wall that is gone. (With a delay the charge for what is not measured empties the account first.)
+        // The guard has not switched the wall off. (With a delay the charge for what is not measured empties the account first.)
         assert!(delay > 0.0 || guarded.worst_window_j > CAPACITY_J);
     }
 }
@@ -66,7 +66,8 @@ fn a_tick_of_overspeed_counts_by_itself() {
             1e3 * over.with_overspeed_j
         );
         assert!((600..=602).contains(&over.ticks));
-        // A whole tick late the charge for what is not measured has emptied the account before, and there is no force to take from.
+        // At a delay of a whole tick, the charge for what is not measured has emptied the account before, so no force acts that
+        // could give energy.
         assert!(delay == 1.0 || over.with_overspeed_j > over.above_refill_j + 0.005);
         assert!(over.above_refill_j <= CAPACITY_J + ENCODER_J);
         reached.push(over.with_overspeed_j);
@@ -74,7 +75,7 @@ fn a_tick_of_overspeed_counts_by_itself() {
         assert_eq!((within.ticks, within.with_overspeed_j), (700, 0.0));
         assert!(within.above_refill_j <= CAPACITY_J + ENCODER_J);
     }
-    // A tick under a force of at most 0.3 N·m.
+    // One tick under a force of at most 0.3 N·m.
     assert!(
         reached
             .iter()
@@ -127,7 +128,7 @@ fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
         if name == "not told" {
             assert!(taken > 1.5 * capacity_j && longer > 10.0 * capacity_j);
         } else {
-            // The force that 45 mJ allow is 0.75 N·m.
+            // An account of 45 mJ allows a force of 0.75 N·m.
             assert!(taken.max(longer) <= capacity_j + 0.76 * COUNT_RAD);
         }
     }
@@ -146,7 +147,7 @@ fn a_board_that_reads_when_the_force_changes_keeps_the_promise() {
         change: ChangeOfForce::Estimated,
         ..law.guard
     };
-    // `board_window` of proofs/coq/Boards.v: half a count under the force that 45 mJ allow.
+    // `board_window` of proofs/coq/Boards.v, with half a count under the force that 45 mJ allow.
     let bound_j = 0.045_145;
     let count_rad = law.position.count.to_num::<f64>();
     let port = |settings: GuardSettings, reads: bool| {
@@ -187,7 +188,7 @@ fn a_board_that_reads_when_the_force_changes_keeps_the_promise() {
             }
         }
     }
-    // Something was to be had.
+    // The search did find energy to get out.
     assert!(worst_j > 0.8 * capacity_j);
 }
 
@@ -247,7 +248,7 @@ fn no_motion_goes_uncounted_where_positions_end() {
         "worst about the end of positions: {:.2} mJ above the refill",
         1e3 * worst
     );
-    // Something was to be had.
+    // The search did find energy to get out.
     assert!(worst > 0.5 * CAPACITY_J, "{worst}");
 }
 
@@ -301,7 +302,7 @@ fn an_empty_account_is_a_softer_wall_and_no_trapdoor() {
         capacity: Si::lit("0.004"),
         ..Port::settings(0.0)
     });
-    // 4 mJ pay for 0.066 N·m: a press of 0.1 N·m goes deeper, and is held all the same.
+    // 4 mJ cover 0.066 N·m: a press of 0.1 N·m goes deeper, but is held.
     let hand = |push: f64| Gripped::medium(move |t: f64| push * (t / 0.3).min(1.0));
     let mut light = hand(0.05);
     assert_eq!(port.play(&mut light, 3_000).changed_ticks, 0);

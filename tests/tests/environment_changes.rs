@@ -64,9 +64,9 @@ fn a_change_adds_what_is_let_go_of_and_nothing_else() {
     let mut random = Random::new(7);
     let (mut changes, mut compared, mut at_limit) = (0, 0_u32, 0_u32);
     for mut settings in laws() {
-        // Its books are another's, so that it would limit otherwise.
+        // The guard's account would be that of another motion, and the guard could limit.
         settings.guard.on = false;
-        // What is at the limit would hide what is carried.
+        // At the force limit the added force could not be seen.
         settings.force_limit = si("20");
         let all = environments(&settings);
         for before in &all {
@@ -82,7 +82,7 @@ fn a_change_adds_what_is_let_go_of_and_nothing_else() {
                 let mut new = *after;
                 new.begin(None);
                 new.take_over(&running, per_tick());
-                // Its own force: told of the force that is shown, as that is what moves the device.
+                // The environment's own force. The rendered force is reported to it, as that force moves the device.
                 let mut own = new;
                 own.take_over(&running, Force(fixed::types::I8F24::MAX));
                 let mut left = f64::INFINITY;
@@ -94,7 +94,7 @@ fn a_change_adds_what_is_let_go_of_and_nothing_else() {
                         assert_eq!(f, shown, "the first tick shows what the last one showed");
                         continue;
                     }
-                    // At the limit nothing more can be shown.
+                    // At the limit no larger force can be rendered.
                     if newton_metres(f).abs() >= 19.999 || newton_metres(g).abs() >= 19.999 {
                         at_limit += 1;
                         left = f64::INFINITY;
@@ -169,7 +169,7 @@ fn a_hand_that_rests_feels_the_rate_and_no_more() {
 fn a_wall_alone_hands_over_as_an_environment_of_it_does() {
     let mut touched = 0;
     for mut settings in laws() {
-        // Their guards round the motion differently: with an account that pays for all, that is in no force.
+        // Both guards round the motion differently. With an account that covers everything, that changes no force.
         settings.guard.capacity = si("8");
         settings.guard.overspeed = si("900");
         let first = wall("0.05", Side::Above);
@@ -225,10 +225,10 @@ fn many_changes_have_one_account() {
                 new.take_over(&running, fast);
                 running = new;
             }
-            // It yields where it is pushed: the way to get most.
+            // The hand yields where it is pushed, which gives it the most energy.
             let push = newton_metres(force);
             count -= (push * 60.0) as i64;
-            // And comes back where nothing pushes.
+            // It comes back where nothing pushes.
             if push.abs() < 0.01 {
                 count += (400 - count).clamp(-3, 3);
             }
@@ -240,7 +240,7 @@ fn many_changes_have_one_account() {
             worst = worst.max(given - least);
         }
     }
-    // The last tick's force is on its way still.
+    // The last tick's force still acts.
     assert!(worst <= 0.02 + 1e-4, "{worst} J");
     assert!(
         worst > 0.01 && limited > 100,

@@ -40,8 +40,8 @@ fn a_wrong_inertia_costs_what_the_force_changes_by_and_no_more() {
         });
         worst
     });
-    // A force that changes by 0.05 N·m pushes by that much of the difference of T²/J in every tick from then on; `X` is 1/2
-    // and `V` 1. The grip's own pushes come on top, and are those of a device half or twice as quick.
+    // A change of force by 0.05 N·m pushes by that times the difference of T²/J in every later tick; `X` is 1/2 and `V` 1. The
+    // grip's own pushes are added; they are those of a device half or twice as quick.
     let sums = amplification(&reference(&device), 0.0)[1];
     let bound = |inertia: f64| {
         let push = 0.05 * 1e-6 * (1.0 / inertia - 1e4_f64).abs();
@@ -67,7 +67,7 @@ fn nothing_overflows_whatever_is_measured_and_jumps_are_forgotten() {
             };
             let mut state = EstimatorState::default();
             for n in 0..20_000 {
-                // Anywhere, slowly, at the ends, to and fro: debug builds panic where a sum does not fit.
+                // Any positions, slow motions, the ends of the range, and to and fro: debug builds panic if a sum does not fit.
                 let e = match n / 500 % 5 {
                     0 => 128.0 * random.real(),
                     1 => 2.0 * random.real(),

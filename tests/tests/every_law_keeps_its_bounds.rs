@@ -87,7 +87,7 @@ fn a_wall_pushes<N: Reported>() {
     }
 }
 
-/// (2.15) allows an offset to push outside the undeformed wall. A law without an offset gives no force there.
+/// Thesis (2.15) allows an offset to push outside the undeformed wall. A law without an offset gives no force there.
 fn laws_without_an_offset_give_no_force_outside<N: Reported>() {
     let mut random = Random::new(8);
     let path = walk::<N>(&mut random, 20_000);
@@ -114,7 +114,7 @@ fn the_same_input_gives_the_same_force<N: Reported>() {
         for (tick, &e) in path.iter().enumerate() {
             assert_eq!(first.tick(e), second.tick(e), "{name}, tick {tick}");
             if tick == 2_000 {
-                // The state is all there is: a copy goes on as the original.
+                // The memory is complete: a copy of it continues as the original.
                 second = first;
             }
         }

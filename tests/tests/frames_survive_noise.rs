@@ -143,7 +143,7 @@ fn a_frame_with_flipped_bits_is_never_taken_for_another() {
         if damaged == whole {
             continue;
         }
-        // Its end may be gone, so one more zero, or may have come earlier.
+        // The frame's end may be lost, so one more zero is sent; or it may have come earlier.
         damaged.push(0);
         let before = decoder.errors();
         let (payloads, errors) = take(&mut decoder, &damaged);
@@ -162,7 +162,7 @@ fn a_payload_of_garbage_is_no_trap() {
     for _ in 0..FRAMES {
         let length = (random.bits() % 64) as usize;
         let mut payload: Vec<u8> = (0..length).map(|_| random.bits() as u8).collect();
-        // The first bytes choose the message: small numbers reach further in.
+        // The first bytes choose the message; small numbers select more of them.
         for byte in payload.iter_mut().take(4) {
             *byte %= 16;
         }
@@ -198,7 +198,7 @@ fn after_garbage_the_next_whole_frame_is_understood() {
         let length = random.bits() % 1500;
         let noise: Vec<u8> = (0..length).map(|_| random.bits() as u8).collect();
         assert!(take(&mut decoder, &noise).0.is_empty());
-        // A sender that begins anew sends a zero first.
+        // A sender that starts again sends a zero first.
         assert!(take(&mut decoder, &[0]).0.is_empty());
         let record = telemetry(&mut random);
         let mut buffer = [0; FRAME_MAX];
@@ -247,7 +247,7 @@ fn the_longest_messages_fit_into_a_frame() {
     );
     assert_eq!(longest, TELEMETRY_MAX);
 
-    // Every number of the settings at its longest, whatever it means.
+    // Every number of the settings with its longest encoding, whatever it means.
     let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
     for field in FIELDS {
         let min = [0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x01];

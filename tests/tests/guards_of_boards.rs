@@ -46,7 +46,7 @@ fn the_theorem_is_about_the_guards_of_the_boards() {
         .map(|x: i64| x.to_string())
         .join(" ");
         has(format!("Definition {name} : guard := of_board {six}."));
-        // What the device is told to be. Its rate, its furthest way and its count are those of all boards.
+        // The device as the guard is configured. All boards have the same rate, largest displacement and count.
         let (delay, lag) = (law.guard.delay.to_bits(), law.guard.lag.to_bits());
         let damping = law.guard.share_of_damping.to_num::<f64>()
             * law.guard.damping.to_num::<f64>()

@@ -43,7 +43,7 @@ impl Tamper for Slip {
 fn pressed_after_slip(degrees: f64) -> (f64, u32, Option<FaultCode>) {
     let mut knob = Knob::new(&settings(), GIMBAL, 0.0, Slip { counts: 0 });
     assert_eq!(knob.calibrate(), State::Ready);
-    // Slowly, so that it is neither a jump nor a speed.
+    // Slowly, so that neither a jump nor an over-speed is detected.
     for step in 1..=10 {
         knob.tamper.counts = (degrees / 360.0 / 7.0 * 16_384.0 * f64::from(step) / 10.0) as i64;
         for _ in 0..20 {
@@ -76,7 +76,7 @@ fn pressed_after_slip(degrees: f64) -> (f64, u32, Option<FaultCode>) {
 fn a_slipped_magnet_is_found_before_the_motor_gives_a_fifth_of_a_joule() {
     for degrees in [-150.0, -120.0, -100.0, 100.0, 120.0, 150.0, 180.0] {
         let (most, pushing, fault) = pressed_after_slip(degrees);
-        // 50 ms of pushing.
+        // The motor pushed for 50 ms.
         assert!(
             pushing <= 50,
             "{degrees} degrees: pushed for {pushing} ticks"
@@ -193,7 +193,7 @@ fn a_current_sensor_that_fails_under_a_pressing_hand_is_a_fault() {
         let (mut work, mut most) = (0.0, 0.0_f64);
         let mut last = knob.rig.now().angle_rad;
         for tick in 0..30_000 {
-            // A hand that presses more and less: what stands still as it should is not false yet.
+            // A hand that presses more and less. A value that stands still because nothing moves is not yet a fault.
             let firm = f64::from(tick).min(3_000.0) * 0.001;
             knob.rest_rad = firm * (1.0 + 0.3 * (f64::from(tick) * 2.0e-3).sin());
             while !knob.period() {
@@ -213,7 +213,7 @@ fn a_current_sensor_that_fails_under_a_pressing_hand_is_a_fault() {
     }
     for (sensor, most, fault) in found {
         let code = fault.map(|fault| fault.code);
-        // A voltage that no motion explains, while the knob stands: the encoder may be the cause as well.
+        // A voltage that no motion explains while the knob stands: the encoder may be the cause as well.
         assert!(
             matches!(
                 code,
@@ -272,7 +272,7 @@ fn false_sensors_do_not_pass_the_calibration_and_nearly_equal_ones_do() {
     ] {
         assert_eq!(calibrated(percent), State::Ready);
     }
-    // Exchanged currents of U and V: no current comes to what was asked.
+    // Currents of U and V exchanged: no current reaches its command.
     refused(
         calibrated(|s| core::mem::swap(&mut s.phase_a, &mut s.phase_b)),
         &[Reason::NoCurrent],
@@ -307,7 +307,7 @@ fn good(motor: MotorParameters, dead_share: f64, ticks: u32, hertz: f64) {
     let mut touched = 0;
     for tick in 0..ticks {
         let phase = f64::from(tick) * hertz * std::f64::consts::TAU / 1_000.0;
-        // Never two strokes alike, and now and then a rest deep in the wall.
+        // No two strokes are alike, and now and then there is a rest deep in the wall.
         let deep = (phase / 17.0).sin();
         knob.rest_rad = 0.2 + 0.5 * deep + 0.4 * phase.sin() + 0.1 * (phase * 2.7).sin();
         knob.tick();

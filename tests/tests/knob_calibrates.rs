@@ -24,7 +24,7 @@ fn error_deg<T: Tamper>(
     reversed: bool,
 ) -> f64 {
     let found = knob.device.alignment();
-    // Count 0 of the unwrapped encoder is where the device was switched on.
+    // Count 0 of the unwrapped encoder is the position at which the device was switched on.
     let _ = reversed;
     let truth = motor.electrical_rad(start_rad) / TAU * 65_536.0;
     let difference = (f64::from(found.offset.0) - truth).rem_euclid(65_536.0);
@@ -136,7 +136,7 @@ impl Tamper for Open {
         sample.phase_b = 2_100;
     }
     fn bus_v(&mut self, _tick: u32) -> f64 {
-        // So little that nothing breaks while the loop sees no current and gives all it has.
+        // A voltage so low that nothing breaks while the loop measures no current and gives its largest voltage.
         18.5
     }
 }
@@ -176,7 +176,7 @@ fn current_sensors_are_believed_near_their_schematic_only() {
 
 #[test]
 fn a_shaft_that_is_held_fast_is_noticed() {
-    // Against the spring of a hand that stays where it is, 0.02 N·m are not enough for a turn.
+    // Against the spring of a hand that stays in place, 0.02 N·m are not enough for a turn.
     let weak = MotorParameters {
         flux_linkage_wb: GIMBAL.flux_linkage_wb / 12.0,
         ..GIMBAL

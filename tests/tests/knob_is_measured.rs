@@ -131,13 +131,13 @@ fn a_motor_that_is_not_the_settings_is_found() {
     println!("worst {worst:.4?}");
     assert!(worst[..4].iter().all(|part| *part < 0.05), "{worst:.4?}");
     assert!(worst[4] < 1.0, "{worst:.4?}");
-    // In parts of a fifth: within 5 %.
+    // Errors of friction are fractions of the allowed fifth: 0.25 is 5 %.
     assert!(worst[5] < 0.25, "{worst:.4?}");
 }
 
 #[test]
 fn a_small_gimbal_motor_is_found_with_the_same_settings() {
-    // A GBM2804H-100T as others measured it: 5.29 Ω, 1.05 mH, 5.38 mWb; inertia and damping of its size.
+    // A GBM2804H-100T motor with published measurements: 5.29 Ω, 1.05 mH, 5.38 mWb; inertia and damping of its size.
     let truth = MotorParameters {
         resistance_ohm: 5.29,
         inductance_h: 1.05e-3,
@@ -176,7 +176,7 @@ fn without_being_asked_it_does_not_spin() {
 #[test]
 fn a_knob_that_is_held_is_refused() {
     let settings = asked();
-    // More than the push of a quarter of 1 A gives, less than the alignment's.
+    // Friction above the torque of a quarter of 1 A, and below that of the alignment.
     let held = Device {
         friction: Some(Coulomb {
             kinetic: 0.08,
@@ -205,12 +205,12 @@ fn what_is_not_whole_or_not_free_is_refused() {
     let mut gap = ticks.clone();
     gap.drain(2_000..2_020);
     assert_eq!(judged(&gap), NotMeasured::Lost { lost: 20 });
-    // A few are made up for.
+    // A few lost records are made up for.
     let mut gap = ticks.clone();
     gap.drain(2_000..2_003);
     assert!(motor(&gap, &known).is_ok());
 
-    // A hand that brakes in one direction: the swings tell of two inertias.
+    // A hand that brakes in one direction: the swings give two different inertias.
     let mut uneven = ticks.clone();
     let mut push = 0;
     for index in 1..uneven.len() {

@@ -83,7 +83,7 @@ fn reason(state: State) -> Option<Reason> {
 
 /// Error of the rotor angle that the device calculates, electrical degrees.
 fn wrong_deg<T: Tamper>(knob: &Knob<T, BareCoulomb>, motor: &MotorParameters, start: f64) -> f64 {
-    // Count 0 is where the device was switched on.
+    // Count 0 is the position at which the device was switched on.
     let truth = motor.electrical_rad(start) / TAU * 65_536.0;
     let off = (f64::from(knob.device.alignment().offset.0) - truth).rem_euclid(65_536.0);
     (if off > 32_768.0 { off - 65_536.0 } else { off }) / 65_536.0 * 360.0
@@ -116,7 +116,7 @@ fn what_was_found_is_used_wherever_the_shaft_stands_at_the_next_start() {
             most_deg = most_deg.max(checked.most_deg);
             back_deg = back_deg.max(checked.end_deg);
             longest_s = longest_s.max(checked.time_s);
-            // It is kept again as it was.
+            // The same alignment is stored again.
             assert_eq!(knob.device.found(), Some(kept), "{kind:?} {start}");
             knob.ask(Command::Arm);
             knob.tick();
@@ -156,7 +156,7 @@ fn what_is_wrong_is_refused_by_whatever_it_is_wrong() {
                     format!("{degrees} degrees, {friction_n_m} N·m, from {start}: {checked:?}");
                 match degrees.abs() {
                     0..20 => assert_eq!(checked.state, State::Ready, "{at}"),
-                    // The limit itself: either.
+                    // At the limit itself either result is right.
                     20 => {}
                     _ => assert_eq!(why, Some(Reason::KeptWrong), "{at}"),
                 }
@@ -178,7 +178,7 @@ fn a_rotor_that_stands_exactly_against_the_field_is_found() {
         offset: kept.offset.plus(Angle(0x8000)),
         ..kept
     };
-    // Dry friction that holds it there, also in the rocking's first part, up to what never lets it go.
+    // Dry friction that holds the shaft, also in the first part of the rocking, up to a friction that never releases it.
     for friction_n_m in [1e-3, 0.02, 0.1, 0.15, 0.2, 0.4] {
         let mut knob = knob(&settings, GIMBAL, friction_n_m, 0.3, Honest);
         let checked = checked(&mut knob, against);
@@ -243,7 +243,7 @@ fn a_shaft_that_turns_is_not_checked() {
     let mut turning = knob(&settings, GIMBAL, 1e-3, 0.0, Turning(1.0));
     let checked = checked(&mut turning, kept);
     assert_eq!(reason(checked.state), Some(Reason::KeptTurning));
-    // The bridge was never on.
+    // The bridge was never switched on.
     assert!((4.0..4.1).contains(&checked.time_s), "{checked:?}");
 }
 
@@ -258,7 +258,7 @@ fn what_has_no_zero_of_its_own_is_not_kept_and_a_measurement_begins_at_the_begin
     let mut changed = knob(&absolute, GIMBAL, 1e-3, 0.3, Honest);
     assert_eq!(changed.calibrate(), State::Ready);
     assert_eq!(changed.device.found(), Some(kept));
-    // Other settings wait: what they will say is not what it was measured with.
+    // New settings are waiting: the alignment was measured with the old ones.
     let mut eleven = absolute.clone();
     eleven.motor.pole_pairs = 11;
     changed

@@ -48,7 +48,7 @@ const COGGING: [Harmonic; 4] = [
 fn settings() -> DeviceSettings {
     let mut settings = DeviceSettings::default();
     settings.law.estimator.inertia_kg_m2 = Si::from_num(KNOB.inertia);
-    // Far away.
+    // Far from the knob, so that the wall is never touched.
     settings.wall.surface_rad = Si::from_num(90);
     settings
 }
@@ -130,7 +130,7 @@ fn error(map: &CoggingMap, cogging: &[Harmonic], known: &KnownKnob) -> f64 {
             let played: f64 = map
                 .harmonics
                 .iter()
-                // What an offset of the current sensors makes is played as well, and is none of the motor's.
+                // The torque from an offset of the current sensors is compensated as well, and is none of the motor's.
                 .filter(|it| it.order != 7)
                 .map(|it| {
                     let (sin, cos) = (f64::from(it.order) * angle).sin_cos();
@@ -180,10 +180,10 @@ fn a_sweep_finds_the_cogging_and_the_map_takes_the_ripple_away() {
             1e3 * error,
             100.0 * found.unrepeated,
         );
-        // Of the cogging's 1.53 mN·m a fifth: a code of this shield's sensors is 1.9.
+        // A fifth of the cogging's 1.53 mN·m; one code of this shield's sensors is 1.9 mN·m.
         assert!(error < 0.31e-3, "{error}");
         assert!(right < 0.5 && wrong > 1.5, "{right} {wrong}");
-        // Friction and damping: 1e-3 N·m and 4e-4 N·m·s/rad at a quarter of a turn a second.
+        // Friction and damping: 1e-3 N·m, and 4e-4 N·m·s/rad at a quarter of a turn per second.
         assert!((before.drag_n_m - 1.63e-3).abs() < 0.1e-3);
     }
 }
@@ -224,7 +224,7 @@ fn felt(
         let squares: f64 = parts.iter().map(|it| it.norm_sqr()).sum();
         (0.5 * squares).sqrt()
     };
-    // Up to speed, and past the fading in.
+    // Until the knob has its speed and the force has faded in.
     go(0.5_f64.max(0.1 * rad_per_s));
     go(rad_per_s.ceil())
 }
@@ -233,7 +233,8 @@ fn felt(
 fn a_hand_that_turns_it_feels_less() {
     let settings = settings();
     let map = known_and_found(&settings, false).3.map;
-    // With dead time a current of one code, as this cogging's is on this shield, lags behind; without it nothing is left but the map's error.
+    // With dead time, a current of one code (as this cogging needs on this shield) lags behind. Without it only the map's error
+    // remains.
     for (dead_share, most) in [(0.01, [0.25, 0.35, 0.55, 0.7]), (0.0, [0.2; 4])] {
         for (speed, most) in [1.0, 2.0, 5.0, 10.0].into_iter().zip(most) {
             let before = felt(&settings, None, speed, dead_share);
@@ -252,7 +253,7 @@ fn a_hand_that_turns_it_feels_less() {
 fn a_motor_without_cogging_has_none_in_its_map() {
     let settings = settings();
     let known = known(&settings, false);
-    // What there is comes of the current sensors' offsets, once an electrical turn.
+    // What is found comes from the current sensors' offsets, once per electrical turn.
     let mut knob = bare(&settings, GIMBAL, &[], Noisy(Random::new(5)));
     let swept = Swept::new(&sweep(&mut knob, Sweep::Bare), &known).unwrap();
     match swept.map(&known) {
@@ -270,7 +271,7 @@ fn a_hand_that_holds_on_is_refused_or_does_no_harm() {
     let settings = settings();
     let known = known(&settings, false);
     let mut refused = [false; 2];
-    // Its rest point wanders, by some degrees and by half a turn.
+    // The hand's rest point moves, by some degrees and by half a turn.
     for (refused, wander_rad) in refused.iter_mut().zip([4.0, 60.0]) {
         let plant = HeldCoulomb::new(&KNOB, &LIGHT, PERIOD_S / 2.0).unwrap();
         let mut knob = Knob::with_plant(&settings, GIMBAL, plant, 0.3, Noisy(Random::new(5)));
@@ -342,7 +343,7 @@ fn a_map_waits_for_the_settings_that_it_was_made_ready_with() {
         .into_iter()
         .collect(),
     };
-    // Without cogging's map nothing is asked for: the wall is far away.
+    // Without a cogging map no current is commanded, as the wall is far away.
     let current = |knob: &mut Knob<Honest, BareCoulomb>| {
         (0..400)
             .map(|_| knob.tick().current_command.to_num::<f64>().abs())

@@ -11,7 +11,7 @@ use touchstone_tests::knob::{Honest, Knob, honest};
 fn settings(k_desired: &str, rate_hz: u32, kind: EncoderKind) -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
     if rate_hz > 1_000 {
-        // The current loop is not done with a change within such a tick.
+        // With so short a tick the current loop does not complete a change within it.
         settings.law.guard.change = ChangeOfForce::Estimated;
     }
     settings.wall.k_desired_n_m_per_rad = Si::from_str(k_desired).unwrap();
@@ -116,7 +116,7 @@ fn a_guard_that_is_told_changes_no_force_of_a_press() {
             forces(ChangeOfForce::Measured, "0.045") == untold,
             "{k} {kind:?}"
         );
-        // A wall that gives way would be seen.
+        // A wall that gives way would be detected.
         assert!(k == "5" || forces(ChangeOfForce::Measured, "0.015") != untold);
     }
 }
@@ -130,7 +130,7 @@ fn the_motor_gives_the_force_of_the_law() {
     let mut worst: f64 = 0.0;
     for pair in records.windows(2) {
         let [before, now] = pair else { unreachable!() };
-        // Where the force rests, the current of the next tick is its torque over the torque constant.
+        // Where the force is constant, the current of the next tick is its torque over the torque constant.
         if before.limits.has(Limit::FadeIn)
             || before.force != now.force && (before.force - now.force).modulus().0 > 0.002
         {
@@ -146,7 +146,7 @@ fn the_motor_gives_the_force_of_the_law() {
         compared += 1;
     }
     assert!(compared > 500, "{compared}");
-    // Two codes of 15.6 mA in Park's frame, and the error of a tick's change of 2 mN·m.
+    // Two codes of 15.6 mA in Park's frame, and the error of a change of 2 mN·m in a tick.
     assert!(worst < 0.06, "{worst} A");
 }
 
@@ -157,7 +157,7 @@ fn the_wall_holds_the_hand() {
         let mut knob = honest(&settings).armed();
         let stiffness: f64 = settings.wall.k_desired_n_m_per_rad.to_num();
         let start = knob.rig.now().angle_rad;
-        // The hand's spring of 0.0225 N·m/rad means to be 4 rad inside.
+        // The hand's spring of 0.0225 N·m/rad has its rest point 4 rad inside.
         for tick in 0..3_000_u32 {
             knob.rest_rad = start + 4.3 * (f64::from(tick) / 500.0).min(1.0);
             knob.tick();
@@ -179,7 +179,7 @@ fn the_wall_holds_the_hand() {
         let spread = penetration
             .iter()
             .fold(0.0_f64, |most, x| most.max((x - mean).abs()));
-        // A degree is what is felt as trembling in the thesis' verdicts.
+        // In the thesis' verdicts a degree is the limit of perceptible trembling.
         assert!(spread < 0.0175 / 2.0, "k = {k}: {spread} rad around {mean}");
     }
 }
@@ -190,7 +190,7 @@ fn arming_inside_the_wall_fades_in() {
     settings.wall.surface_rad = Si::lit("-0.2");
     settings.limits.fade_in_s = Si::lit("0.2");
     let mut knob = honest(&settings).armed();
-    // The hand leans on it, so that it stays inside.
+    // The hand leans on the wall, so that the knob stays inside.
     knob.rest_rad += 8.0;
     let mut felt = 0;
     for tick in 1..=200 {

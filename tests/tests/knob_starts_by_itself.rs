@@ -44,7 +44,7 @@ fn it_calibrates_and_arms_and_asks_for_nothing_more() {
     assert!(!autostart.stands_in(false));
     let (command, step) = until(&mut autostart, 2, |_| GOOD).expect("a command");
     assert_eq!(command, Command::Calibrate);
-    // Half a second of rest, and a step to see where the shaft is.
+    // Half a second of rest, and one step to determine where the shaft is.
     assert!((50..=51).contains(&step), "{step}");
     assert_eq!(autostart.told(), SelfStart::Checking);
     assert!(autostart.stands_in(false) && !autostart.stands_in(true));
@@ -154,7 +154,7 @@ fn each_condition_keeps_it_from_starting_and_says_so() {
         let last = until(&mut autostart, 20, now);
         assert_eq!(last.map(|(command, _)| command), command, "{name}");
         assert_eq!(autostart.told(), told, "{name}");
-        // And that was it.
+        // No further command comes.
         assert_eq!(until(&mut autostart, 20, |_| GOOD), None, "{name}");
     }
 }
@@ -257,7 +257,7 @@ fn a_knob_nobody_speaks_to_arms_and_its_force_fades_in() {
                 knob.ask(command);
             }
         }
-        // A hand that goes along until it is armed, and then leans on it.
+        // A hand that follows the knob until it is armed, and then leans on it.
         if knob.device.state() != State::Armed {
             knob.rest_rad =
                 knob.rig.now().angle_rad + 8.0 * f64::from(autostart.told() == SelfStart::Started);
@@ -278,6 +278,6 @@ fn a_knob_nobody_speaks_to_arms_and_its_force_fades_in() {
     }
     assert_eq!(autostart.told(), SelfStart::Started);
     assert!(knob.device.was_checked());
-    // Past the fading in; then the hand has pressed through.
+    // After the fading in the hand has pressed through.
     assert!(armed > 1_000 && felt > 300, "{armed} {felt}");
 }

@@ -115,9 +115,9 @@ fn f32_is_within_a_hundredth_of_a_millinewtonmetre_of_f64() {
 #[test]
 fn fixed16_shows_the_wall_to_a_tenth_of_the_press_and_no_better() {
     let worst = worst::<Fixed16>();
-    // A step of the offset, c/k_de of the force's error, rounds to zero below q = 6.1e-5 rad: that leaves up to q k_de/c, 5 mN·m
+    // Below q = 6.1e-5 rad a step of the offset (c/k_de times the force's error) rounds to zero. That leaves up to q k_de/c: 5 mN·m
     // at 1 N·m/rad and 25 at 5. The mass stands still below q (m/T² + k_f + c_env/T), 0.9 mN·m. A tenth of the press is measured.
     assert!(worst < 1e-2);
-    // The bar that fixed32 passes is one that a format can fail.
+    // A format can fail the bound that fixed32 keeps.
     assert!(worst > 1e-3);
 }

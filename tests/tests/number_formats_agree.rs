@@ -172,7 +172,7 @@ fn fba<N: Grain>() {
     let g = N::GAIN_N_M_PER_RAD + Fixed32::GAIN_N_M_PER_RAD;
     let bound = 3.0_f64.sqrt();
     let mut apart = 0.0;
-    // Of the last tick: the part of the forces' difference that stems from the energies', and the rest.
+    // Of the last tick: the part of the forces' difference that comes from the energies' difference, and the rest.
     let (mut by_energy, mut by_rounding) = (0.0, 0.0);
     let mut inwards = 0.0_f64;
     let largest = compare::<N>(&settings, &half_sine(0.05, 400), |tick| {
@@ -238,7 +238,7 @@ fn sfa<N: Grain>() {
 /// nearest. Each format then shows `k_de` up to a dead band of `step/κ`, and two formats may rest at opposite ends of theirs.
 fn enhanced_at_rest<N: Grain>(lost_step: f64) {
     let band = |lost: f64| lost / (lost * (0.0625 / STIFFNESS / lost).floor());
-    // A float holds κ closely; the difference is far below what follows.
+    // A float holds κ nearly exactly; its error is far below the following terms.
     let own = band(lost_step) + N::FORCE_N_M;
     let fixed32 = band(Fixed32::FORCE_N_M) + Fixed32::FORCE_N_M;
     let path = hold(0.025, 4000);

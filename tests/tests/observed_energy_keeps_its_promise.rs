@@ -96,7 +96,7 @@ fn tdpa_with_the_thesis_observer_is_the_plain_spring() {
             assert_eq!(tdpa.observed(), tdpa.thesis, "tick {tick}");
         }
     }
-    // What it did not see: a millijoule at least.
+    // The energy that the thesis' observer did not count: a millijoule at least.
     let joule = 2_f64.powi(48);
     assert!((given_away as f64) < -1e-3 * joule, "{given_away}");
 }
@@ -121,7 +121,7 @@ fn a_passivity_step_leaves_the_remainder_of_its_own_division() {
         assert_eq!(after, whole.min(i64::MAX.into()));
         assert!(after >= 0 && (0..=i128::from(wanted)).contains(&force));
         if force < i128::from(wanted) {
-            // Not a step more force would have been allowed.
+            // One quantum more force would not have been allowed.
             assert!(moved < 0 && after < -moved);
             corrected += 1;
         }
@@ -214,7 +214,7 @@ fn fba_keeps_its_energy_whatever_comes_next() {
     let mut lowest = 0_i128;
     for tick in 0..1_000_000 {
         let before = port.last;
-        // Half of the time the worst way there is: Δe = -f/(2 c_i/T), with c_i/T = 0.5 N·m/rad here.
+        // Half of the time the worst displacement: Δe = -f/(2 c_i/T), with c_i/T = 0.5 N·m/rad here.
         let worst = i32::try_from(before - port.held).unwrap();
         let e = match random.bits() % 8 {
             0..4 => worst + random.whole(2),

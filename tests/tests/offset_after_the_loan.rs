@@ -54,7 +54,7 @@ fn eased(settings: &Settings, depth: i64, lean_s: u32) -> Eased {
 #[test]
 fn while_the_loan_lasts_a_lean_leaves_nothing_behind() {
     let thesis = Settings::thesis();
-    // 0.2 N·m at 5 N·m/rad: the last that 20 mJ pay for.
+    // 0.2 N·m at 5 N·m/rad: the deepest lean that 20 mJ cover.
     for lean_s in [10, 60] {
         let eased = eased(&thesis, 255, lean_s);
         println!(
@@ -63,7 +63,7 @@ fn while_the_loan_lasts_a_lean_leaves_nothing_behind() {
         );
         assert!(eased.offset_rad < 0.42 && eased.settled_s < 2.5);
     }
-    // What ships borrows nothing at any depth within its force limit.
+    // The shipped law borrows no energy at any depth within its force limit.
     let mut shipped = Settings::default();
     shipped.guard.on = false;
     for depth in [255, 600] {

@@ -20,7 +20,7 @@ fn settings() -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
     settings.wall.surface_rad = Si::lit("0.3");
     settings.limits.fade_in_s = Si::lit("0.05");
-    // A damper's force follows every count, which the current loop smooths: what is compared here is the spring's.
+    // A damper's force follows every count, and the current loop smooths it. So only the spring's force is compared.
     settings.law.virtual_damping_n_m_s_per_rad = Si::ZERO;
     settings.encoder.counts_per_rev = COUNTS;
     settings
@@ -64,7 +64,7 @@ fn kept(test: &str, ticks: impl Iterator<Item = (String, String, String)>) -> Pa
         let _ = writeln!(text, "{tick},{time_s},{count},{penetration},{force},armed,");
     }
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("beside-{test}"));
-    // What an earlier run left there would not be written over.
+    // Files of an earlier run would not be overwritten.
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).unwrap();
     let file = folder.join("record.csv");
@@ -92,8 +92,8 @@ fn compared(test: &str, file: &Path, scene: &Scene, hand: HandWas) -> Beside {
     found
 }
 
-/// Allowed difference as a fraction of a flick's span of 0.2 rad and 76 mN·m. The force of one count (0.4 mrad at 5 N·m/rad) is 2.5
-/// % of it.
+/// Allowed difference as a fraction of a flick's span of 0.2 rad and 76 mN·m. The force of one count (0.4 mrad at 5 N·m/rad) is
+/// 0.025 of that torque.
 const LIKE: f64 = 0.02;
 
 #[test]
@@ -154,15 +154,15 @@ fn a_held_knob_like_its_scene_stays_with_it() {
     let file = simulated("held", &said());
     let found = compared("held", &file, &said(), HandWas::Holding);
     assert!(found.holds(0.05), "{:?}", found.differences);
-    // Another wall is another course of the same hand.
+    // At another wall the same hand moves differently.
     let soft = said().with(|scene| scene.wall.k_desired_n_m_per_rad *= 0.7);
     let file = simulated("soft", &soft.unwrap());
     let found = compared("soft", &file, &said(), HandWas::Holding);
     assert!(!found.holds(0.05), "{:?}", found.differences);
 }
 
-/// Allowed difference as a fraction of a bounce of 65 mN·m. Half a step of the shield's current (7.8 mA at 0.25 N·m/A) is 0.015
-/// of it.
+/// Allowed difference as a fraction of a bounce of 65 mN·m: half a step of the shield's current (7.8 mA at 0.25 N·m/A) is 0.03
+/// of that torque.
 const COARSE: f64 = 0.03;
 
 /// The inertia of the whole drive with its motor is identified from a bounce.
@@ -188,7 +188,7 @@ fn a_bounce_of_the_whole_drive_tells_the_inertia() {
         let told = std::iter::from_fn(|| {
             let record = Telemetry::from(&knob.tick());
             touched += u32::from(touched > 0 || record.penetration_rad > 0);
-            // The flight before the wall and a bounce: then the shield's coarse steps of the current rule.
+            // The flight before the wall and one bounce; after that the shield's coarse current steps dominate.
             (touched < 20).then(|| {
                 let (count, penetration) = (record.count, record.penetration_rad);
                 (

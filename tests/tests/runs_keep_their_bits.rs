@@ -26,7 +26,7 @@ impl Hash {
 
     fn run(&mut self, run: &Run) {
         let trace = run.trace.as_ref().expect("a run with a trace");
-        // Without the last, the guard's account: these scenes have no guard.
+        // Without the last column, the guard's account: these scenes have no guard.
         for column in &trace.columns()[..13] {
             column.iter().for_each(|&x| self.float(x));
         }
@@ -61,7 +61,7 @@ fn combinations(scene: &Scene) -> Vec<Scene> {
             sets.push("device.amplifier_step_n_m=1e-3");
         }
         if on(3) {
-            // A whole period and some; below a period every other time.
+            // A delay of more than a period, or of less, alternately.
             sets.push(if on(0) {
                 "timing.computational_delay_s=3e-4"
             } else {

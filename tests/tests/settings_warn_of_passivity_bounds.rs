@@ -65,7 +65,7 @@ fn a_soft_spring_above_the_critical_stiffness_is_warned_about() {
     };
     assert!(settings.warnings().any(|w| w == expected));
     assert_eq!(expected.field(), Field::KSoft);
-    // Laws without the spring, and stiffnesses that are shown without it.
+    // Laws without the virtual spring, and stiffnesses that need none.
     for law in [
         LawKind::Spring,
         LawKind::SpringDamper,
@@ -96,7 +96,7 @@ fn a_coupling_above_its_sampling_bound_is_warned_about() {
     };
     assert!(settings.warnings().any(|w| w == expected));
     assert_eq!(expected.field(), Field::FilterStiffness);
-    // From the other side: less damping left over, c_i as well as c_f.
+    // From the other side: less damping remains, c_i as well as c_f.
     settings = dyadic();
     settings.filter.damping = next(settings.filter.damping, true);
     assert!(warns(&settings, is));

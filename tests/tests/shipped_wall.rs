@@ -37,7 +37,7 @@ fn summary(scene: &Scene) -> Summary {
 
 #[test]
 fn the_shipped_law_is_the_defaults() {
-    // A count of 40,000 is what the table's default says, but for the last digit.
+    // A count of 40,000 per turn is the table's default, except for the last digit.
     let rows = |scene: &Scene| Settings {
         position: Settings::default().position,
         ..scene.settings().unwrap()
@@ -110,7 +110,7 @@ fn a_moving_hand_feels_the_stiffness() {
                     KNOB[0],
                     KNOB[1],
                 ];
-                // The case comes last, so that it has the last word.
+                // The case comes last, so that it overrides the others.
                 let run = summary(&scene(
                     "press-wiggle-release",
                     grip,

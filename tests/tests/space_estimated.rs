@@ -58,7 +58,7 @@ fn a_floor_is_the_wall_of_one_axis_to_the_bit() {
         let law = UNIT.law::<F>(&settings).expect("settings");
         let estimator = UNIT.estimator::<F>(&[axis(); 3], RATE_HZ, Si::from_num(12));
         assert!(estimator.is_ok());
-        // The same settings by hand, in centimetres.
+        // The same settings converted to centimetres by hand.
         let one = EstimatorSettings {
             inertia: si("0.148") / 100,
             damping: si("0.025"),
@@ -111,7 +111,7 @@ fn at_rest_the_place_is_the_measured_one() {
     let length = measured.iter().map(|x| x * x).sum::<f64>().sqrt();
     let expected = measured.map(|x| 5.0 * (30.0 - length) * x / length);
     for (is, should) in push_in_n(force).into_iter().zip(expected) {
-        // A quantum of place is 6e-7 mm; 5 N/mm of three of them.
+        // A quantum of a place is 6e-7 mm; three of them are allowed, at 5 N/mm.
         assert!((is - should).abs() < 1e-5, "{is} for {should}");
     }
 }

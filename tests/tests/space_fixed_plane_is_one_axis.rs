@@ -49,7 +49,7 @@ fn planes() -> [Plane<F>; 5] {
 /// A place on the path, at this `depth` below the plane.
 fn below(plane: &Plane<F>, [a, b, depth]: [f64; 3]) -> Place {
     let n = plane.normal;
-    // Any two directions across.
+    // Any two directions across the normal.
     let side = n.across(at(10.0, 3.0, -7.0));
     let (u, v) = (
         Direction::of(side).unwrap(),

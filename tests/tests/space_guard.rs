@@ -45,9 +45,9 @@ fn no_hand_in_space_gets_out_more_than_promised() {
         "most {worst:.3} mJ of {:.3}; a shortened force is turned by at most {worst_turn:.1e} rad",
         CAPACITY_MJ + ENCODER_MJ
     );
-    // The search is one that finds what there is.
+    // The search does find energy to get out.
     assert!(worst > 0.9 * CAPACITY_MJ, "{worst}");
-    // Two quanta of a component, of a hundredth of a newton.
+    // Two quanta of a component, at a force of a hundredth of a newton.
     assert!(worst_turn < 3.0 * 6e-8 / 0.01);
 }
 
@@ -87,7 +87,7 @@ fn overspeed_in_any_direction_switches_off() {
         Vector(vector("0", "3", "4").map(|x| Force::<Fixed32>::from_si(x).expect("fits"))),
         |v: [Si; 3]| Vector(v.map(|x| Position::<Fixed32>::from_si(x).expect("fits"))),
     );
-    // 0.95 mm diagonally is not, 1.04 mm is, though no coordinate is above 0.6 mm.
+    // 0.95 mm diagonally is no over-speed and 1.04 mm is, though no coordinate moves more than 0.6 mm.
     let mut state = guard.full();
     let slow = d(vector("0.055", "-0.055", "0.055"));
     assert_eq!(guard.tick(&mut state, slow, f), Ok(f));
@@ -112,7 +112,7 @@ fn the_end_of_positions_in_any_direction_takes_the_force_away() {
     };
     let force = Vector(vector("0", "3", "4").map(|x| Force::<Fixed32>::from_si(x).expect("fits")));
     let (still, none) = (Vector::default(), Vector::default());
-    // 0.1 cm is the furthest of a tick: the edge is two of them before 128 cm.
+    // 0.1 cm is the largest displacement of a tick: the edge is two of them before 128 cm.
     for (before, moved) in [
         (["127.79", "0", "5"], ["0.02", "0", "0"]),
         (["-3", "-127.79", "0"], ["0", "-0.02", "0"]),
@@ -127,7 +127,7 @@ fn the_end_of_positions_in_any_direction_takes_the_force_away() {
         let there = before + moved;
         assert!(guard.tick_at(&mut state, there, moved, force).is_err());
         assert_eq!(state, booked);
-        // Without a wish there is nothing to refuse.
+        // Without a requested force there is nothing to refuse.
         assert_eq!(guard.tick_at(&mut state, there, still, none), Ok(none));
     }
 }
@@ -144,12 +144,12 @@ fn what_is_commanded_smaller_is_booked_smaller() {
     guard.tick(&mut other, zero, f).expect("slow");
     let half = f.map(|x| Force(x.0 / 2));
     guard.commanded(&mut other, half);
-    // A longer one is none.
+    // A report of a longer force has no effect.
     let longer = f + f;
     let before = one;
     guard.commanded(&mut one, longer);
     assert_eq!(one, before);
-    // With the force, the hand gets something out: less of the smaller.
+    // A motion along the force: the hand gets energy out, less with the smaller force.
     let along = Vector(
         vector("0.01", "0.02", "0.02").map(|x| Position::<Fixed32>::from_si(x).expect("fits")),
     );

@@ -69,7 +69,7 @@ impl Hand {
 fn figure_4_7_a_force_remains_after_the_side_is_left() {
     for leaving in RULES {
         let mut hand = Hand::pressing(leaving);
-        // To where the side is closer than the top, and out of it, further than any offset of that axis.
+        // To a place where the side is closer than the top, and out through the side by more than any offset of that axis.
         hand.go([-0.1, 0.0, -0.3], 20).go([6.0, 0.0, -0.3], 60);
         let [x, y, z] = push_in_n(hand.force);
         println!("Fig. 4.7 {leaving:?}: 6 mm outside {x:.2} {y:.2} {z:.2} N");
@@ -112,14 +112,14 @@ fn figure_4_9_the_projection_ends_the_contact_at_the_offset() {
         let out = 0.3 + 0.01 * f64::from(step);
         hand.go([0.3 * out / 0.3, 0.0, out], 1);
         let touches = hand.shell.laws.iter().any(Along::touches);
-        // The distance to the edge, and O' along it.
+        // The distance to the edge, and the offset's part O' along it.
         let distance = out * 2.0_f64.sqrt();
         let reach = (was[0] + was[2]) / 2.0_f64.sqrt();
         if !touches {
             left = true;
             println!("left at {distance:.3} mm, O' {reach:.3} mm");
             assert_eq!(push_in_n(hand.force), [0.0; 3]);
-            // The laws can end a contact by themselves before; they do not when still beyond the offset.
+            // The laws may end a contact earlier by themselves, but it must not last beyond the offset.
             assert!(distance < reach + 0.1, "not later than the offset ends");
             break;
         }
@@ -135,7 +135,7 @@ fn figure_4_9_the_projection_ends_the_contact_at_the_offset() {
 #[test]
 fn equation_4_8_as_printed_never_ends_a_contact() {
     for out in [0.1, 1.0, 10.0, 1000.0] {
-        // Outside: e and O opposed.
+        // Outside: e and O have opposite signs.
         let (e, o) = ([0.0, 0.0, out], [0.0, 0.0, -1.5]);
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         // O' = s e, so e = α O' has α = 1/s.

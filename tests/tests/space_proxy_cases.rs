@@ -32,13 +32,13 @@ fn proxy_case_1_no_pop_through_a_thin_plate() {
             Direction::along(2, true)
         );
     }
-    // A box of the same size lets it through: the case is a case.
+    // A box of the same size lets the HIP through, so the case is a real one.
     let through = along(Rule::Closest, &thin().body, &press, 100);
     assert_eq!(
         through.last().expect("one").normal,
         Direction::along(2, true)
     );
-    // Around the rim it comes to the other side.
+    // Around the rim the HIP comes to the other side.
     let around = [
         [0.0, 0.0, 1.0],
         [31.0, 0.0, 1.0],
@@ -77,7 +77,7 @@ fn proxy_case_3_in_a_concave_corner_it_lies_on_the_crease() {
             let point = place_in_mm(here + nearest.normal.times(nearest.depth));
             let below = |plane: &Plane<F>| in_mm(plane.above(here));
             let heights = [dot(a, point) - 1.0, dot(b, point) - 1.0];
-            // The surface point is on the surface: above both planes or on them, and on one of them.
+            // The surface point is on the surface: on or above both planes, and on one of them.
             let lowest = heights[0].min(heights[1]);
             assert!(lowest.abs() < 1e-5, "{heights:?} of {point:?}");
             if below(&planes[0]) < -0.01 && below(&planes[1]) < -0.01 {
@@ -132,7 +132,7 @@ fn proxy_case_4_over_a_convex_edge_the_force_turns_continuously() {
             "ratio {ratio}: the force turns by at most {worst:.5} of {:.5} rad in a tick",
             ratio.atan()
         );
-        // A newton has 24 binary digits; so a force of more than that is turned by no more than the direction.
+        // A force of more than a newton has at least 24 binary digits, so it turns by no more than the direction.
         assert!(worst <= ratio.atan() + ROUNDING && worst > 0.9 * ratio.atan());
         let last = forces.last().expect("one");
         assert!(
@@ -178,7 +178,7 @@ fn proxy_case_6_vertices_of_three_to_twelve_faces() {
     for faces in 3..=12 {
         let planes = pyramid(faces);
         let body = Facets { planes: &planes };
-        // Around below the apex, through all faces, and up the middle.
+        // The path goes around below the apex, through all faces, and up the middle.
         let mut path: Vec<[f64; 3]> = (0..=24)
             .map(|i| {
                 let phi = f64::from(i) * 0.53;
@@ -194,7 +194,7 @@ fn proxy_case_6_vertices_of_three_to_twelve_faces() {
                     place_in_mm(pair[1].at)[i] - place_in_mm(pair[0].at)[i]
                 }));
                 let change = (in_mm(pair[1].depth) - in_mm(pair[0].depth)).abs();
-                // The way out is longer by what the cone makes of it.
+                // The way out is longer by the factor of the cone.
                 let most = if rule == Rule::Closest {
                     step
                 } else {
@@ -237,7 +237,7 @@ fn proxy_case_7_degenerate_and_duplicate_faces_change_no_bit() {
         let with = along(rule, &Facets { planes: &spoilt }, &path, 200);
         assert_eq!(clean, with);
     }
-    // Nothing but degenerate faces is no object.
+    // An object of degenerate faces only is no object.
     let none = Facets { planes: &[nothing] };
     assert!(!inside(
         &SurfacePoint::new(restricted()).tick(&none, at(0.0, 0.0, -5.0))

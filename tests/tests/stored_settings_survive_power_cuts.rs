@@ -98,20 +98,20 @@ fn number_in(flash: &mut Flash) -> u16 {
 fn a_cut_at_any_operation_loses_nothing_but_its_write() {
     let mut flash = Flash::erased(PAGES);
     let (mut cuts, mut kept, mut random) = (0, 0, Random::new(11));
-    // From 10 on: 5 is in the defaults.
+    // Numbers from 10 on, as 5 is in the defaults.
     for number in 10..10 + SAVES {
         let before = if number == 10 { 0 } else { number - 1 };
         assert_eq!(number_in(&mut flash), before);
         let mut whole = flash.clone();
         assert!(save(&mut whole, number));
         for operation in 0..whole.operations - flash.operations {
-            // An erase that is cut, the first operation, can leave anything.
+            // An erase that is cut (the first operation) can leave any bits.
             for _ in 0..if operation == 0 { 100 } else { 2 } {
                 let mut cut = flash.clone();
                 cut.cut_after(operation, random.bits());
                 assert!(!save(&mut cut, number), "the write was not cut");
                 cuts += 1;
-                // Up to three more cuts, in what comes next.
+                // Up to three more power cuts in the following operations.
                 let mut again = cut.clone();
                 let mut found = before;
                 for _ in 0..random.bits() % 4 {
@@ -122,7 +122,7 @@ fn a_cut_at_any_operation_loses_nothing_but_its_write() {
                     assert!(!saved || found == number + 1);
                 }
                 assert!([before, number, number + 1].contains(&found), "{found}");
-                // And with steady power.
+                // The same with steady power.
                 cut.power_on();
                 let found = number_in(&mut cut);
                 assert!(found == before || found == number, "{found}, not {before}");
@@ -133,7 +133,7 @@ fn a_cut_at_any_operation_loses_nothing_but_its_write() {
         }
         flash = whole;
     }
-    // All but those that came after the last bit that mattered.
+    // All settings except those whose last needed bit came after the cut.
     assert!(kept > cuts / 10 * 9, "{kept} of {cuts}");
     println!("{cuts} cuts, {kept} of them lost their own write, none another");
 }
@@ -249,7 +249,7 @@ fn another_layout_and_settings_out_of_range_mean_defaults_and_say_so() {
         other => panic!("{other:?}"),
     }
 
-    // A map written by firmware of another layout: its image stays, this one starts with the defaults and says nothing.
+    // A map written by firmware with another layout: its image stays, and this firmware starts with the defaults without a report.
     let start = stored::start(None, settings(0), &check);
     assert_eq!((start.settings, start.refused), (settings(0), None));
 }

@@ -114,7 +114,7 @@ fn the_leak_is_the_closed_form() {
 #[test]
 fn the_exact_observer_is_the_port_and_the_thesis_observer_its_mirror_image() {
     let press = press::<f64>();
-    // What flowed through the port, in and out: about k A². Everything below is rounding of sums of 200 products.
+    // Energy that flowed through the port, in and out: about k A². Errors below are rounding of sums of 200 products.
     let throughput_j = STIFFNESS_N_M_PER_RAD * DEPTH_RAD.powi(2);
     assert!((press.exact_j - press.true_j).abs() < 1e-5 * MILLI);
     assert!((press.exact_j + press.thesis_j).abs() < 1e-12 * throughput_j);
@@ -122,14 +122,14 @@ fn the_exact_observer_is_the_port_and_the_thesis_observer_its_mirror_image() {
 
 #[test]
 fn fixed_point_adds_nothing_but_the_rounding_of_its_forces() {
-    // Same angles in both: those of the fixed format, which f64 holds exactly. A force is truncated by less than one quantum
-    // q = 2^-24 N·m and works over a way of 2 A, each way in and out; products and sums are exact.
+    // Both formats get the same angles: those of the fixed-point format, which f64 holds exactly. A force is truncated by less than
+    // one quantum q = 2^-24 N·m, over a path of 2 A, which is A each way. Products and sums are exact.
     let q = (2.0_f64).powi(-24);
     let bound_j = q * 2.0 * DEPTH_RAD;
     let mut fixed = ExactObserver::<Fixed32>::new(Position::zero());
     let mut exact_j = 0.0;
     let (mut last_rad, mut held_n_m) = (0.0, 0.0);
-    // A stiffness that the format holds exactly, and whose products with angles it does not.
+    // The format holds this stiffness exactly, but not its products with angles.
     let stiffness_n_m_per_rad = 19_253.0 / 4_096.0;
     let settings = Settings {
         law: LawKind::Spring,

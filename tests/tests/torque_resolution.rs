@@ -134,7 +134,7 @@ fn the_small_shield_is_ten_times_finer() {
     for (motor, settings, parts) in [("kit", &small, KIT), ("0.25 N·m/A", &large, GIMBAL)] {
         for (name, hardware) in boards {
             if parts == GIMBAL && name == "IHM16M1" {
-                // 2 A are beyond what this shield is for.
+                // 2 A exceed what this shield is made for.
                 continue;
             }
             let noisy = held(&hardware, settings, parts, 1.0);
@@ -143,13 +143,13 @@ fn the_small_shield_is_ten_times_finer() {
                 "{name:<14} {motor:<10} {:>8.3} {:>18.3} {:>18.3} {:>14.3}",
                 noisy.per_code, noisy.ripple, quiet.ripple, noisy.off
             );
-            // A loop that is calm gives no more than it is told in noise; and it is right in the mean to half a code.
+            // A calm loop gives no more torque noise than its readings have, and its mean is right to half a code.
             assert!(noisy.ripple < noisy.per_code, "{name}: {}", noisy.ripple);
             assert!(noisy.off < 0.6 * noisy.per_code, "{name}: {}", noisy.off);
             ripples.push(noisy.ripple);
         }
     }
-    // On the same motor.
+    // Both on the same motor.
     assert!(ripples[0] < 0.13 * ripples[1], "{ripples:?}");
     assert!(ripples[0] < 0.07 * ripples[2], "{ripples:?}");
 }

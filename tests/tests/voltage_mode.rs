@@ -152,7 +152,7 @@ fn the_torque_is_as_right_as_the_resistance() {
         for shown in shown {
             assert!((shown * factor - 1.0).abs() < 0.005, "{factor}: {shown}");
         }
-        // The loop does not know: it says what was asked for.
+        // The loop does not measure the current: it reports the commanded one.
         let says: f64 = bare.current.report().current.q.to_num();
         assert!((says - 0.6).abs() < 0.001, "{says}");
     }
@@ -169,7 +169,7 @@ fn the_supply_makes_no_difference_within_its_limits() {
 fn a_step_of_the_torque_is_a_count_of_the_timer() {
     let mut bare = Bare::new(MOTOR, &BLOCKED, 12.0);
     let constant = MOTOR.torque_constant_nm_per_a();
-    // From 5 mN·m up, in fifths of what a count of 12 V/4,250 gives.
+    // From 5 mN·m up, in fifths of what a step of 12 V/4,250 of the voltage gives.
     let step = 12.0 / 4_250.0 / MOTOR.resistance_ohm / 5.0;
     let (mut worst, mut squares): (f64, f64) = (0.0, 0.0);
     const STEPS: u32 = 200;
@@ -224,7 +224,7 @@ fn the_back_emf_damps_by_what_the_model_says() {
             "{factor}: {measured:.4e} {exact:.4e} ({:+.2} %)",
             100.0 * (measured / exact - 1.0)
         );
-        // The pole of the windings makes the slow motion a little faster: by 1 + b L/(R J), 0.25 %.
+        // The pole of the windings makes the slow motion a little faster, by 1 + b L/(R J), which is 0.25 %.
         assert!((measured / exact - 1.0).abs() < 0.01, "{measured} {exact}");
         if factor == 1.0 {
             let in_model = model.back_emf_n_m_s_per_rad;
@@ -246,7 +246,8 @@ fn no_less_of_a_change_is_missing_than_the_guard_counts_on() {
     bare.periods = 0;
     let torques: Vec<f64> = (0..400).map(|_| bare.period(0.4)).collect();
     let missing = torques.iter().map(|torque| 1.0 - torque / torques[399]);
-    // Here the loop takes a command with the period of its tick, on a board with the next one; a quarter of it the encoder is read after.
+    // In this test the loop takes a command in the period of its tick, on a board in the next one. The encoder is read a quarter of
+    // a period later.
     let there = missing.sum::<f64>() * PERIOD_S + 0.75 * PERIOD_S;
     let counted: f64 = change.delay_s.to_num::<f64>() + change.lag_s.to_num::<f64>();
     println!(
@@ -312,7 +313,7 @@ fn it_measures_no_motor() {
 
 #[test]
 fn a_computed_current_trips_and_a_real_one_does_not() {
-    // Turned by somebody, with the back-EMF of 1.6 A: 235 rad/s.
+    // Turned from outside, with the back-EMF of 1.6 A: 235 rad/s.
     for (speed, trips) in [(230.0, false), (240.0, true)] {
         let mut bare = Bare::new(MOTOR, &BLOCKED, 12.0);
         *bare.rig.state_mut() = Motion::from_array([0.0, speed]);
@@ -322,7 +323,7 @@ fn a_computed_current_trips_and_a_real_one_does_not() {
         let trip = bare.current.report().trip.map(|trip| trip.code);
         assert_eq!(trip, trips.then_some(FaultCode::OverCurrent), "{speed}");
     }
-    // A winding with a tenth of the resistance: eight times the limit flows, and only the driver would know.
+    // With a tenth of the winding's resistance eight times the limit flows, and only the driver would notice.
     let mut bare = Bare::new(of_resistance(0.1), &BLOCKED, 12.0);
     bare.held(0.8);
     let largest = bare
@@ -351,7 +352,7 @@ fn given_back(factor: f64) -> [f64; 2] {
     )
     .armed();
     let here = knob.rest_rad;
-    // Work so far, its least so far, and the most above that.
+    // Work so far, its least value so far, and the most above that value.
     let mut books = [[0.0_f64; 3]; 2];
     for period in 0..80_000 {
         let time = f64::from(period) * PERIOD_S;
@@ -380,8 +381,8 @@ fn the_guard_bounds_the_force_that_was_asked_for() {
         println!("{factor}: {motor:.3} {asked:.3}");
         motor / asked
     });
-    // With less resistance than was said the motor gives more than was asked of it, and nothing in the device notices. Otherwise the
-    // back-EMF's damping, which nobody counts, is on the safe side.
+    // With less resistance than entered, the motor gives more torque than commanded, and nothing in the device notices. Otherwise
+    // the damping by back-EMF, which nothing counts, is on the safe side.
     assert!(
         found[0] > 1.15 && found[1] < 1.0 && found[2] < found[1],
         "{found:?}"
@@ -395,7 +396,7 @@ fn the_board_starts_with_the_scenes_wall() {
     let mut law = settings.law();
     law.guard.change = touchstone_control::ChangeOfForce::Estimated;
     let mut wanted = scene.settings().unwrap();
-    // A board knows of its own delay.
+    // A board calculates its own delay.
     (wanted.guard.delay, wanted.guard.refill) = (law.guard.delay, law.guard.refill);
     assert_eq!(law, wanted);
 }

@@ -10,17 +10,17 @@ pub struct Enhanced {
     pub desired: Int,
     /// Stiffness towards which the offset regulates, in the format of gains.
     pub target: Int,
-    /// `B/T` of the damper beside the wall, in the format of gains.
+    /// `B/T`: damping per tick of the damper beside the wall, in the format of gains.
     pub damper: Int,
     /// `k_v`: stiffness of the virtual spring, in the format of gains.
     pub soft: Int,
     /// `1/k_v`: compliance of the virtual spring, in the format of ratios.
     pub compliance: Int,
-    /// Fraction of the ideal step of the offset (3.7, 3.8), in the format of ratios.
+    /// Fraction of the ideal step of the offset (thesis 3.7, 3.8), in the format of ratios.
     pub of_ideal: Int,
-    /// `b/k_v`: bound of the offset's step per force (3.9), in the format of ratios.
+    /// `b/k_v`: largest step of the offset per force (thesis 3.9), in the format of ratios.
     pub of_force: Int,
-    /// `a`: bound of the offset's step per penetration (3.11), in the format of ratios.
+    /// `a`: largest step of the offset per penetration (thesis 3.11), in the format of ratios.
     pub of_penetration: Int,
     /// Whether the law regulates the stiffness at the HIP instead of that at the virtual mass.
     pub at_hip: bool,
@@ -28,9 +28,9 @@ pub struct Enhanced {
     pub every_tick: bool,
     /// Whether the energy counts the next displacement of the virtual mass instead of its last one.
     pub exact: bool,
-    /// Whether the force is kept where the first contact phase ends (2.16, 2.17).
+    /// Whether the force is kept where the first contact phase ends (thesis 2.16, 2.17).
     pub keep_force: bool,
-    /// `m/T²` of the virtual mass, in the format of gains.
+    /// `m/T²`: inertia of the virtual mass per tick², in the format of gains.
     pub inertia: Int,
     /// `k_f`: stiffness of the coupling between HIP and virtual mass, in the format of gains.
     pub coupling: Int,
@@ -91,7 +91,7 @@ fn outward_up(tension: Int) -> Int {
     ((tension.max(0) + (1 << GAIN) - 1) >> GAIN).min(HIGHEST)
 }
 
-/// The product of a ratio and a signal, rounded towards zero.
+/// The product of a ratio and a signal (position or force), rounded towards zero.
 fn share(ratio: Int, x: Int) -> Int {
     cut(times(ratio, x), SIGNAL).clamp(-HIGHEST, HIGHEST)
 }

@@ -22,14 +22,15 @@ fn long(x: Int) -> Int {
 pub fn long_times(a: Int, b: Int) -> Int {
     long((a * b) >> 56)
 }
-/// `a / b` with 56 fractional bits, and 0 if the quotient does not fit; [`crate::reckoned`] says what replaces it under the
-/// checker.
+/// The quotient `a / b` with 56 fractional bits, and 0 if it does not fit; [`crate::reckoned`] says what replaces it under the
+/// model checker.
 #[must_use]
 pub fn long_over(a: Int, b: Int) -> Int {
     let exact = if b == 0 { 0 } else { (a << 56) / b };
     if long(exact) == exact { exact } else { 0 }
 }
-/// `a / b` of two positive settings, with 56 fractional bits; [`crate::reckoned`] says what replaces it under the model checker.
+/// The quotient `a / b` of two positive settings, with 56 fractional bits; [`crate::reckoned`] says what replaces it under the
+/// model checker.
 #[must_use]
 pub fn ratio(a: Int, b: Int) -> Int {
     if b == 0 {
@@ -39,8 +40,8 @@ pub fn ratio(a: Int, b: Int) -> Int {
     }
 }
 
-/// `V = Σ (-β)^k t^(k+1)/(k+1)!` and `X = Σ (-β)^k t^(k+2)/(k+2)!`; [`crate::reckoned`] says what replaces them under the model
-/// checker.
+/// How far a device moves in a time `t` from a displacement per tick, `V = Σ (-β)^k t^(k+1)/(k+1)!`, and from a push, `X = Σ (-β)^k
+/// t^(k+2)/(k+2)!`; [`crate::reckoned`] says what replaces them under the model checker.
 #[must_use]
 pub fn integrals(loss: Int, time: Int) -> (Int, Int) {
     let (mut reach, mut drift, mut term) = (0, 0, time);
@@ -80,7 +81,7 @@ fn of_torque(x: Int) -> Option<Int> {
     weight(x, 30)
 }
 
-/// Constants of the device: `β`, `q`, and the delay in ticks.
+/// Constants of the device: loss of velocity `β`, displacement per torque `q`, and the delay in ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Device {
     /// Loss of velocity per tick: `β = b T/J`.

@@ -40,7 +40,7 @@ pub struct Memory {
     pub older: Int,
 }
 
-/// `x` limited to `-limit..=limit`.
+/// A number limited to the range from `-limit` to `limit`.
 fn within(x: Int, limit: Int) -> Int {
     x.min(limit).max(-limit)
 }

@@ -103,7 +103,7 @@ pub fn cases() -> [Case; 19] {
                 ..base
             },
         ),
-        // The default filter's coefficients are whole numbers, whose products need no rounding; these have fractions.
+        // The default filter's coefficients are whole numbers, whose products need no rounding. These have fractions.
         enhanced(
             "enhanced-fractions",
             Settings {

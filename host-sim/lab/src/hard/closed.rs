@@ -1,4 +1,4 @@
-//! Cases of the closed loop.
+//! Hard cases of the closed loop of law, plant and hand.
 
 use super::plant::KNOB;
 use super::random::Random;
@@ -76,7 +76,7 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-/// Whether a spring on the bare device makes a motion grow.
+/// Whether a motion grows in the loop of the bare device and a sampled spring of this stiffness in N·m/rad.
 fn grows(device: &Device, stiffness: f64, delay_s: f64) -> bool {
     let whole = (delay_s / PERIOD_S).floor();
     let fraction = delay_s - whole * PERIOD_S;
@@ -152,7 +152,7 @@ fn verdict(scene: &Scene) -> Result<f64> {
     )
 }
 
-/// Least unstable stiffness of a scene's device and hand, N·m/rad, by its eigenvalues.
+/// Smallest stiffness in N·m/rad at which a spring on the scene's device and hand is unstable, calculated from eigenvalues.
 fn critical(scene: &Scene) -> f64 {
     let device = Device {
         friction: None,
@@ -192,7 +192,8 @@ fn wall(_: Effort) -> Result<Vec<Finding>> {
     Ok(found)
 }
 
-/// The least stiffness at which a scene's run is unstable, N·m/rad: the first of a ladder of quarters from 0.1 on, then halved.
+/// Smallest stiffness at which a run of the scene is unstable, N·m/rad. The search raises the stiffness from 0.1 by a quarter each
+/// time, then bisects.
 fn unstable_from(scene: &Scene, most: f64) -> Result<f64> {
     let unstable = |stiffness: f64| -> Result<bool> {
         let set = format!("wall.k_desired_n_m_per_rad={stiffness}");
@@ -214,7 +215,7 @@ fn unstable_from(scene: &Scene, most: f64) -> Result<f64> {
     Ok(high)
 }
 
-/// Laws that stay in the wall at a hundred times the critical stiffness; every other is known to leave it.
+/// Laws that stay in the wall at a hundred times the critical stiffness. Every other law is expected to leave it.
 const HOLDS_HUNDRED: &[LawKind] = &[LawKind::Fba];
 
 fn hundred(_: Effort) -> Result<Vec<Finding>> {
@@ -284,7 +285,8 @@ fn shipped(_: Effort) -> Result<Vec<Finding>> {
         .collect()
 }
 
-/// A spring of a number format in a wall at 0, pressed by a torque; calls back at every tick with the state.
+/// Simulates a spring in one number format that a constant torque presses into a wall at 0. Calls `at` with the state at every
+/// tick.
 fn pressed<N: Reported>(
     plant: &BareCoulomb,
     stiffness: f64,

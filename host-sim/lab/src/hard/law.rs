@@ -1,4 +1,4 @@
-//! Hard cases of each law alone, in every number format.
+//! Hard cases for each control law without a plant, in every number format.
 
 use super::random::Random;
 use super::{Case, Effort, Finding};
@@ -74,7 +74,7 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-/// A finding for every law in every format: alone as the thesis has it, and on estimated states behind the guard.
+/// Runs a check on every law in every number format: once alone with the thesis' settings, once on estimated states with the guard.
 macro_rules! every_law {
     ($check:ident) => {{
         let mut found = Vec::new();
@@ -91,7 +91,7 @@ macro_rules! every_law {
     }};
 }
 
-/// What breaks the oracle, counted.
+/// Runs the check on one law in one number format. The check counts violations of the expected behaviour; the bound is 0.
 fn subject<N: Reported>(
     stages: &str,
     settings: &Settings,
@@ -119,7 +119,7 @@ fn subject<N: Reported>(
     }
 }
 
-/// A law in the state before its first tick.
+/// A law in one number format, in the state before its first tick.
 struct Subject<N: Reported> {
     fresh: Controller<N>,
     limit: Force<N>,
@@ -127,7 +127,7 @@ struct Subject<N: Reported> {
 }
 
 impl<N: Reported> Subject<N> {
-    /// Whether a force is within the limit; false for a force that is no number.
+    /// Whether a force is within the law's force limit; false for NaN.
     fn is_within(&self, force: Force<N>) -> bool {
         force <= self.limit && force >= -self.limit
     }
@@ -136,8 +136,8 @@ impl<N: Reported> Subject<N> {
         CountScale::new(40_000, Si::ZERO)
     }
 
-    /// Whether the law runs on measured states and without a guard. Estimator and guard have memories of their own,
-    /// which go on outside the wall.
+    /// Whether the law runs on measured states and without a guard. Only then it must forget everything outside the wall; estimator
+    /// and guard keep their states there.
     fn is_alone(&self) -> bool {
         self.settings.states == StatesKind::Measured && !self.settings.guard.on
     }
@@ -146,12 +146,12 @@ impl<N: Reported> Subject<N> {
         self.settings.law == LawKind::Spring && self.is_alone()
     }
 
-    /// Moves far out of the wall, because an augmented surface may lie far outside of it.
+    /// Moves far out of the wall, because a wall that a law has moved out may begin far outside of its configured surface.
     fn leave(&self, law: &mut Controller<N>) {
         law.tick(Position::from_f64(-1e9));
     }
 
-    /// A press of some counts in a number of ticks, answered by a fresh law; then out.
+    /// Forces of the law in a press that goes `counts` deep and out again in 200 ticks, with a jitter of one count.
     fn press(&self, law: &mut Controller<N>, counts: f64) -> Vec<Force<N>> {
         let Some(scale) = self.scale() else {
             return Vec::new();
@@ -165,7 +165,7 @@ impl<N: Reported> Subject<N> {
             .collect()
     }
 
-    /// Ticks at which a law that has left the wall answers other than a fresh one.
+    /// Number of ticks in which a law that has left the wall gives another force than a law that was never used.
     fn remembers(&self, law: &Controller<N>) -> f64 {
         if !self.is_alone() {
             return 0.0;
@@ -248,13 +248,13 @@ fn saturation(_: Effort) -> Result<Vec<Finding>> {
     every_law!(check)
 }
 
-/// Depths of a lean that stay within the force limit, counts: the thesis' walls reach it at 637.
+/// Depths of a long press that stay within the force limit, encoder counts; the limit is reached at 637 counts.
 const WITHIN_THE_LIMIT: [u32; 4] = [75, 150, 300, 600];
-/// Ten times as deep as the limit reaches.
+/// Depth of a long press that is ten times as deep as the force limit reaches, encoder counts.
 const BEYOND_THE_LIMIT: u32 = 6_000;
 
 fn windup(_: Effort) -> Result<Vec<Finding>> {
-    /// How far outside the law still pushes after a minute at a depth, rad.
+    /// Distance outside the wall's surface at which the law stops pushing, after a press of one minute at this depth, rad.
     fn outside<N: Reported>(subject: &Subject<N>, depth: u32) -> f64 {
         let (mut law, mut random) = (subject.fresh, Random::new(8));
         let Some(scale) = subject.scale() else {

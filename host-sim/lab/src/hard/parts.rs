@@ -1,4 +1,4 @@
-//! Hard cases of the parts around a law: the encoder's counter, and the virtual mass.
+//! Hard cases of the parts around a law: the encoder's counter and the virtual mass.
 
 use super::random::Random;
 use super::{Case, Effort, Finding};
@@ -65,7 +65,8 @@ fn wrap(_: Effort) -> Result<Vec<Finding>> {
     Ok(found)
 }
 
-/// Shakes the mass, and adds up the energy that the HIP's port takes; returns the least sum over the total throughput.
+/// Moves the virtual mass at random and sums the energy that goes in at the HIP. Returns the most energy that came out, divided by
+/// the sum of all energies that flowed.
 fn shaken(inertia: f64, stiffness: f64, damping: f64, ground: f64) -> f64 {
     let gain = |value: f64| Stiffness::<f64>(value);
     let total = gain(inertia + stiffness + damping + ground);
@@ -136,7 +137,7 @@ fn virtual_mass(_: Effort) -> Result<Vec<Finding>> {
     Ok(found)
 }
 
-/// Largest position over 2000 ticks of a mass on a spring with `k T²/m`, from a position of 1.
+/// Largest position in 2000 ticks of a mass on a spring, integrated by semi-implicit Euler from position 1; `ratio` is `k T²/m`.
 fn semi_implicit_growth(ratio: f64) -> f64 {
     let (mut position, mut moved, mut largest) = (1.0_f64, 0.0_f64, 1.0_f64);
     for _ in 0..2000 {

@@ -1,4 +1,4 @@
-//! Cases of the exact plants.
+//! Hard cases of the exact plants.
 
 use super::random::Random;
 use super::{Case, Effort, Finding};
@@ -85,8 +85,7 @@ pub(super) fn torque(random: &mut Random) -> [f64; 2] {
     [0.05 * random.uniform(), 0.3 * random.uniform()]
 }
 
-/// Worst gap of the energy account over this many ticks of random torques, as a share of the energy that moved in that
-/// tick.
+/// Largest gap in the energy balance of a tick under random torques, divided by the energy that flowed in that tick.
 fn audit<const N: usize, S: Stepper<State = State<N>>>(plant: &S, ticks: u32, seed: u64) -> f64 {
     let mut random = Random::new(seed);
     let mut state = State::<N>::at_rest(0.1);
@@ -111,7 +110,7 @@ fn audit<const N: usize, S: Stepper<State = State<N>>>(plant: &S, ticks: u32, se
     worst
 }
 
-/// All four plants of a device and a hand, with and without friction.
+/// Runs an expression with each of the four plants: bare device and device with hand, each without and with friction.
 macro_rules! each_plant {
     ($device:expr, $hand:expr, $interval:expr, |$name:ident, $plant:ident| $body:expr) => {{
         let (device, hand, interval) = ($device, $hand, $interval);
@@ -265,7 +264,8 @@ fn independent(_: Effort) -> Result<Vec<Finding>> {
     Ok(found)
 }
 
-/// Largest difference of the exact plant from the reference over the largest angle, and the events on the way.
+/// Largest difference of the exact plant's angle from the reference, divided by the largest angle, and the number of stops and
+/// starts.
 fn compare(device: &Device, hand: Option<&Hand>, held: &[[f64; 2]]) -> (f64, u64) {
     let mut reference = Reference::new(device, hand, None, 4);
     let mut known = [Double::ZERO; 4];

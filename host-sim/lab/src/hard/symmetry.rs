@@ -1,4 +1,5 @@
-//! Cases of what must not matter to the exact plants: how a step is divided, the sign and the size of everything.
+//! Hard cases of symmetry: a plant's motion must not depend on how a step is divided, and must follow the sign and scale of its
+//! inputs.
 
 use super::plant::{KNOB, PERIOD_S, STICKY, each_plant, torque};
 use super::random::Random;
@@ -120,7 +121,8 @@ fn jitter(_: Effort) -> Result<Vec<Finding>> {
         .collect())
 }
 
-/// Largest difference of two states over their largest entries before or after, angles and velocities apart.
+/// Largest difference of two states, divided by the largest entry of `b` or `before`; angles and velocities each have their own
+/// scale.
 fn relative<const N: usize>(a: &State<N>, b: &State<N>, before: &State<N>) -> f64 {
     let (a, b, before) = (a.to_array(), b.to_array(), before.to_array());
     let mut worst = 0.0_f64;
@@ -141,8 +143,8 @@ fn mirror(_: Effort) -> Result<Vec<Finding>> {
     }))
 }
 
-/// Number of ticks at which the scaled plant does not move `factor` times as far as the other does under inputs
-/// smaller by `factor`.
+/// Number of ticks in which the states differ. `plant` gets random inputs, `scaled` the same inputs times `factor`; its state
+/// should be exactly `factor` times the state of `plant`.
 fn scaled<const N: usize, S: Stepper<State = State<N>>>(plant: &S, scaled: &S, factor: f64) -> f64 {
     let mut random = Random::new(17);
     let (mut state, mut other) = (State::<N>::at_rest(0.0), State::<N>::at_rest(0.0));

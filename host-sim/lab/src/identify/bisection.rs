@@ -1,11 +1,12 @@
-//! Algorithm 2.1 as an instrument: bisects the damping that FBA may count on, and so measures what a device has.
+//! Measures the damping of a device by Algorithm 2.1 of the thesis: bisection on the damping `c_i` that the force bounding approach
+//! (FBA) assumes.
 //!
-//! FBA shows at most `2 c_i/T` of whatever stiffness is asked for, and that is stable just as long as the device really
-//! damps with `c_i`. So the largest `c_i` with which a press against a wall that is far too stiff still comes to rest is the
-//! damping of the device and of whatever holds it, up to what dry friction adds.
+//! FBA limits the stiffness to `2 c_i/T`, however stiff the requested wall is. That is stable as long as the real damping is at
+//! least `c_i`. So a press against a wall that is far too stiff comes to rest up to a certain `c_i`. The largest such `c_i` is the
+//! damping of device and finger together, plus what dry friction adds.
 //!
-//! Near the limit a press neither grows nor dies quickly: net damping is what is left of `b - c_i`. So a trial is judged by
-//! whether the motion grows from the second quarter of the hold to the last, not by how large it is.
+//! Near the limit a motion neither grows nor decays quickly, because the remaining damping `b - c_i` is small. So a trial is judged
+//! by whether the motion grows from the second quarter of the hold to the last, not by its size.
 
 use super::swing::Mechanics;
 use touchstone_control::{LawKind, StatesKind};
@@ -13,27 +14,27 @@ use touchstone_sim::error::Result;
 use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::Scene;
 
-/// Settings of the identification.
+/// Settings of the bisection.
 #[derive(Debug, Clone, Copy)]
 pub struct Search {
-    /// Lower end of the interval, N·m·s/rad.
+    /// Lower end of the searched interval of damping, N·m·s/rad.
     pub low: f64,
-    /// Upper end of the interval, N·m·s/rad.
+    /// Upper end of the searched interval of damping, N·m·s/rad.
     pub high: f64,
-    /// Bisections; the result is good to `(high - low)/2^steps`.
+    /// Number of bisections per press; the result is exact to `(high - low)/2^steps`.
     pub steps: u32,
 }
 
 /// One step of the bisection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trial {
-    /// Damping that FBA counted on, N·m·s/rad.
+    /// Damping that FBA assumed, N·m·s/rad.
     pub damping: f64,
     /// Motion in the second quarter of the hold, peak to peak, rad.
     pub early_rad: f64,
-    /// Motion in the last quarter, rad.
+    /// Motion in the last quarter of the hold, peak to peak, rad.
     pub late_rad: f64,
-    /// Whether the HIP stayed inside the wall in the last quarter.
+    /// Whether the knob stayed inside the wall in the last quarter of the hold.
     pub held: bool,
 }
 
@@ -46,10 +47,10 @@ impl Trial {
     }
 }
 
-/// Motion that counts as rest, rad: a tenth of a step of a good encoder.
+/// Peak-to-peak motion below which the knob counts as at rest, rad: a tenth of a count of a good encoder.
 const REST_RAD: f64 = 1e-5;
 
-/// The HIP's range in two windows of ticks.
+/// Records the knob's range of motion in two windows of ticks.
 struct Windows {
     bounds: [(u64, u64); 2],
     ranges: [(f64, f64); 2],
@@ -88,48 +89,49 @@ impl Recorder for Windows {
     }
 }
 
-/// How the verdict changes over the interval that was given.
+/// Where the limit lies relative to the searched interval.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bracket {
-    /// The press settles at the lower end and grows at the upper one: the limit lies between.
+    /// The press comes to rest at the lower end and grows at the upper end, so the limit lies between.
     Holds,
-    /// Settles at the upper end too: the device damps more than that.
+    /// The press comes to rest at the upper end too: the device has more damping than that.
     TooLow,
-    /// Grows at the lower end already: the device damps less than that, or the press never rests.
+    /// The press grows at the lower end already: the device has less damping than that, or the press never rests.
     TooHigh,
 }
 
 /// Result of the identification.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identified {
-    /// Damping that FBA may count on, N·m·s/rad: the mean over the presses.
+    /// Largest damping that FBA may assume, N·m·s/rad: the mean over the presses.
     pub damping: f64,
-    /// Uncertainty of the damping, N·m·s/rad: the largest of half the last interval, the spread between the presses,
-    /// and what dry friction adds.
+    /// Uncertainty of the damping, N·m·s/rad: the largest of half the last interval, the spread between the presses, and the
+    /// damping that dry friction adds.
     pub uncertainty: f64,
-    /// What dry friction adds at the amplitude by which it was judged, N·m·s/rad: `4 F_k/(π A ω)` takes as much out of a cycle.
+    /// Damping that dry friction adds at the amplitude of the last trial, N·m·s/rad. By its describing function it is `4 F_k/(π A
+    /// ω)`.
     pub friction_share: f64,
-    /// The last interval's half width, N·m·s/rad.
+    /// Half the width of the last interval, N·m·s/rad.
     pub resolution: f64,
-    /// What each press gave: its torque as a share of the scene's, and the damping, N·m·s/rad.
+    /// Results of the presses: the torque as a fraction of the scene's, and the damping in N·m·s/rad.
     pub presses: Vec<(f64, f64)>,
-    /// The bisections of all presses, in order.
+    /// The trials of all presses, in order.
     pub trials: Vec<Trial>,
-    /// True damping of the simulated plant: the device and, with a hand, its pad, N·m·s/rad.
+    /// True damping of the simulated plant, N·m·s/rad: the device's, plus that of the finger pad if there is a hand.
     pub plant: f64,
 }
 
-/// The presses, as shares of the scene's push.
+/// Torques of the presses, as fractions of the scene's push.
 pub const PRESSES: [f64; 3] = [1.0, 0.6, 1.4];
 
-/// Bisects. FBA against a wall of four times what it can show replaces the scene's law and stiffness.
+/// Runs the bisection for every press. The scene's law is replaced by FBA, its wall by one of four times the stiffness that FBA can
+/// render.
 ///
-/// With the result of [`super::swing`], dry friction's part is separated.
-///
-/// `Ok(Err(bracket))`: the verdict does not change within the interval, so nothing can be concluded.
+/// If `mechanics` from [`super::swing`] is given, the damping that dry friction adds is calculated. `Ok(Err(bracket))`: the limit
+/// is outside the searched interval, so there is no result.
 ///
 /// # Errors
-/// A scene that cannot run.
+/// The scene cannot be run.
 pub fn identify(
     scene: &Scene,
     search: Search,
@@ -196,7 +198,7 @@ pub fn identify(
     }))
 }
 
-/// One press with FBA that counts on this damping.
+/// Simulates one press with FBA that assumes this damping.
 fn try_out(scene: &Scene, damping: f64) -> Result<Trial> {
     let mut scene = scene.clone();
     scene.law.kind = LawKind::Fba;

@@ -31,7 +31,7 @@ fn the_documented_schema_is_this_one() {
     );
 }
 
-/// The table of `docs/effects.md`.
+/// Rows of the table of effects in `docs/effects.md`.
 fn rows() -> String {
     let row = |effect: &touchstone_sim::run::effects::Effect| {
         format!(

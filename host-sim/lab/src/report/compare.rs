@@ -1,4 +1,5 @@
-//! Two runs of the reader's choice over each other. The traces are embedded as whole numbers; the page's script draws them.
+//! Section of the page in which a reader chooses two runs to draw over each other. Traces are embedded as integers; the page's
+//! script draws them.
 
 use std::fmt::Write;
 
@@ -13,12 +14,12 @@ use super::quantity::plain;
 use super::svg::escape;
 use touchstone_sim::run::record::Trace;
 
-/// Ticks of a trace that are embedded at most; of longer ones, the extremes of each stretch.
+/// Most ticks of a trace that are embedded. Of a longer trace only the lowest and highest angle of each stretch are kept.
 const MOST: usize = 4000;
-/// Steps from the lowest to the highest value of a column.
+/// Number of integer steps from the lowest to the highest value of a column.
 const STEPS: f64 = 8000.0;
 
-/// The section with its data; nothing where fewer than two runs kept a trace.
+/// Writes the section with its data; nothing if fewer than two runs kept a trace.
 pub fn section(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     let traced: Vec<(usize, &Trace)> = input
         .runs
@@ -78,7 +79,7 @@ pub fn section(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     page.push_str("}</script>\n</section>\n");
 }
 
-/// A trace in whole numbers: of each column the lowest value, the step, and the differences from tick to tick in steps.
+/// A trace as integers. Each column has its lowest value, the size of a step, and the differences from tick to tick in steps.
 fn embedded(trace: &Trace, k_desired: f64) -> serde_json::Value {
     let kept = kept(&trace.angle_rad);
     let column = |values: &[f64]| {
@@ -107,7 +108,7 @@ fn embedded(trace: &Trace, k_desired: f64) -> serde_json::Value {
     })
 }
 
-/// Which ticks are embedded: all, or the lowest and the highest of each stretch in their order.
+/// Indices of the ticks that are embedded: all, or of a long trace the lowest and highest value of each stretch.
 fn kept(values: &[f64]) -> Vec<usize> {
     if values.len() <= MOST {
         return (0..values.len()).collect();

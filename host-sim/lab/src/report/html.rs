@@ -1,4 +1,4 @@
-//! `index.html`: one file, no network, readable without its script.
+//! The report page `index.html`: a single file that needs no network and can be read without its script.
 
 use std::fmt::Write;
 
@@ -12,8 +12,8 @@ use super::try_cell;
 use super::view::View;
 use super::{Block, PARQUET, ProgramVersion, ReportInput, Section, anchor, compare, runs, summary};
 
-/// The whole page: heading, picture, words and one table first; everything else is folded below. `origin` lists the
-/// files beside the page; with the default the page has no links to files.
+/// The whole page. Heading, picture, sentences and one table come first; everything else is folded below. `origin` lists the files
+/// beside the page; with the default value the page has no links to files.
 pub fn render(input: &ReportInput, origin: &Origin) -> String {
     let matrices = matrices(input.runs);
     let rows: Vec<(usize, usize)> = matrices
@@ -125,7 +125,7 @@ fn head(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     }
 }
 
-/// A caller's section.
+/// Writes a section that the caller has composed.
 pub(super) fn write_section(page: &mut String, section: &Section, folded: bool) {
     let (id, title) = (anchor(&section.title), escape(&section.title));
     let end = if folded {
@@ -145,7 +145,7 @@ pub(super) fn write_section(page: &mut String, section: &Section, folded: bool) 
     page.push_str(end);
 }
 
-/// A table that scrolls sideways where the page is narrow.
+/// Writes a table that scrolls sideways on a narrow page.
 pub(super) fn table<Text: AsRef<str>, Row: AsRef<[Text]>>(
     page: &mut String,
     caption: &str,
@@ -239,7 +239,7 @@ pub(super) fn signature(page: &mut String, program: &ProgramVersion) {
     );
 }
 
-/// A heading as an identifier.
+/// Converts a heading to an identifier for links.
 fn anchor(title: &str) -> String {
     let safe: String = title
         .chars()
@@ -283,7 +283,7 @@ mod tests {
         render(&input, &Origin::default())
     }
 
-    /// Values of an attribute, in order.
+    /// Values of an HTML attribute in the page, in order.
     fn values<'a>(page: &'a str, attribute: &'a str) -> impl Iterator<Item = &'a str> {
         page.split(attribute)
             .skip(1)

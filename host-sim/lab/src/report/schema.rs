@@ -1,4 +1,5 @@
-//! The JSON schema of `results.json`, made from the same lists as the results. `docs/schema/results.schema.json` is its text.
+//! JSON schema of `results.json`, made from the same lists as the results. The file `docs/schema/results.schema.json` holds its
+//! text.
 
 use serde_json::{Map, Value, json};
 
@@ -18,7 +19,7 @@ const VERDICTS: &[Verdict] = &[
     Verdict::NoContact,
 ];
 
-/// The schema as text.
+/// Text of the JSON schema.
 pub fn results() -> String {
     let mut text = serde_json::to_string_pretty(&schema()).expect("string keys only");
     text.push('\n');

@@ -1,42 +1,42 @@
-//! The plotted view of one run: where it touches the wall, its displayed stiffness, its path, and suitable axes.
+//! What the plots of one run show: where it touches the wall, its displayed stiffness, its path, and suitable axes.
 
 use super::figure::Range;
 use touchstone_sim::run::record::{Run, Trace};
 
-/// Stretches of a path of (angle, force), rad and N·m.
+/// Stretches of a path of angle in rad and force in N·m.
 pub type Strokes = Vec<Vec<(f64, f64)>>;
 
-/// What can be seen of one run: its trace with what all plots need to know about it.
+/// A run's trace, with values that all its plots need.
 pub struct View<'a> {
     /// The run.
     pub run: &'a Run,
     /// The run's trace.
     pub trace: &'a Trace,
-    /// Critical stiffness, N·m/rad.
+    /// Critical stiffness `k_c`, N·m/rad.
     pub k_critical: Option<f64>,
-    /// Samples from the first to the last one with a force or inside the wall.
+    /// Indices from the first to the last sample with a force or inside the wall.
     pub contact: std::ops::Range<usize>,
-    /// Below this penetration |f|/e is not drawn, rad.
+    /// Penetration below which the displayed stiffness |f|/e is not drawn, rad.
     pub shallow: f64,
 }
 
-/// Ends of the axes, SI.
+/// Ends of the axes in SI units.
 #[derive(Debug, Clone, Copy)]
 pub struct Ranges {
     /// Time, s.
     pub time: Range,
-    /// HIP angle near the wall, rad.
+    /// Angle of the knob near the wall, rad.
     pub angle: Range,
     /// Force, N·m.
     pub force: Range,
     /// Displayed stiffness, N·m/rad.
     pub stiffness: Range,
-    /// True and observed energy, J.
+    /// Energy, true and as the law observes it, J.
     pub energy: Range,
 }
 
 impl Ranges {
-    /// One set of axes for two runs that are to be compared.
+    /// Common axes for two runs that are to be compared.
     pub fn union(self, other: Ranges) -> Self {
         Ranges {
             time: self.time.union(other.time),
@@ -49,7 +49,7 @@ impl Ranges {
 }
 
 impl<'a> View<'a> {
-    /// `None` if the run kept no trace.
+    /// Creates the view of a run; `None` if the run kept no trace.
     pub fn new(run: &'a Run, k_critical: Option<f64>) -> Option<Self> {
         let trace = run
             .trace
@@ -83,22 +83,22 @@ impl<'a> View<'a> {
         })
     }
 
-    /// Samples.
+    /// Number of samples.
     fn len(&self) -> usize {
         super::columns::len(self.trace)
     }
 
-    /// Undeformed surface at the first contact, rad. Only where there is a contact.
+    /// Angle of the undeformed surface at the first contact, rad; only for runs with a contact.
     pub fn surface(&self) -> f64 {
         self.trace.surface_rad[self.contact.start]
     }
 
-    /// Measured penetration, which the law gets, rad.
+    /// Measured penetration of a sample, rad, which is the law's input.
     fn penetration(&self, index: usize) -> f64 {
         self.trace.angle_measured_rad[index] - self.trace.surface_rad[index]
     }
 
-    /// |f|/e, NaN where the penetration is too small to say, N·m/rad.
+    /// Displayed stiffness |f|/e of a sample, N·m/rad; NaN if the penetration is too small.
     pub fn displayed(&self, index: usize) -> f64 {
         let e = self.penetration(index);
         // A hair of slack: two counts exactly, in f64, may come out a bit below.
@@ -109,7 +109,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Axes that suit this run alone.
+    /// Axes that fit this run alone.
     pub fn ranges(&self) -> Ranges {
         let trace = self.trace;
         let k_de = self.run.summary.k_desired;
@@ -162,10 +162,11 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The path of (angle, force), parted where the motion turns by more than `hysteresis` (rad).
+    /// The path of angle and force, split where the motion turns by more than `hysteresis` in rad: first the inward, then the
+    /// outward stretches.
     ///
-    /// Between samples the force is held while the device moves on, so the path is a staircase, and the area that it encloses
-    /// is the true energy of the port. Straight lines between samples would hide just what makes a stiff wall active.
+    /// The force is constant between samples while the device moves, so the path is a staircase. The area that it encloses is the
+    /// true energy that the wall exchanges. Straight lines between samples would hide exactly what makes a stiff wall active.
     pub fn strokes(&self, hysteresis: f64) -> (Strokes, Strokes) {
         let (angle, force) = (&self.trace.angle_rad, &self.trace.force_n_m);
         let mut parts: (Strokes, Strokes) = Default::default();

@@ -1,4 +1,4 @@
-//! A scorecard finds the known properties of known walls.
+//! Tests that a scorecard finds the known properties of known walls.
 
 use super::cases::{CASES, Case, Change, Deed, GRIPS, Programme};
 use super::measure::{Figures, Limits, Measure};
@@ -16,7 +16,7 @@ fn knob(k_desired: f64) -> Scene {
     scene
 }
 
-/// A spring with damping on estimated states; with 0.006 N·m·s/rad it holds `5 k_c` on every device.
+/// A spring with damping on estimated states. With a damping of 0.006 N·m·s/rad it holds `5 k_c` on every device.
 fn estimated(k_desired: f64, damping: f64) -> Scene {
     let mut scene = Rival::named("spring-damper-estimated")
         .expect("a law")
@@ -111,14 +111,14 @@ fn known_settings_hold_every_device_and_the_difference_damper_does_not() {
     assert!(nominal["figures"]["ripple_rms_n_m"].is_number());
 }
 
-/// Largest share of a limit in a case.
+/// Largest figure on a device relative to its limit.
 fn worst_share(scene: &Scene, reference: Reference, case: &Case) -> f64 {
     let (felt, _) = figures(scene, &Programme::of(scene), case, false).expect("runs");
     let shares = felt.shares(&reference.limits(case));
     shares.into_iter().fold(0.0, f64::max)
 }
 
-/// The thesis' knob with settings that are kept beside the documentation.
+/// The thesis' knob with a file of settings from the documentation.
 fn knob_with(settings: &str) -> Scene {
     let file = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../docs/tuning/")
@@ -142,8 +142,8 @@ fn twenty_critical_stiffnesses_hold_on_every_device() {
     }
 }
 
-/// One scene is the same wall at every rate: the offset's pace is in time and not in ticks, and the estimator predicts
-/// two ticks at most.
+/// Checks that one scene gives the same wall at every rate. The offset's pace is set per millisecond, not per tick, and the
+/// estimator predicts at most two ticks.
 #[test]
 fn tuned_walls_hold_at_every_rate_without_being_tuned_again() {
     for (name, wall, touch) in [

@@ -16,7 +16,7 @@ fn gimbal() -> Scene {
     Scene::load("gimbal-knob").unwrap()
 }
 
-/// A simulated board: a run of another scene under the programme of this one, written as a test stand writes it.
+/// Makes a recording without a board: simulates the scene `board` under the programme of `scene`, in the format of a test stand.
 fn recorded(scene: &Scene, board: &Scene, deeds: &[Deed], name: &str) -> BoardRecording {
     let programme = board_programme(scene);
     let mut text = String::from(
