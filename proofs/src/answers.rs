@@ -17,8 +17,8 @@ pub fn of_specification() {
     SPECIFIES.store(1, Relaxed);
 }
 
-/// A table for one operation: what the code asked, and the answers. The model checker must know the next free row at every point
-/// that the code can reach. So a question may not depend on a branch, unless that branch returns.
+/// Defines the record of one replaced operation: the arguments of each call, and the result. The model checker must know the next
+/// free row at every point that the code can reach. So a call may not depend on a branch, unless that branch returns.
 macro_rules! table {
     ($(#[doc = $doc:literal])* $module:ident, $rows:literal, $row:ident) => {
         $(#[doc = $doc])*
@@ -31,7 +31,7 @@ macro_rules! table {
             static RIGHT: [AtomicI64; ROWS] = [const { AtomicI64::new(0) }; ROWS];
             static ANSWER: [AtomicI64; ROWS] = [const { AtomicI64::new(0) }; ROWS];
 
-            /// The answer to a question. If the code has asked the same question, it is the code's answer; otherwise any.
+            /// The result of a replaced operation: the one that the code got for equal arguments, otherwise any.
             pub fn ask(a: i64, b: i64) -> i64 {
                 let answer: i64 = kani::any();
                 let specifies = SPECIFIES.load(Relaxed) == 1;

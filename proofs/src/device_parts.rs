@@ -30,18 +30,19 @@ use touchstone_drive::{
 use touchstone_protocol::Limits;
 
 static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
-/// The changes of parts in this tick, in order, one digit each.
+/// Record of which calls changed law or supervisor in this tick, in order: one digit per call.
 static HISTORY: AtomicUsize = AtomicUsize::new(1);
-/// Set if the specification asks a different question than the code, or asks twice.
+/// Set if the specification calls a part with other arguments than the code, or calls it twice.
 static DIFFERS: AtomicUsize = AtomicUsize::new(0);
 static OF_CODE: AtomicUsize = AtomicUsize::new(0);
 
-/// Marks that the questions from now on come from the specification, not from the code.
+/// Marks that the calls of parts from now on come from the specification, not from the code.
 pub fn of_specification() {
     OF_CODE.store(HISTORY.swap(1, Relaxed), Relaxed);
     SPECIFIES.store(1, Relaxed);
 }
-/// Whether the specification has asked exactly the same questions as the code, and made the same changes in the same order.
+/// Whether the specification has called the parts with exactly the arguments of the code, and made the same changes in the same
+/// order.
 #[must_use]
 pub fn end() -> bool {
     let open = [
@@ -73,7 +74,7 @@ fn so_far() -> i64 {
     HISTORY.load(Relaxed) as i64
 }
 
-/// Defines the replacement of one part: number of words in its question, and in its answer.
+/// Defines the replacement of one part of a device: number of words in its arguments, and in its result.
 macro_rules! part {
     ($module:ident, $words:literal, $answers:literal) => {
         mod $module {
@@ -83,7 +84,7 @@ macro_rules! part {
             static QUESTION: [AtomicI64; $words] = [const { AtomicI64::new(0) }; $words];
             static ANSWER: [AtomicI64; $answers] = [const { AtomicI64::new(0) }; $answers];
 
-            /// Gives the code any answer, and the specification the same one.
+            /// The result of a replaced part: any for the code, and the same one for the specification.
             pub fn ask(question: [i64; $words]) -> [i64; $answers] {
                 let mut answer = [0; $answers];
                 let (is_new, mut same) = (SPECIFIES.load(Relaxed) == 0, true);

@@ -84,8 +84,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P2 (rounding): a scaled signal keeps its sign; its magnitude is the unsigned `scale` in [`crate::heart`] of the
-                /// magnitudes.
+                /// P2 (rounding): a scaled signal (position or force) keeps its sign; its magnitude is the unsigned `scale` in
+                /// [`crate::heart`] of the magnitudes.
                 equation "|r x| = heart(|r|, |x|), sign of x"
                 over "ratio >= 0 and signal"
                 by $bits fn p2_edge_scale(s) {
@@ -169,8 +169,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P3 (arithmetic): a sum of signals is exact or at the end of the range; calculating it in a wider word loses
-                /// nothing.
+                /// P3 (arithmetic): a sum of signals (positions and forces) is exact or at the end of the range; calculating it in
+                /// a wider word loses nothing.
                 equation "a + b = min(max(a + b, lowest), highest)"
                 over "pair of signals"
                 fn p3_sums_saturate(s) {

@@ -207,8 +207,8 @@ property! {
     }
 }
 property! {
-    /// P2 (rounding): a signal that becomes a state and a signal again is unchanged. A state becomes the nearest signal, or the end
-    /// of the range.
+    /// P2 (rounding): a signal (position or force) that becomes a state and a signal again is unchanged. A state becomes the
+    /// nearest signal, or the end of the range.
     equation "narrow(widen(x)) = x, |2^30 narrow(w) - w| <= 2^29"
     over "signal, state"
     by cadical fn p2_narrow32(s) {

@@ -40,7 +40,7 @@ pub mod fact {
             -1
         }
     }
-    /// Fact of a product: its size is at most the gain times the largest magnitude of a signal.
+    /// Fact of a product: its size is at most the gain times the largest magnitude of a signal (position or force).
     pub fn product_size(result: i64, gain: i64) -> bool {
         gain < 0 || result.unsigned_abs() <= gain.unsigned_abs() << 31
     }
@@ -278,7 +278,7 @@ pub mod fixed32 {
     use crate::{assume, cover, property};
 
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `Scale`: a scaled signal is 0 or keeps its sign.
+        /// P3 (arithmetic): `Fixed32` has the fact `Scale`: a scaled signal (position or force) is 0 or keeps its sign.
         equation "sign(|r| x) = sign(x) or 0"
         over "pair of words"
         by kissat fn p3_fact_scale(s) {
@@ -289,8 +289,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `Product` on the sign. It holds for all gains, although `validate` keeps them
-        /// non-negative.
+        /// P3 (arithmetic): `Fixed32` has the fact `Product`: a product has the sign of its factors' product. It holds for all
+        /// gains, although `validate` keeps them non-negative.
         equation "sign(k x) = sign(k) sign(x)"
         over "pair of words"
         by kissat fn p3_fact_product_sign(s) {
@@ -301,7 +301,7 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `Product` on the size. The product is exact
+        /// P3 (arithmetic): `Fixed32` has the fact `Product` on the size: at most the gain times 2^31. The product is exact
         /// (`multiplied::p1_products_are_exact`); two solvers show its size over the integers in `obligations/check.py`.
         equation "|k x| <= k 2^31"
         over "pair of words"
@@ -313,7 +313,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the facts `Product` and `Work` on the size. Both are the same product of two words.
+        /// P3 (arithmetic): `Fixed32` has the facts `Product` and `Work` on the size: a product of two words is at most 2^62,
+        /// whatever the words stand for.
         equation "|f d| <= 2^62"
         over "pair of words"
         by kissat fn p3_fact_work_size(s) {
@@ -324,7 +325,7 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `Work` on the sign of force times displacement.
+        /// P3 (arithmetic): `Fixed32` has the fact `Work`: force times displacement has the sign of the product.
         equation "sign(f d) = sign(f) sign(d)"
         over "pair of words"
         by kissat fn p3_fact_work_sign(s) {
@@ -358,7 +359,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `Per` on energy divided by displacement.
+        /// P3 (arithmetic): `Fixed32` has the fact `Per`: energy divided by displacement has a size, of which nothing else is
+        /// known.
         equation "|E / d| >= 0"
         over "double word and word"
         by kissat fn p3_fact_per(s) {
@@ -381,7 +383,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the facts `Moved` and `Rest` on a retreat and the energy left.
+        /// P3 (arithmetic): `Fixed32` has the facts `Moved` and `Rest`: a retreat is not negative, and the energy that is left is
+        /// between 0 and the energy before.
         equation "m >= 0, 0 <= r <= E"
         over "stored energy, force above 0"
         by minisat fn p3_fact_affordable(s) {
@@ -393,7 +396,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the facts `StepEnergy` and `StepForce` for an outward displacement.
+        /// P3 (arithmetic): `Fixed32` has the facts `StepEnergy` and `StepForce`: in an outward passivity step neither energy nor
+        /// force grows or gets negative.
         equation "0 <= E' <= E, 0 <= f' <= f"
         over "stored energy, force, displacement below 0"
         by minisat fn p3_fact_step_outward(s) {
@@ -405,7 +409,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the facts `StepEnergy` and `StepForce` for an inward displacement.
+        /// P3 (arithmetic): `Fixed32` has the facts `StepEnergy` and `StepForce`: in an inward passivity step the energy does not
+        /// shrink, and the force stays.
         equation "E' >= E, f' = f"
         over "stored energy, force, displacement from 0"
         by kissat fn p3_fact_step_inward(s) {

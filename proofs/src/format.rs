@@ -33,13 +33,14 @@ pub trait Format: Number {
     const GAIN_BITS: u32;
     /// Half the largest gain (stiffness), as bits, rounded down.
     const HALF_GAIN: i64;
-    /// Bits of the lowest signal.
+    /// Bits of the lowest signal (position or force).
     const LOWEST: Self::Signal;
-    /// Bits of the highest signal.
+    /// Bits of the highest signal (position or force).
     const HIGHEST: Self::Signal;
     /// Number of fractional bits of a signal (position or force).
     const SIGNAL_BITS: u32;
-    /// Integer type of four times the width of a signal. It is no wider, as each further bit costs a solver much time.
+    /// Integer type of four times the width of a signal (position or force). It is no wider, as each further bit costs a solver
+    /// much time.
     type Exact: Exact;
     /// Converts bits to that wide integer type.
     fn exact(bits: i64) -> Self::Exact;

@@ -24,8 +24,8 @@ pub struct Functions32;
 mod memo {
     use core::sync::atomic::{AtomicI64, AtomicUsize, Ordering::Relaxed};
 
-    /// Number of rows of a record: more questions than one tick and its property ask of one operation. Further questions are
-    /// answered without record, which proves less, never more.
+    /// Number of rows of a record: more calls than one tick and its property make of one operation. Further calls are not recorded,
+    /// which proves less, never more.
     const ROWS: usize = 6;
     type Row = [AtomicI64; 5];
 

@@ -173,7 +173,8 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P2 (rounding): scaling a signal by a gain rounds towards zero: `scale(g, x) · 2^bits <= g·x`.
+                /// P2 (rounding): scaling a signal (position or force) by a gain rounds towards zero: `scale(g, x) · 2^bits <=
+                /// g·x`.
                 equation "(g x >> b) 2^b <= g x"
                 over "gain and signal"
                 by $bits
@@ -316,8 +317,8 @@ pub mod reciprocal {
             inverse: 0,
         }
     }
-    /// Replaces `Reciprocal32::quotient` under the model checker: any magnitude that fits a word, and the same for the same
-    /// question.
+    /// Replaces `Reciprocal32::quotient` under the model checker: any magnitude that fits a word, and the same one for equal
+    /// arguments.
     #[cfg(kani)]
     pub fn any_quotient(by: &Reciprocal32, dividend: u64) -> u32 {
         use core::sync::atomic::{AtomicU64, Ordering::Relaxed};

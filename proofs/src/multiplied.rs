@@ -88,7 +88,8 @@ property! {
     }
 }
 property! {
-    /// P1 (energy): the code's product of a gain and a signal is the exact product, and so is that of two magnitudes.
+    /// P1 (energy): the code's product of a gain and a signal (position or force) is the exact product, and so is that of two
+    /// magnitudes.
     equation "p = k x"
     over "gain and signal, two magnitudes"
     by kissat fn p1_products_are_exact(s) {
@@ -127,14 +128,14 @@ macro_rules! multiplied_property {
     };
 }
 
-/// Marks of whose questions follow (memory, code, specification); without the model checker they do nothing.
+/// Marks of whose products follow (memory, code, specification); without the model checker they do nothing.
 #[cfg(not(kani))]
 mod questions {
-    /// Marks that the questions from now on are those of the law's memory.
+    /// Marks that the products from now on are those of the law's memory.
     pub fn of_memory() {}
-    /// Marks that the questions from now on are those of the code.
+    /// Marks that the products from now on are those of the code.
     pub fn of_code() {}
-    /// Marks that the questions from now on are those of the specification.
+    /// Marks that the products from now on are those of the specification.
     pub fn of_specification() {}
 }
 #[cfg(not(kani))]
@@ -149,14 +150,14 @@ mod by_one_product {
     use core::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
     use touchstone_control::{Fixed32, Number};
 
-    /// Rows of the table: where the questions of the memory and of the code begin, and its end, which no property reaches.
+    /// Rows of the record of products: where those of the memory and of the code begin, and the end, which no property reaches.
     const MEMORY: usize = 5;
     const CODE: usize = 6;
     const END: usize = 13;
-    /// Row of the next question, and whether the specification asks.
+    /// Row of the next product in the record, and whether the specification asks for it.
     static AT: AtomicUsize = AtomicUsize::new(0);
     static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
-    /// The row after the code's last question.
+    /// The row of the record after the code's last product.
     static ASKED: AtomicUsize = AtomicUsize::new(CODE);
     static LEFT: [AtomicU32; END] = [const { AtomicU32::new(0) }; END];
     static RIGHT: [AtomicU32; END] = [const { AtomicU32::new(0) }; END];
@@ -183,7 +184,7 @@ mod by_one_product {
         let factors = [LEFT[at].load(Relaxed), RIGHT[at].load(Relaxed)];
         (factors, FOUND[at].load(Relaxed))
     }
-    /// The row of the table after the code's last question.
+    /// The row of the record after the code's last product.
     fn asked() -> usize {
         if specifies() {
             ASKED.load(Relaxed)

@@ -20,7 +20,7 @@ use touchstone_control::{Fixed8, Number, Position};
 
 pub(crate) type N = Fixed8;
 
-/// The value 1 of a signal, in quanta; components of directions end one quantum below.
+/// The value 1 of a signal (position or force), in quanta; components of directions end one quantum below.
 pub(crate) const ONE: i64 = 1 << <N as Format>::SIGNAL_BITS;
 /// The centre of every object in these properties, in quanta.
 const CENTRE: [i64; 3] = [3, -6, 3];

@@ -82,7 +82,7 @@ mod by_one_answer {
     const WORDS: usize = 9;
     type Words = [i64; WORDS];
 
-    /// The code's question to a part, and its answer. Each part is asked once in a tick.
+    /// Record of the code's call of a part of the tick: arguments and result. Each part is called once in a tick.
     struct Piece {
         asked: AtomicUsize,
         question: [AtomicI64; WORDS],

@@ -148,7 +148,7 @@ fn seen_from(planes: &[Plane<N>; 2], at: [i64; 3]) -> ([i64; 2], i64, i64) {
     let cosine = along(&one.normal, parts(&other.normal));
     (above, cosine, ONE * ONE - cosine * cosine)
 }
-/// The product `a b` of two signals, rounded towards zero.
+/// The product `a b` of two signals (positions and forces), rounded towards zero.
 fn times(a: i64, b: i64) -> i64 {
     a * b / ONE
 }

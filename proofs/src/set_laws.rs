@@ -236,7 +236,7 @@ lawful_property! {
 lawful_property! {
     not_plain
     /// P11 (refinement): the enhanced law for the settings, or its refusal, equals the specification's. That includes the target
-    /// stiffness of its offset, (3.5) with a compensated mass, and its prepared divisors.
+    /// stiffness of its offset (thesis 3.5 with a compensated mass) and its prepared divisors.
     equation "AnyLaw::new(settings) = spec(settings): k_de, k_de k_f/(k_f - k_de), b/T, k_v, a, b/k_v, c/k_v or c/k_de, m/T², k_f, c_f/T, their sum, k_f + k_v, credit, limit"
     over "settings of the law"
     by minisat fn p11_enhanced_settings32(s) {

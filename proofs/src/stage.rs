@@ -25,7 +25,7 @@ use core::sync::atomic::{AtomicBool, AtomicI64, Ordering::Relaxed};
 #[cfg(kani)]
 use touchstone_control::guard::Overspeed;
 
-/// Defines a property of the stage that holds for any answers of its guard; equal questions get equal answers.
+/// Defines a property of the stage that holds for any results of its guard; equal arguments give equal results.
 #[macro_export]
 macro_rules! staged_property {
     ($($property:tt)*) => {
@@ -36,8 +36,8 @@ macro_rules! staged_property {
     };
 }
 
-/// Replaces [`Guard::tick_with_change`]: any memory and any force or over-speed, and the same for the same question. The guard
-/// itself is not recorded, as there is only one.
+/// Replaces [`Guard::tick_with_change`]: any memory and any force or over-speed, and the same for equal arguments. The guard itself
+/// is not recorded, as there is only one.
 #[cfg(kani)]
 pub fn any_tick<N: Format>(
     _: &Guard<N>,
@@ -149,7 +149,7 @@ pub mod w8 {
     }
     property! {
         /// P9 (end of positions): while a force acts or is on its way, the counted displacement is the true one, wherever the
-        /// device goes. A position beyond the format's end is measured as that end, and counts as over-speed before.
+        /// device goes. A position beyond the format's end is measured as that end; the motion there counts as over-speed.
         equation "f or f(n-1) /= 0, |Δ| <= d  =>  e = x, |e(n-1)| < end, for every x; and f' /= 0 => |e| < end - 2 d"
         over "valid configuration, memory in the invariant, true position of 16 bits, wanted force"
         by cadical fn p9_no_way_uncounted(s) {
@@ -191,7 +191,7 @@ pub mod w8 {
     }
 }
 
-/// At 32 bits, for any answers of the guard.
+/// Properties of the stage at 32 bits, for any answers of its guard.
 pub mod w32 {
     use super::*;
     type N = Fixed32;

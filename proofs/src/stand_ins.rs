@@ -19,7 +19,8 @@ pub fn law_accepted(_: &Settings) -> Result<(), SettingsError> {
 static DERIVED: [AtomicI64; 6] = [const { AtomicI64::new(0) }; 6];
 static IS_DERIVED: AtomicUsize = AtomicUsize::new(0);
 
-/// Any non-negative values that follow from the settings of a harness: the same at each call.
+/// The values that follow from several settings (such as damping per tick), replaced by any that are not negative; the same at each
+/// call.
 fn following() -> [i64; 6] {
     if IS_DERIVED.load(Relaxed) == 0 {
         IS_DERIVED.store(1, Relaxed);

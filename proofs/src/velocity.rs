@@ -171,7 +171,7 @@ replaced_property! {
     }
 }
 
-/// Replaces `Velocity::tick`: any displacement for a position, and the same for the same question.
+/// Replaces `Velocity::tick`: any displacement for a position, and the same one for an equal position.
 #[cfg(kani)]
 pub fn any_velocity<N: Format>(
     _: &Velocity<N>,

@@ -131,7 +131,7 @@ mod by_one_product {
 
     /// Number of products that a property may use.
     const END: usize = 10;
-    /// The next question, whether the specification asks, and how many questions the code has asked.
+    /// Row of the next product in the record, whether the specification asks for it, and how many products the code has asked for.
     static AT: AtomicUsize = AtomicUsize::new(0);
     static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
     static ASKED: AtomicUsize = AtomicUsize::new(0);
@@ -223,7 +223,7 @@ mod by_one_product {
     }
 
     const WORDS: usize = 15;
-    /// The code's one question to a part of the tick, and its answer.
+    /// Record of the code's one call of a part of the tick: arguments and result.
     struct Piece {
         asked: AtomicUsize,
         question: [AtomicI64; WORDS],
@@ -240,7 +240,8 @@ mod by_one_product {
                 answer: [const { AtomicI64::new(0) }; 4],
             }
         }
-        /// Any answer to the first question, the same answer to an equal one, and any other answer to a different one.
+        /// The result of a replaced part: any at the first call, the same one for equal arguments, and any other for different
+        /// ones.
         fn answer(&self, question: [i64; WORDS]) -> [i64; 4] {
             let mut any: [i64; 4] = [kani::any(), kani::any(), kani::any(), kani::any()];
             let first = self.asked.load(Relaxed) == 0;

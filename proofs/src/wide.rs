@@ -107,7 +107,8 @@ property! {
     }
 }
 property! {
-    /// P8 (settings): a setting is converted to the signal next to it towards zero, limited to the range of signals.
+    /// P8 (settings): a setting is converted to the signal (position or force) next to it towards zero, limited to the range of
+    /// signals.
     equation "bits' = bits 2^-8 towards zero, within the format"
     over "setting of 64 bits"
     by cadical fn p8_saturating_signal32(s) {
@@ -143,7 +144,7 @@ property! {
     }
 }
 property! {
-    /// P3 (arithmetic): an energy, cut to the fractional bits of a signal, is rounded down if it fits.
+    /// P3 (arithmetic): an energy, cut to the fractional bits of a signal (position or force), is rounded down if it fits.
     equation "e' = floor(e 2^-24)"
     over "energy within ±2^55"
     by cadical fn p3_energy_digits32(s) {

@@ -116,7 +116,8 @@ fn tdpa_counts_the_device_s_damping_only_where_it_is_told_to() {
     assert_eq!((damping(true), damping(false)), (4095, 0));
 }
 
-/// (2.14a): a tick inward moves the offset by `k_c/k_v - 1` times its displacement, and not at all if that factor is negative.
+/// Thesis (2.14a): a tick inward moves the offset by `k_c/k_v - 1` times its displacement, and not at all if that factor is
+/// negative.
 #[test]
 fn the_offset_s_step_is_what_the_device_s_damping_makes_up_for() {
     let gain = |damping: &str| {

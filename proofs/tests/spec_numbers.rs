@@ -18,7 +18,7 @@ fn root_up(n: i128) -> i128 {
     root + i128::from(root * root != n)
 }
 
-/// Specification of a number format: bits of its word, and fractional bits of a signal.
+/// Specification of a number format: bits of its word, and fractional bits of a signal (position or force).
 #[derive(Clone, Copy)]
 struct Format {
     bits: u32,

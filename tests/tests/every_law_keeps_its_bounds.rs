@@ -87,7 +87,7 @@ fn a_wall_pushes<N: Reported>() {
     }
 }
 
-/// (2.15) allows an offset to push outside the undeformed wall. A law without an offset gives no force there.
+/// Thesis (2.15) allows an offset to push outside the undeformed wall. A law without an offset gives no force there.
 fn laws_without_an_offset_give_no_force_outside<N: Reported>() {
     let mut random = Random::new(8);
     let path = walk::<N>(&mut random, 20_000);

@@ -161,8 +161,8 @@ fn a_held_knob_like_its_scene_stays_with_it() {
     assert!(!found.holds(0.05), "{:?}", found.differences);
 }
 
-/// Allowed difference as a fraction of a bounce of 65 mN·m. Half a step of the shield's current (7.8 mA at 0.25 N·m/A) is 0.015
-/// of it.
+/// Allowed difference as a fraction of a bounce of 65 mN·m: half a step of the shield's current (7.8 mA at 0.25 N·m/A) is 0.03
+/// of that torque.
 const COARSE: f64 = 0.03;
 
 /// The inertia of the whole drive with its motor is identified from a bounce.

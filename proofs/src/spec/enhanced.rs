@@ -16,11 +16,11 @@ pub struct Enhanced {
     pub soft: Int,
     /// `1/k_v`: compliance of the virtual spring, in the format of ratios.
     pub compliance: Int,
-    /// Fraction of the ideal step of the offset (3.7, 3.8), in the format of ratios.
+    /// Fraction of the ideal step of the offset (thesis 3.7, 3.8), in the format of ratios.
     pub of_ideal: Int,
-    /// `b/k_v`: largest step of the offset per force (3.9), in the format of ratios.
+    /// `b/k_v`: largest step of the offset per force (thesis 3.9), in the format of ratios.
     pub of_force: Int,
-    /// `a`: largest step of the offset per penetration (3.11), in the format of ratios.
+    /// `a`: largest step of the offset per penetration (thesis 3.11), in the format of ratios.
     pub of_penetration: Int,
     /// Whether the law regulates the stiffness at the HIP instead of that at the virtual mass.
     pub at_hip: bool,
@@ -28,7 +28,7 @@ pub struct Enhanced {
     pub every_tick: bool,
     /// Whether the energy counts the next displacement of the virtual mass instead of its last one.
     pub exact: bool,
-    /// Whether the force is kept where the first contact phase ends (2.16, 2.17).
+    /// Whether the force is kept where the first contact phase ends (thesis 2.16, 2.17).
     pub keep_force: bool,
     /// `m/T²`: inertia of the virtual mass per tick², in the format of gains.
     pub inertia: Int,
@@ -91,7 +91,7 @@ fn outward_up(tension: Int) -> Int {
     ((tension.max(0) + (1 << GAIN) - 1) >> GAIN).min(HIGHEST)
 }
 
-/// The product of a ratio and a signal, rounded towards zero.
+/// The product of a ratio and a signal (position or force), rounded towards zero.
 fn share(ratio: Int, x: Int) -> Int {
     cut(times(ratio, x), SIGNAL).clamp(-HIGHEST, HIGHEST)
 }

@@ -28,8 +28,8 @@ pub struct Memory {
     pub inside: bool,
 }
 
-/// `floor(sqrt(x))`, 0 for a negative `x`, at most the highest signal plus 1. It halves an interval, where the code calculates
-/// digit by digit.
+/// `floor(sqrt(x))`, 0 for a negative `x`, at most the highest signal (position or force) plus 1. It halves an interval, where the
+/// code calculates digit by digit.
 #[must_use]
 pub fn root(x: Int) -> Int {
     let (mut low, mut high) = (0, HIGHEST + 2);

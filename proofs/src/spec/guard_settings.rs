@@ -42,7 +42,7 @@ pub struct Told {
 
 /// A margin that exceeds the rounding error of a sum of products and quotients, in units of 2^-32.
 const UP: Int = 8;
-/// One quantum of a signal, in units of 2^-32.
+/// One quantum of a signal (position or force), in units of 2^-32.
 const STEP: Int = 1 << 8;
 /// The largest force for which the energy account has room, 31.9 N·m in units of 2^-32.
 const ROOM: Int = 137_009_456_742;
@@ -53,7 +53,7 @@ fn quarter_fits(x: Int) -> bool {
 fn signal_plus(a: Int, b: Int) -> Int {
     (a + b).min(HIGHEST)
 }
-/// A position as a signal, rounded up.
+/// A position in the 32-bit format of positions, rounded up.
 fn signal_up(x: Int) -> Int {
     signal_plus(signal_of(x), 1)
 }

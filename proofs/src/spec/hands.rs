@@ -90,7 +90,7 @@ pub fn any_settings(random: &mut Random) -> (GuardSettings, GuardedDevice) {
     (settings, device)
 }
 
-/// The signal of this many quanta, limited to the range of signals.
+/// The signal (position or force) of this many quanta, limited to the range of signals.
 #[must_use]
 pub fn bits(x: i64) -> I8F24 {
     I8F24::from_bits(x.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32)

@@ -16,7 +16,7 @@ pub fn cut(dividend: Int, digits: u32) -> Int {
     if dividend < 0 { -size } else { size }
 }
 
-/// A number limited to the range of signals.
+/// A number limited to the range of signals (positions and forces).
 #[must_use]
 pub fn signal(x: Int) -> Int {
     x.clamp(LOWEST, HIGHEST)

@@ -33,7 +33,7 @@ pub fn between(least: Int, x: Int, most: Int) -> bool {
     least <= x && x <= most
 }
 
-/// A setting as a signal or a ratio: 24 of its 32 fractional bits are kept.
+/// A setting as a signal (position or force) or a ratio: 24 of its 32 fractional bits are kept.
 #[must_use]
 pub fn signal_of(x: Int) -> Int {
     x >> 8
@@ -48,7 +48,7 @@ pub fn gain_of(x: Int) -> Int {
 pub fn energy_of(x: Int) -> Int {
     x << 16
 }
-/// Whether a setting, as a signal, fits a word.
+/// Whether a setting, as a signal (position or force), fits a word.
 #[must_use]
 pub fn signal_fits(x: Int) -> bool {
     signal_of(x) <= HIGHEST

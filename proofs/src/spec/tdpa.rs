@@ -9,7 +9,7 @@ pub struct Tdpa {
     pub desired: Int,
     /// Whether the law counts `f(n-1) Δe`, the port's energy, instead of `f(n) Δe` (thesis 2.1).
     pub exact: bool,
-    /// `c_i/T`: damping of the device per tick (2.6), in the format of gains.
+    /// `c_i/T`: damping of the device per tick (thesis 2.6), in the format of gains.
     pub device_damping: Int,
     /// Largest force, in quanta.
     pub limit: Int,
@@ -74,7 +74,8 @@ impl Tdpa {
     }
 }
 
-/// Energy and force by (2.1) to (2.4): `E(n) = E(n-1) + f(n) Δe`, at most the cap, and `f(n)` such that `E(n)` is not negative.
+/// Energy and force of the passivity controller (thesis 2.1 to 2.4): `E(n) = E(n-1) + f(n) Δe`, at most the cap, and `f(n)` such that `E(n)` is not
+/// negative.
 #[must_use]
 pub fn passive(energy: Int, wanted: Int, moved: Int, cap: Int) -> (Int, Int) {
     let after = energy + times(wanted, moved);
