@@ -1,10 +1,10 @@
 //! The control laws as linear systems, in the phases in which they are linear.
 //!
-//! A law gets the penetration `e` and the displacement in the tick `m` (from samples or from an estimator), and returns the force `f`. All
-//! signals are deviations from a point of rest inside the wall.
+//! A law gets the penetration `e` and the displacement in the tick `m` (from samples or from an estimator), and returns the force
+//! `f`. All signals are deviations from a point of rest inside the wall.
 //!
-//! **Spring, with or without damping; TDPA and FBA where they do not reduce the force**: `f = k_de e + (B/T) m` (5), with `B = 0` for all
-//! but the spring-damper.
+//! **Spring, with or without damping; TDPA and FBA where they do not reduce the force**: `f = k_de e + (B/T) m` (5), with `B = 0`
+//! for all but the spring-damper.
 //!
 //! **Enhanced augmentation** after the first contact, with `M = m/T²`, `C = c_f/T`, `D = M + k_f + C + c_env/T`:
 //!
@@ -17,14 +17,14 @@
 //! f(n)   = k_f (e(n) - e_f(n)) + C (m(n) - d(n))                                      (11)
 //! ```
 //!
-//! As in the law, two values are one tick old: the force with which the offset `O` is compared, and the mass' position in the wall's force.
-//! `κ` is `c/k_v` or `c/k_de` (`of_ideal`) while the ideal step is the smallest of the law's three bounds, and less while another bound is
-//! smaller. Near rest the ideal step is always the smallest, because only that bound vanishes with the error. With a frozen offset `κ = 0`,
-//! and the constant `O` is left out.
+//! As in the law, two values are one tick old: the force with which the offset `O` is compared, and the mass' position in the
+//! wall's force. `κ` is `c/k_v` or `c/k_de` (`of_ideal`) while the ideal step is the smallest of the law's three bounds, and less
+//! while another bound is smaller. Near rest the ideal step is always the smallest, because only that bound vanishes with the
+//! error. With a frozen offset `κ = 0`, and the constant `O` is left out.
 //!
-//! **Original and continuous augmentation**: `f = k_v (e + O)`. At an inward tick `O` changes by `±g m`, with `g = k_c/k_v - 1`. So the
-//! force changes by `k_v (1 ± g) m` inward and by `k_v m` outward (12). This is a stiffness times the displacement; the stiffness changes
-//! from tick to tick within `[k_v (1 - g), k_v (1 + g)]`.
+//! **Original and continuous augmentation**: `f = k_v (e + O)`. At an inward tick `O` changes by `±g m`, with `g = k_c/k_v - 1`. So
+//! the force changes by `k_v (1 ± g) m` inward and by `k_v m` outward (12). This is a stiffness times the displacement; the
+//! stiffness changes from tick to tick within `[k_v (1 - g), k_v (1 + g)]`.
 //!
 //! First contact: every law is the spring `k_de` until the motion turns.
 

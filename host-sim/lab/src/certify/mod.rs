@@ -6,12 +6,12 @@
 //!
 //! A loop with a hand is called **stable** by the matrices if all of these hold:
 //!
-//! - Every phase in which the law can stay decays faster than [`judge::SLOWEST_PER_S`], or within the hold if the scene has one. Dry friction
-//!   counts as damping for an oscillation as large as the press.
+//! - Every phase in which the law can stay decays faster than [`judge::SLOWEST_PER_S`], or within the hold if the scene has one.
+//!   Dry friction counts as damping for an oscillation as large as the press.
 //! - It also is stable while readings are multiplied by up to [`judge::ROUNDING_GAIN`], as rounding may do.
 //! - Rounding to counts moves a knob at rest by less than [`judge::ROUNDING_RMS_COUNTS`].
-//! - Every gain between the phases is stable. Such gains are tried one by one where they depend on the amplitude; where a gain depends on the
-//!   direction of the motion, (16) must hold.
+//! - Every gain between the phases is stable. Such gains are tried one by one where they depend on the amplitude; where a gain
+//!   depends on the direction of the motion, (16) must hold.
 //! - Bounces die away, and the press uses no more energy than the enhanced law's loan.
 //!
 //! It is called **unstable** if a phase in which the law stays grows faster than [`judge::FASTEST_GROWTH_PER_S`] and dry friction

@@ -6,8 +6,9 @@
 //! dτ/dt = 2π f_c (u - τ), or τ = u without a current loop                 (3)
 //! ```
 //!
-//! The command `u` is constant between changes. A command that is computed at a sample acts a time `t_d = (w + φ) T` later. So during the
-//! tick that begins at sample `n`, `u(n-w-1)` acts for `φ T` and `u(n-w)` for the rest; each part is integrated exactly (4).
+//! The command `u` is constant between changes. A command that is computed at a sample acts a time `t_d = (w + φ) T` later. So
+//! during the tick that begins at sample `n`, `u(n-w-1)` acts for `φ T` and `u(n-w)` for the rest; each part is integrated exactly
+//! (4).
 
 use super::state_space::StateSpace;
 use nalgebra::{DMatrix, DVector};

@@ -1,15 +1,16 @@
-//! Identifies mass, damping and friction of one axis of a haptic device from the commanded forces and the positions that were read while the
-//! device was moved about.
+//! Identifies mass, damping and friction of one axis of a haptic device from the commanded forces and the positions that were read
+//! while the device was moved about.
 //!
-//! The equation of motion is `M dv/dt + b v + F_c sign(v) + c = F`. Each side is multiplied by a bump function `φ`, which is zero at its
-//! ends, and integrated by parts:
+//! The equation of motion is `M dv/dt + b v + F_c sign(v) + c = F`. Each side is multiplied by a bump function `φ`, which is zero
+//! at its ends, and integrated by parts:
 //!
 //! ```text
 //! M ∫φ'' x  -  b ∫φ' x  +  F_c ∫φ sign(v)  +  c ∫φ  =  ∫φ F
 //! ```
 //!
-//! These are Shinbrot's modulating functions. So no measured value is differentiated, and the start of a bump does not matter. Every bump
-//! gives one equation; all are solved by least squares. `c` is a constant force: a weight that is not compensated, or a motor's offset.
+//! These are Shinbrot's modulating functions. So no measured value is differentiated, and the start of a bump does not matter.
+//! Every bump gives one equation; all are solved by least squares. `c` is a constant force: a weight that is not compensated, or a
+//! motor's offset.
 
 use super::Estimate;
 use nalgebra::{Matrix4, Vector4};

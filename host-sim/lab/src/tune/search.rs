@@ -1,4 +1,4 @@
-//! The search itself: covariance matrix adaptation, by seed.
+//! The search for settings: covariance matrix adaptation with a seed.
 
 use super::cost::Cost;
 use super::evolution::Evolution;
@@ -6,29 +6,29 @@ use super::evolution::Evolution;
 /// Result of a search.
 #[derive(Debug, Clone)]
 pub struct Found {
-    /// The best point.
+    /// The point with the least cost.
     pub point: Vec<f64>,
-    /// The cost of an eccentric encoder for a wall.
+    /// Cost of the best point.
     pub cost: Cost,
-    /// Points that were examined.
+    /// Number of points that were examined.
     pub evaluations: u64,
 }
 
-/// First step, as the logarithm of a ratio.
+/// Standard deviation of the first generation, as the natural logarithm of a ratio.
 const STEP: f64 = 0.3;
 
-/// When a search ends, and the seed of its way.
+/// When a search ends, and the seed of its random numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Until {
-    /// Largest number of points.
+    /// Largest number of points to examine.
     pub evaluations: u64,
     /// The search also ends when [`Cost::worst`] of the best point is at most this.
     pub worst: f64,
-    /// Seed.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
-/// Minimises `cost` from the best of `starts`. The same seed finds the same, on any number of cores.
+/// Minimises `cost`, starting at the best of `starts`. The same seed gives the same result on any number of cores.
 pub fn minimise(
     starts: &[Vec<f64>],
     until: &Until,

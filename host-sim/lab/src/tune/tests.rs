@@ -1,4 +1,4 @@
-//! The search finds a known optimum, the same every time, and writes the settings that it judged.
+//! Tests that the search finds a known optimum, the same every time, and writes the settings that it judged.
 
 use super::campaign::{Budget, Class, row, scene};
 use super::cost::{Cost, Judgement};

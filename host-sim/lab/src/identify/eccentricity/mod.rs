@@ -1,29 +1,32 @@
-//! Measures the error of the angle from an encoder disc or magnet that is off the axis or tilted. The error repeats once and twice per turn:
+//! Measures the error of the angle from an encoder disc or magnet that is off the axis or tilted. The error repeats once and twice
+//! per turn:
 //!
 //! ```text
 //! reading = θ + ε(θ),   ε(θ) = A1 sin(θ + φ1) + A2 sin(2θ + φ2)
 //! ```
 //!
-//! `θ` is the shaft's true angle in the encoder's direction of counting, with its zero placed so that `ε` has zero mean. There is no second
-//! encoder, so the true angle has to come from a known motion. A calibration has two such motions, and the device sends their data
-//! (`touchstone_drive::calibration`, `touchstone_drive::measurement`).
+//! `θ` is the shaft's true angle in the encoder's direction of counting, with its zero placed so that `ε` has zero mean. There is
+//! no second encoder, so the true angle has to come from a known motion. A calibration has two such motions, and the device sends
+//! their data (`touchstone_drive::calibration`, `touchstone_drive::measurement`).
 //!
-//! - **The field's angle** ([`field`]). A slowly turning field holds the rotor like a spring of `K = p k_t I` (pole pairs, torque constant,
-//!   current; 1.75 N·m/rad with seven, 0.25 N·m/A and 1 A). A clock sets the field's speed. The rotor lags by the torque that it needs, over
-//!   `K`. Constant friction and damping shift each direction as a whole, which does not affect the harmonics. Friction that depends on the
-//!   angle has the opposite sign on the way back and cancels in the mean of both. Cogging repeats with slots and poles, not once or twice per
-//!   turn. A torque that repeats once or twice per turn, in both directions alike, remains. An unbalanced weight of 1 mN·m shifts the shaft by
-//!   0.03 degrees with these numbers, and by 0.3 with the small motor's. **The field alone cannot distinguish it from an eccentric magnet.**
-//! - **The shaft's own motion** ([`coast`]). With the motor switched off only inertia, damping and friction act, and the shaft slows down
-//!   evenly. A torque `T` that repeats `n` times per turn moves it by `T/(J (n ω)²)`, which falls with the square of the speed `ω`. The
-//!   encoder's error is the same at any speed. A coast from fast to slow distinguishes the two, but is short and less accurate.
+//! - **The field's angle** ([`field`]). A slowly turning field holds the rotor like a spring of `K = p k_t I` (pole pairs, torque
+//!   constant, current; 1.75 N·m/rad with seven, 0.25 N·m/A and 1 A). A clock sets the field's speed. The rotor lags by the torque
+//!   that it needs, over `K`. Constant friction and damping shift each direction as a whole, which does not affect the harmonics.
+//!   Friction that depends on the angle has the opposite sign on the way back and cancels in the mean of both. Cogging repeats with
+//!   slots and poles, not once or twice per turn. A torque that repeats once or twice per turn, in both directions alike, remains.
+//!   An unbalanced weight of 1 mN·m shifts the shaft by 0.03 degrees with these numbers, and by 0.3 with the small motor's. **The
+//!   field alone cannot distinguish it from an eccentric magnet.**
+//! - **The shaft's own motion** ([`coast`]). With the motor switched off only inertia, damping and friction act, and the shaft
+//!   slows down evenly. A torque `T` that repeats `n` times per turn moves it by `T/(J (n ω)²)`, which falls with the square of the
+//!   speed `ω`. The encoder's error is the same at any speed. A coast from fast to slow distinguishes the two, but is short and
+//!   less accurate.
 //!
-//! The result combines both motions. It is the field's value, with an uncertainty of at least the difference between the two. If the field's
-//! value differs from the coast's by more than twice the coast's uncertainty, the result is the coast's value.
+//! The result combines both motions. It is the field's value, with an uncertainty of at least the difference between the two. If
+//! the field's value differs from the coast's by more than twice the coast's uncertainty, the result is the coast's value.
 //!
-//! **Neither motion shows:** Orders above two, such as a magnetic encoder's own fourth order, stay in the residual. A rotor with unevenly
-//! spaced poles looks like an encoder error to the field, as far as the windings do not average it out. An eddy current brake that depends on
-//! the angle has a ripple in proportion to `1/ω`, between the coast's two terms.
+//! **Neither motion shows:** Orders above two, such as a magnetic encoder's own fourth order, stay in the residual. A rotor with
+//! unevenly spaced poles looks like an encoder error to the field, as far as the windings do not average it out. An eddy current
+//! brake that depends on the angle has a ripple in proportion to `1/ω`, between the coast's two terms.
 
 pub mod coast;
 pub mod cost;
