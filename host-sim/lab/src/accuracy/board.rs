@@ -20,7 +20,7 @@ const FASTEST_HZ: u32 = 10_000;
 pub struct Instructions {
     /// Mean over the test vectors of `cargo xtask thumb`; `None` if it was not measured.
     pub mean: Option<f64>,
-    /// Largest count of any tick.
+    /// Largest number of instructions in any tick.
     pub worst: u32,
 }
 

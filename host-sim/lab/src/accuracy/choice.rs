@@ -21,7 +21,7 @@ pub struct Cheapest {
 /// The recommended method for one problem.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Chosen {
-    /// Name of the problem.
+    /// Name of the test problem.
     pub problem: &'static str,
     /// The fastest of all methods; absent if no method is within one encoder count.
     pub of_all: Option<Cheapest>,

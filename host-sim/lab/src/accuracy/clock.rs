@@ -12,13 +12,13 @@ const STRETCH_S: f64 = 2e-4;
 /// Nanoseconds per unit of work: least, quartiles and median of the repeats.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spread {
-    /// Least time, which is that of a repeat without disturbance, ns.
+    /// Least time per unit of work, which is that of a repeat without disturbance, ns.
     pub least_ns: f64,
-    /// Lower quartile of the times, ns.
+    /// Lower quartile of the times per unit of work, ns.
     pub lower_quartile_ns: f64,
-    /// Median of the times, ns.
+    /// Median of the times per unit of work, ns.
     pub median_ns: f64,
-    /// Upper quartile of the times, ns.
+    /// Upper quartile of the times per unit of work, ns.
     pub upper_quartile_ns: f64,
 }
 

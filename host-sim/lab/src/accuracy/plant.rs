@@ -26,16 +26,16 @@ pub struct Point {
     /// Largest gap in the energy balance, divided by the sum of all energies that flowed. `None` where the method calculates no
     /// energies.
     pub energy_gap: Option<f64>,
-    /// Time per simulated millisecond.
+    /// Computing time per simulated millisecond.
     pub time: Spread,
 }
 
 /// Results of every method on one problem.
 #[derive(Debug, Clone, Serialize)]
 pub struct Diagram {
-    /// Name of the problem.
+    /// Name of the test problem.
     pub problem: &'static str,
-    /// What makes the problem difficult.
+    /// What makes the problem difficult for an integration method.
     pub about: &'static str,
     /// Number of ticks, each of one simulated millisecond.
     pub ticks: usize,

@@ -9,7 +9,7 @@ use touchstone_sim::run::tick::{Recorder, Tick};
 use touchstone_sim::scene::{Preset, Scene};
 use touchstone_world::plant::{Coulomb, Device, Hand, MEDIUM};
 
-/// Duration of a tick, s.
+/// Duration of a tick (control period) in the test problems, s.
 pub const PERIOD_S: f64 = 1e-3;
 /// Bandwidth of the current loop in the stiff problem, Hz.
 pub const CURRENT_LOOP_HZ: f64 = 5000.0;
@@ -17,9 +17,9 @@ pub const CURRENT_LOOP_HZ: f64 = 5000.0;
 /// A test problem for integration methods.
 #[derive(Debug, Clone)]
 pub struct Problem {
-    /// Name in tables and files.
+    /// Name of the test problem in tables and files.
     pub name: &'static str,
-    /// What makes the problem difficult.
+    /// What makes the problem difficult for an integration method.
     pub about: &'static str,
     /// The device that moves.
     pub device: Device,

@@ -33,13 +33,13 @@ pub enum HandWas {
 /// Difference between the recorded and the simulated course of one quantity.
 #[derive(Debug, Clone, Serialize)]
 pub struct Difference {
-    /// The quantity: `position` or `force`.
+    /// Name of the compared quantity: `position` or `force`.
     pub what: &'static str,
-    /// The unit of the values.
+    /// Unit of the compared quantity.
     pub unit: &'static str,
-    /// Root mean square of the difference.
+    /// Root mean square of the difference between recording and simulation.
     pub rms: f64,
-    /// Largest difference.
+    /// Largest difference between recording and simulation.
     pub worst: f64,
     /// Time of the largest difference, in the recording's time, s.
     pub worst_at_s: f64,
@@ -63,7 +63,7 @@ pub struct Beside {
     pub penetration_rad: [Vec<f64>; 2],
     /// Force commanded out of the wall, N·m: first recorded, then simulated.
     pub force_n_m: [Vec<f64>; 2],
-    /// Differences of position and of force.
+    /// Differences between recording and simulation: of the position, then of the force.
     pub differences: [Difference; 2],
     /// Best factor on each property of the knob, varied alone; the property that matches best comes first.
     pub fits: Vec<Fit>,

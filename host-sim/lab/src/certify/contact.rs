@@ -26,7 +26,7 @@ pub struct Contact {
     pub phases: Phases,
     /// The device. Its dry friction is not in the matrices; it is only used to judge which motions friction may stop.
     pub device: Device,
-    /// Control period and delay.
+    /// Control period, and delay from sample to force.
     pub clock: Clock,
     /// Bandwidth of the current loop, Hz. It comes from the options of the certificate, because scenes have none.
     pub current_loop_hz: Option<f64>,
@@ -52,7 +52,7 @@ impl Contact {
     /// Creates the contact of a scene. The law's coefficients are those of its implementation in `f64`.
     ///
     /// # Errors
-    /// The law does not accept the scene's settings.
+    /// The control law does not accept the scene's settings.
     pub fn of(scene: &Scene) -> Result<Self> {
         let controller = AnyLaw::<f64>::new(&scene.settings()?)
             .map_err(|error| settings::refused(scene, &error))?;
@@ -116,7 +116,7 @@ impl Contact {
         }
     }
 
-    /// Largest eigenvalue over the phases in which the law can stay, and the name of its phase.
+    /// Largest eigenvalue over the linear phases in which the control law can stay, and the name of its phase.
     #[must_use]
     pub fn worst(&self, hand: Option<&Hand>) -> (Mode, &'static str) {
         let lost = Mode {
@@ -135,7 +135,7 @@ impl Contact {
             .unwrap_or((lost, "no phase"))
     }
 
-    /// Largest magnitude of an eigenvalue over the phases in which the law can stay.
+    /// Largest magnitude of an eigenvalue over the linear phases in which the control law can stay.
     #[must_use]
     pub fn radius(&self, hand: Option<&Hand>) -> f64 {
         self.worst(hand).0.radius
@@ -154,7 +154,7 @@ impl Contact {
             .fold(0.0, f64::max)
     }
 
-    /// Largest magnitude of an eigenvalue over gains between two phases of the law; 0 for a law without such gains.
+    /// Largest magnitude of an eigenvalue over gains between two linear phases of the control law; 0 for a law without such gains.
     #[must_use]
     pub fn radius_between(&self, hand: Option<&Hand>) -> f64 {
         let (Switching::Between(ends), Some(plant)) = (&self.phases.switching, self.plant(hand))

@@ -8,7 +8,7 @@ use touchstone_sim::error::Result;
 use touchstone_sim::run::settings;
 use touchstone_sim::scene::Scene;
 
-/// The estimator of a scene.
+/// The state estimator of a scene as a linear system.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimator(touchstone_control::Estimator<f64>);
 

@@ -14,7 +14,7 @@ use touchstone_world::plant::Hand;
 pub struct Played {
     /// Speed at which the device returns to the wall after a bounce, over the speed of the touch before; the largest ratio.
     pub bounce: f64,
-    /// Most energy of the enhanced law's loan that the press uses, as a fraction of the loan.
+    /// Energy that the enhanced law gives out in the press beyond what it took, as a fraction of the most that it may (its loan).
     pub loan_used: Option<f64>,
 }
 

@@ -64,7 +64,7 @@ pub fn from_parameters(values: [f64; 5]) -> Hand {
     }
 }
 
-/// The three grips with their names.
+/// The three grips of the simulated hand, with their names.
 pub const GRIPS: [(&str, Hand); 3] = [
     ("light", plant::LIGHT),
     ("medium", plant::MEDIUM),

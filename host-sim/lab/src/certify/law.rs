@@ -38,7 +38,7 @@ pub const OFFSET_UPDATED: &str = "offset updated";
 /// How a law may change between its phases.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Switching {
-    /// The law has one phase only.
+    /// The control law is linear in a single phase.
     Never,
     /// The law changes between two phases that differ in one gain, in any order; every gain between the two may occur.
     Between(Box<[LinearLaw; 2]>),
@@ -47,7 +47,7 @@ pub enum Switching {
 /// A law as a set of linear phases, with what the certificate needs to know about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Phases {
-    /// Phases in which the law can stay; each of them must be stable.
+    /// Linear phases in which the control law can stay; each of them must be stable.
     pub lasting: Vec<Phase>,
     /// How the law changes between its phases.
     pub switching: Switching,
@@ -74,7 +74,7 @@ pub enum Clamp {
 }
 
 impl Phases {
-    /// Derives the phases of a law.
+    /// Derives the linear phases of a control law.
     #[must_use]
     pub fn of(controller: &AnyLaw<f64>) -> Self {
         let springs = |stiffness: f64, damping: f64, clamps| Self {
@@ -150,11 +150,11 @@ impl Phases {
 /// How the offset of the enhanced law is treated in a phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Offset {
-    /// Changed at every tick by the ideal step, (6) or (7).
+    /// The offset changes at every tick by the ideal step, equation (6) or (7).
     Updated,
-    /// Constant, but kept as a state of the matrix.
+    /// The offset is constant, but a state of the matrix.
     Held,
-    /// Constant and not in the matrix, because a constant offset only moves the point of rest.
+    /// The offset is constant and not in the matrix, because a constant offset only moves the point of rest.
     Frozen,
 }
 

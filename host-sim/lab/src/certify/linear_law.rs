@@ -8,13 +8,13 @@ use nalgebra::{DMatrix, DVector};
 /// and force `f`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearLaw {
-    /// State to next state.
+    /// Matrix from the state to the next state.
     pub a: DMatrix<f64>,
-    /// Penetration and displacement to next state.
+    /// Matrix from penetration and displacement to the next state.
     pub b: DMatrix<f64>,
-    /// State to force.
+    /// Vector from the state to the force.
     pub c: DVector<f64>,
-    /// Penetration and displacement to the force of the same tick.
+    /// Factors from penetration and displacement to the force of the same tick.
     pub d: [f64; 2],
 }
 
@@ -51,7 +51,7 @@ impl LinearLaw {
         Self::of(0, |_, e, moved| stiffness * e + damping_per_tick * moved)
     }
 
-    /// Number of states.
+    /// Number of state variables.
     #[must_use]
     pub fn order(&self) -> usize {
         self.c.len()
@@ -110,6 +110,6 @@ impl LinearLaw {
 pub struct Phase {
     /// Name of the phase in a certificate.
     pub name: &'static str,
-    /// Matrices of the phase.
+    /// Matrices of the control law in this phase.
     pub law: LinearLaw,
 }

@@ -25,7 +25,7 @@ pub struct Margins {
 
 /// Longest additional delay that is examined, ticks.
 const LONGEST_TICKS: f64 = 16.0;
-/// Number of stiffnesses that are examined.
+/// Number of stiffnesses `k_de` that are examined.
 const POINTS: i32 = 60;
 
 fn radius(contact: &Contact, hands: &[Hand]) -> f64 {

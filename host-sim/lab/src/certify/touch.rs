@@ -179,7 +179,7 @@ fn phases(count: u32) -> impl Iterator<Item = f64> {
 /// leaves counts.
 ///
 /// # Errors
-/// The law does not accept the scene's settings.
+/// The control law does not accept the scene's settings.
 pub fn bounce(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Result<f64> {
     let push_n_m = contact.played_press_n_m;
     let touched = Touched::of(scene, contact, hand, push_n_m);
@@ -213,14 +213,15 @@ pub fn bounce(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Result<f
     Ok(most)
 }
 
-/// Least and largest motion at the end of a pressing hand's touches, peak to peak, as multiples of the limit cycle's threshold.
+/// Least and largest motion at the end of a pressing hand's touches, peak to peak, as multiples of a limit cycle's threshold (four
+/// encoder counts).
 ///
 /// Each touch is simulated to the end of a hold as long as the scene's; the last quarter is judged, as in a run. A press that
 /// begins with a light touch is simulated at that torque too, because a hand that pushes less holds the device in the wall less
 /// firmly.
 ///
 /// # Errors
-/// The law does not accept the scene's settings.
+/// The control law does not accept the scene's settings.
 pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
     let ticks = (hold_s(contact) / contact.clock.period_s).ceil().max(TICKS) as u64;
     let limit_rad = Terms::of(scene).limit_cycle_rad;
@@ -253,7 +254,7 @@ pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
 /// loan, a press or a hand.
 ///
 /// # Errors
-/// The law does not accept the scene's settings.
+/// The control law does not accept the scene's settings.
 pub fn loan_used(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Result<Option<f64>> {
     let loan_j = scene.law.energy_credit_j;
     if contact.phases.loan_covers_n_m.is_none() || contact.press_n_m.is_none() || hand.is_none() {

@@ -14,7 +14,7 @@ use touchstone_sim::error::Result;
 use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::Scene;
 
-/// Settings of the bisection.
+/// Settings of the bisection for the device's damping.
 #[derive(Debug, Clone, Copy)]
 pub struct Search {
     /// Lower end of the searched interval of damping, N·m·s/rad.
@@ -25,7 +25,7 @@ pub struct Search {
     pub steps: u32,
 }
 
-/// One step of the bisection.
+/// One step of the bisection: a press with one assumed damping.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trial {
     /// Damping that FBA assumed, N·m·s/rad.
@@ -100,7 +100,7 @@ pub enum Bracket {
     TooHigh,
 }
 
-/// Result of the identification.
+/// Result of the identification: the device's damping with its uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identified {
     /// Largest damping that FBA may assume, N·m·s/rad: the mean over the presses.

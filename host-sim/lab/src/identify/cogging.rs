@@ -19,7 +19,7 @@ use touchstone_protocol::settings::cogging::{
 pub struct SweepTick {
     /// Number of the control tick.
     pub tick: u32,
-    /// Direction of the turn.
+    /// Direction of the turn in which the data were measured.
     pub part: MeasuringPart,
     /// Position from the encoder's own zero, encoder counts.
     pub count: i32,
@@ -79,7 +79,7 @@ pub enum NoMap {
         /// Longest gap in the data, ticks.
         lost: u32,
     },
-    /// No harmonic exceeds the noise.
+    /// No harmonic of the cogging exceeds the noise.
     #[error("no cogging stands out: less than {n_m:.1e} N·m of any order")]
     Nothing {
         /// Torque from which on a harmonic would have exceeded the noise, N·m.
@@ -105,7 +105,7 @@ pub enum NoMap {
 
 /// Number of harmonics that are examined.
 const ORDERS: usize = 255;
-/// Turns per direction.
+/// Turns of the shaft per direction in a sweep.
 const TURNS: usize = 2;
 /// Longest gap that is accepted in the telemetry, ticks.
 const LOST_MOST: u32 = 50;

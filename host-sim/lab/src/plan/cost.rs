@@ -12,7 +12,7 @@ use crate::accuracy::clock::{Spread, Work, race};
 
 /// Instruction counts, written by `cargo xtask bench --ladder --write`.
 const COUNTED: &str = include_str!("ladder.txt");
-/// How often each run is timed.
+/// How often each simulated run is timed.
 const REPEATS: u32 = 15;
 
 /// Counted instructions per tick for each configuration: the bare loop, and the loop with one law, effect or pair of effects.
@@ -21,7 +21,7 @@ pub struct Ladder {
 }
 
 impl Ladder {
-    /// The counts that were stored last.
+    /// The instruction counts that were stored last.
     pub fn known() -> Self {
         let counted = COUNTED
             .lines()

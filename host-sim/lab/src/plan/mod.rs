@@ -22,7 +22,7 @@ use crate::report::ProgramVersion;
 pub use equations::Eigenvalue;
 pub use omitted::{Moved, Omitted};
 
-/// Options of a plan.
+/// Options for the description of how a scene is simulated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Asked {
     /// Relative change of a result above which an omitted effect is listed.
@@ -43,10 +43,10 @@ impl Default for Asked {
     }
 }
 
-/// An effect that the scene has.
+/// An effect that the scene has, such as friction or a current loop.
 #[derive(Debug, Clone, Serialize)]
 pub struct Named {
-    /// Name of the effect.
+    /// Name of the simulated effect.
     pub name: &'static str,
     /// Where in the loop the effect acts.
     pub place: &'static str,
@@ -68,7 +68,7 @@ pub struct Planned {
     pub scene: String,
     /// Names of the state variables of device and hand.
     pub states: Vec<String>,
-    /// Eigenvalues of the linear part.
+    /// Eigenvalues of the linear part of device and hand.
     pub eigenvalues: Vec<Eigenvalue>,
     /// How the plant is integrated over a tick, in words.
     pub tier: String,
@@ -76,7 +76,7 @@ pub struct Planned {
     pub substeps: u32,
     /// Reasons for this integration, one sentence each.
     pub reasons: Vec<String>,
-    /// Effects that the scene has.
+    /// Effects that the scene has, with their computing cost.
     pub effects: Vec<Named>,
     /// Predicted instructions per tick from counts: bare loop, law, each effect, and what each pair of effects adds, at typical
     /// magnitudes.

@@ -23,7 +23,7 @@ pub struct Moved {
 /// An effect that the scene does not have, and what it would change.
 #[derive(Debug, Clone, Serialize)]
 pub struct Omitted {
-    /// Name of the effect.
+    /// Name of the simulated effect.
     pub name: &'static str,
     /// Key or table of the scene file that would add the effect.
     pub field: &'static str,

@@ -27,7 +27,7 @@ impl Column {
         self.shown_as.is_some()
     }
 
-    /// The column's heading.
+    /// Heading of the column.
     pub fn name(self) -> &'static str {
         self.shown_as.unwrap_or(label::law(self.law))
     }

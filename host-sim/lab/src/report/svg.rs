@@ -106,7 +106,7 @@ fn attributes(axis: &Axis, scale: &Scale, name: char) -> String {
     format!(r#"data-{name}="{min:.6} {max:.6} {}""#, scale.unit)
 }
 
-/// A figure that is being drawn.
+/// A figure while it is drawn as SVG.
 struct Plot<'a> {
     size: Size,
     figure: &'a Figure,

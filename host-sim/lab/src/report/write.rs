@@ -13,7 +13,7 @@ use super::staging::{Staging, io_error};
 use super::{ReportInput, csv, html, json, picture, previous};
 use touchstone_sim::error::Result;
 
-/// What was written.
+/// What was written for a report: page, files, size.
 #[derive(Debug, Clone)]
 pub struct Written {
     /// Path of the page, which a reader can open.

@@ -13,9 +13,9 @@ pub enum Change {
     Nothing,
     /// Factor on the encoder counts per turn.
     Counts(f64),
-    /// Factor on the inertia.
+    /// Factor on the device's inertia.
     Inertia(f64),
-    /// Factor on the damping.
+    /// Factor on the device's damping.
     Damping(f64),
     /// Delay from a sample until its command acts, ticks.
     Delay(f64),

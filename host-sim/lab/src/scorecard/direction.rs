@@ -10,7 +10,7 @@ use touchstone_world::plant::Hand;
 /// A wall of a given stiffness, and a hand that approaches it along its normal; SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Approach {
-    /// Requested stiffness, N/m.
+    /// Requested stiffness of the wall, N/m.
     pub k_desired_n_per_m: f64,
     /// Force of the press, N.
     pub push_n: f64,
@@ -177,13 +177,13 @@ pub struct DirectionFigures {
 }
 
 impl DirectionFigures {
-    /// Figures before any tick.
+    /// Start value: the figures before any tick.
     pub const NONE: Self = Self {
         figures: Figures::NONE,
         settle_s: Some(0.0),
     };
 
-    /// The worse value of each figure.
+    /// The worse value of each figure, from two sets.
     #[must_use]
     pub fn worst(self, other: &Self) -> Self {
         Self {
@@ -218,7 +218,7 @@ impl DirectionWatch {
         self.response.as_ref()
     }
 
-    /// Figures after the last tick.
+    /// Calculates the figures after the last tick.
     #[must_use]
     pub fn finish(mut self) -> DirectionFigures {
         if let Some(response) = &self.response {

@@ -31,7 +31,7 @@ const WORST: usize = 5;
 const COUNTS: [f64; 2] = [1.0, 0.4096];
 /// Factors on the scene's inertia and damping.
 const TIMES: [f64; 3] = [0.5, 1.0, 2.0];
-/// Delays of the variants, ticks.
+/// Delays from sample to force of the device variants, ticks.
 const DELAYS: [f64; 4] = [0.0, 0.1, 0.5, 1.0];
 /// Random hands may exceed the light and the firm grip by this fraction of the distance between the two, on logarithmic scales.
 const BEYOND: f64 = 0.25;
@@ -47,7 +47,7 @@ pub struct Member {
     pub hand: (Grip, Option<Hand>),
     /// Description of the variant in words.
     pub name: String,
-    /// Delay, ticks.
+    /// Delay from sample to force, ticks.
     pub delay_ticks: f64,
 }
 
@@ -70,7 +70,7 @@ pub struct Around {
 }
 
 impl Around {
-    /// The scene at every rate with every noise level.
+    /// The scene, repeated for every control rate and every noise level.
     fn scenes(&self, scene: &Scene) -> Vec<Scene> {
         let mut rates = self.rates_hz.clone();
         if rates.is_empty() {
@@ -267,7 +267,7 @@ pub struct Judged {
     pub member: String,
     /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
     pub stiffness_per_tick: f64,
-    /// Delay, ticks.
+    /// Delay from sample to force, ticks.
     pub delay_ticks: f64,
     /// Whether `T sqrt(k_de/J)` is larger than any tuned law holds at this delay.
     pub beyond_map: bool,
@@ -289,11 +289,11 @@ impl Judged {
 /// Results of one setting on all device variants.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Family {
-    /// Name of the law.
+    /// Name of the control law.
     pub law: String,
     /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
-    /// Number of variants.
+    /// Number of device variants that were simulated.
     pub members: usize,
     /// Number of variants on which the wall is lost.
     pub lost: usize,
@@ -314,7 +314,7 @@ pub struct Family {
 /// Simulates one setting on all variants; calls `done` after each variant.
 ///
 /// # Errors
-/// The law does not accept its settings on one of the variants.
+/// The control law does not accept its settings on one of the variants.
 pub fn judge(
     law: &str,
     scene: &Scene,

@@ -88,12 +88,12 @@ impl Measure {
 pub struct Figures(pub [f64; 8]);
 
 impl Figures {
-    /// Figures before any tick.
+    /// Start value: the figures before any tick.
     pub const NONE: Figures = Figures([0.0; 8]);
     /// Figures of a lost wall: all infinite.
     pub const LOST: Figures = Figures([f64::INFINITY; 8]);
 
-    /// Value of a figure.
+    /// Value of one figure in SI units.
     #[must_use]
     pub fn get(&self, measure: Measure) -> f64 {
         self.0[measure.index()]
@@ -128,7 +128,7 @@ impl Figures {
         self.raise(Measure::RippleRmsNM, rms);
     }
 
-    /// The worse value of each figure.
+    /// The worse value of each figure, from two sets.
     #[must_use]
     pub fn worst(mut self, other: &Figures) -> Figures {
         for measure in Measure::ALL {
@@ -191,7 +191,7 @@ impl Limits {
         }
     }
 
-    /// Limit of a figure.
+    /// Limit of one figure in SI units.
     #[must_use]
     pub fn of(&self, measure: Measure) -> f64 {
         match measure {
@@ -235,7 +235,7 @@ pub struct Beside {
 }
 
 impl Beside {
-    /// The worse value of each figure.
+    /// The worse value of each figure, from two sets.
     #[must_use]
     pub fn worst(self, other: &Beside) -> Beside {
         let either = |a: Option<f64>, b: Option<f64>, worse: fn(f64, f64) -> f64| match (a, b) {

@@ -30,7 +30,7 @@ pub struct DeviceRun<'a> {
 /// stiffness, and the largest phase.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MovedAt {
-    /// Frequency of the motion, Hz.
+    /// Frequency of the hand's motion, Hz.
     pub frequency_hz: f64,
     /// Magnitude of force over penetration, N/m; absent if the hand left the wall.
     pub modulus_n_per_m: Option<f64>,
@@ -85,7 +85,7 @@ fn join(moved: &mut Vec<MovedAt>, next: MovedAt, k_desired: f64) {
         });
 }
 
-/// Results from a person's hand.
+/// Figures from the motion of a person's hand; a missing one was not measured.
 pub(super) struct Noticed {
     pub(super) moment: Option<f64>,
     pub(super) held: Option<f64>,

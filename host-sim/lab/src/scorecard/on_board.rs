@@ -165,7 +165,7 @@ impl FigureBeside {
 pub struct BoardCard {
     /// The grips that were recorded.
     pub grips: Vec<&'static str>,
-    /// Number of recorded ticks.
+    /// Number of recorded control ticks.
     pub ticks: usize,
     /// Number of recordings of the board, each with the surface at another position within a count.
     pub places: usize,

@@ -60,7 +60,7 @@ fn verdict(card: &DeviceCard) -> String {
     }
 }
 
-/// The scorecard as text.
+/// The scorecard of a run on a device as text.
 #[must_use]
 pub fn text(card: &DeviceCard) -> String {
     let mut text = format!("scorecard {}\n", verdict(card));

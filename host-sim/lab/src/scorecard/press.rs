@@ -34,13 +34,13 @@ impl DesiredStiffness {
 pub struct PressFigures {
     /// The requested stiffness, and the uncertainty of a penetration.
     pub stiffness: DesiredStiffness,
-    /// Force of the press.
+    /// Force of the press, N·m on a knob or N along a normal.
     pub push: f64,
     /// First tick of the press' ramp; the touch comes before.
     pub ramp_start: u64,
-    /// First tick that counts as held.
+    /// First tick in which the press counts as held.
     pub held_from: u64,
-    /// First tick of the release.
+    /// First tick in which the hand lets go.
     pub release: u64,
 }
 

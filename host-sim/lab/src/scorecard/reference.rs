@@ -49,7 +49,7 @@ impl Reference {
     /// Calculates the reference for a scene's device and wall.
     ///
     /// # Errors
-    /// The law does not accept its settings.
+    /// The control law does not accept its settings.
     pub fn of(scene: &Scene) -> Result<Self> {
         let mut scene = scene.clone();
         scene.sensor.noise = None;

@@ -24,7 +24,7 @@ pub struct Rival {
     apply: fn(&mut Scene),
 }
 
-/// All laws of a scorecard.
+/// All control laws of a scorecard.
 pub const RIVALS: [Rival; 12] = [
     Rival {
         name: "spring",

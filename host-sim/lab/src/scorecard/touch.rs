@@ -50,7 +50,7 @@ impl TouchRatios {
         }
     }
 
-    /// The worse value of each figure.
+    /// The worse value of each figure, from two sets.
     #[must_use]
     pub fn worst(&self, other: &Self) -> Self {
         let less = |one: Option<f64>, other: Option<f64>| Some(one?.min(other?));

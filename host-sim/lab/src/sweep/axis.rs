@@ -12,7 +12,7 @@ pub const MOST_VALUES: usize = 10_000;
 /// A key of the scene file and its values along an axis.
 #[derive(Debug, Clone)]
 pub struct Axis {
-    /// The key of the scene file.
+    /// The key of the scene file that varies.
     pub field: &'static Field,
     /// Whether the values are evenly spaced on a logarithmic scale.
     pub log: bool,

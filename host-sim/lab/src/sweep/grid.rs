@@ -7,14 +7,14 @@ use serde_json::Value;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::Scene;
 
-/// A base scene and two axes.
+/// The cells of a map: a base scene and two axes.
 #[derive(Debug, Clone)]
 pub struct Grid {
-    /// Horizontal axis.
+    /// Horizontal axis of the map.
     pub x: Axis,
-    /// Vertical axis.
+    /// Vertical axis of the map.
     pub y: Axis,
-    /// The scene that is varied.
+    /// The scene whose keys vary.
     pub base: Scene,
     /// The scene as JSON: one entry if the values of both axes are numbers, else one for each combination of words.
     trees: Vec<Value>,
@@ -89,7 +89,7 @@ impl Grid {
         }))
     }
 
-    /// Number of cells.
+    /// Number of cells of the map.
     #[must_use]
     pub fn cells(&self) -> u64 {
         (self.x.values.len() * self.y.values.len()) as u64

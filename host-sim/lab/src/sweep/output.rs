@@ -22,7 +22,7 @@ const SIZE: Size = Size {
 };
 const SCENE: &str = "scene.toml";
 
-/// Options for drawing a map.
+/// Options for drawing the maps.
 #[derive(Clone, Default)]
 pub struct Drawing<'a> {
     /// Points from a user's measurements, drawn over the map.

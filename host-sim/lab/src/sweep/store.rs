@@ -23,7 +23,7 @@ const JOURNAL: &str = "journal.csv";
 pub struct Shard {
     /// Number of this shard, from 1 to [`Shard::of`].
     pub index: u64,
-    /// Number of shards.
+    /// Number of shards into which the sweep is divided.
     pub of: u64,
 }
 
@@ -60,7 +60,7 @@ pub struct Store {
     folder: PathBuf,
     journal: Journal,
     header: Vec<String>,
-    /// The finished cells.
+    /// The finished cells of the map.
     pub cells: Cells,
 }
 

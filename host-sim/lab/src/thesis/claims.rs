@@ -16,7 +16,7 @@ pub enum Outcome {
     Reproduced,
     /// The simulation shows it only for some of the runs, or under the conditions in the text.
     Partly,
-    /// The simulation shows something else.
+    /// The simulation contradicts the statement.
     NotReproduced,
 }
 

@@ -44,7 +44,7 @@ pub const REPLACED: [(&str, &str); 5] = [
 pub const TDPA_OBSERVES: &str = "TDPA runs with the thesis' observer, as it was published, whatever law.observer says; \
                                  the enhanced law runs with law.observer";
 
-/// One cell of the comparison.
+/// One cell of the comparison: a scene to simulate.
 #[derive(Debug, Clone)]
 pub struct Cell {
     /// The scene of the cell.

@@ -43,16 +43,16 @@ pub struct Judgement {
     ideal: Vec<IdealTouch>,
 }
 
-/// What a setting is judged by.
+/// The figures by which settings are judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Aim {
-    /// Every figure of the scorecard.
+    /// Settings are judged by every figure of the scorecard.
     Scorecard,
     /// Only that a press comes to rest and an oscillating hand meets the right stiffness, see [`super::outcome`].
     Outcome,
 }
 
-/// Cost of a setting.
+/// Cost of the settings of a law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
     /// The cost, which the search minimises.
@@ -259,7 +259,7 @@ impl Judgement {
         nominal
     }
 
-    /// The actions of the hand.
+    /// The actions of the hand in the simulated runs.
     #[must_use]
     pub fn programme(&self) -> &Programme {
         &self.programme

@@ -27,7 +27,7 @@ pub enum FailureCause {
     Guard,
     /// The wall holds with a hundred times the torque.
     TorqueLimit,
-    /// The wall holds in `f64`.
+    /// The wall holds if the law calculates in `f64`.
     LawRounding,
     /// The wall holds without the sensor's noise.
     Noise,
@@ -53,7 +53,7 @@ pub enum FailureCause {
 }
 
 impl FailureCause {
-    /// All causes.
+    /// All causes of failure.
     pub const ALL: [FailureCause; 15] = [
         FailureCause::Refused,
         FailureCause::UnstableLoop,

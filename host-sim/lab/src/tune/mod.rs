@@ -26,12 +26,12 @@ use parameters::{Axis, at, axes};
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 
-/// Options of a search.
+/// Options of a search for settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
     /// Seed of the random numbers; the same seed finds the same settings.
     pub seed: u64,
-    /// Length of the search.
+    /// Length of the search for settings.
     pub effort: Effort,
     /// Largest allowed ripple on the nominal device, N·m; absent: the limit of [`Reference`].
     pub ripple_n_m: Option<f64>,

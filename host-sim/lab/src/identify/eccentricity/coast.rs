@@ -17,7 +17,7 @@ const EDGE: usize = 8;
 const SLOWEST: f64 = 0.5;
 /// A coast is left out if its first speed is below this fraction of the fastest coast's, because torques then disturb it too much.
 const SLOW: f64 = 0.6;
-/// Fewest turns of a usable coast.
+/// Fewest turns of the shaft in a usable coast.
 const TURNS_LEAST: f64 = 3.0;
 /// Degree of the polynomial. It follows `e^-t` over this range of speeds with an error far below an encoder count.
 const DEGREE: usize = 6;

@@ -35,7 +35,7 @@ pub const AT_REST_MM: f64 = 0.05;
 /// omega.3's.
 ///
 /// # Errors
-/// The law does not accept its settings.
+/// The control law does not accept its settings.
 pub fn check(
     mechanism: Mechanism,
     runs: &[Record],
@@ -63,7 +63,7 @@ pub fn check(
 /// Largest stiffness in N/mm at which a plain spring does not oscillate, by bisection over simulated presses without a hand.
 ///
 /// # Errors
-/// The law does not accept its settings.
+/// The control law does not accept its settings.
 pub fn largest_stable_n_per_mm() -> Result<f64, SettingsError> {
     let (mut stable, mut ringing) = (1.0, 20.0);
     while ringing - stable > 0.01 {

@@ -23,7 +23,7 @@ pub fn reference(object: Object, approach: Approach) -> &'static str {
     }
 }
 
-/// All figures of a run.
+/// All figures of a run in three axes.
 #[must_use]
 pub fn of(run: &Record) -> Vec<Figure> {
     vec![stiffness(run), forces(run), trajectory(run), view(run)]

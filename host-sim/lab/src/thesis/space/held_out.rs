@@ -126,7 +126,7 @@ impl Drawn {
     }
 }
 
-/// The random walls of a seed.
+/// The random walls that a seed generates.
 #[must_use]
 pub fn drawn(seed: u64, count: usize) -> Vec<Drawn> {
     let mut random = Random::new(seed);
@@ -219,19 +219,19 @@ impl HeldOutCell {
     }
 }
 
-/// Results of a check.
+/// Results of a check of the tuned law on random walls.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldOut {
     /// Seed of the random walls.
     pub seed: u64,
-    /// Results of every wall.
+    /// Results of every random wall.
     pub cells: Vec<HeldOutCell>,
 }
 
 /// The largest value of a figure, with the wall that has it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WorstOfAll {
-    /// The figure.
+    /// The scorecard figure.
     pub measure: Measure,
     /// The largest value; `None` if it is infinite, for example because the run diverged.
     pub value: Option<f64>,
@@ -244,17 +244,17 @@ pub struct WorstOfAll {
 }
 
 impl HeldOut {
-    /// Simulates the shipped settings of [`super::tuned`] on the walls of a seed.
+    /// Simulates the shipped settings of [`super::tuned`] on the random walls that a seed generates.
     ///
     /// # Errors
-    /// The law does not accept its settings.
+    /// The control law does not accept its settings.
     pub fn played(seed: u64, count: usize) -> Result<Self, SettingsError> {
         let force_n = Mechanism::Cartesian.force_n();
         let law = OMEGA3_WALL.settings(RATE_HZ, force_n);
         Self::with(seed, count, &law, &OMEGA3_WALL.estimator())
     }
 
-    /// Simulates other settings on the walls of a seed.
+    /// Simulates other settings on the random walls that a seed generates.
     ///
     /// # Errors
     /// As [`Self::played`].
@@ -273,7 +273,7 @@ impl HeldOut {
         })
     }
 
-    /// The largest value of each figure.
+    /// The largest value of each figure over all walls.
     #[must_use]
     pub fn worst(&self) -> Vec<WorstOfAll> {
         let of = |measure: Measure| {

@@ -42,7 +42,7 @@ fn smooth(t: f64) -> f64 {
 }
 
 impl ProbingMotion {
-    /// Creates the motion at this object.
+    /// Creates the hand's motion at this object.
     #[must_use]
     pub fn of(object: Object) -> Self {
         let n = object.normal();

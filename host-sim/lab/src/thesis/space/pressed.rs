@@ -110,7 +110,7 @@ pub fn guard(mechanism: Mechanism) -> GuardSettings {
 /// A wall with a law along its normal and the energy guard. It uses estimated states if the estimator's settings are given.
 ///
 /// # Errors
-/// Law or guard do not accept their settings.
+/// Control law or energy guard do not accept their settings.
 pub(super) fn guarded(
     shape: Shape<N>,
     law: &Settings,
@@ -165,7 +165,7 @@ impl PressedWall {
     /// Simulates an action of the hand; returns the scorecard's figures.
     ///
     /// # Errors
-    /// Law or guard do not accept their settings.
+    /// Control law or energy guard do not accept their settings.
     pub fn played(&self, deed: Deed) -> Result<DirectionFigures, SettingsError> {
         self.played_with_force(deed).map(|(found, _)| found)
     }
@@ -174,7 +174,7 @@ impl PressedWall {
     /// position, all figures are infinite.
     ///
     /// # Errors
-    /// Law or guard do not accept their settings.
+    /// Control law or energy guard do not accept their settings.
     pub fn played_with_force(&self, deed: Deed) -> Result<(DirectionFigures, f64), SettingsError> {
         let mut wall = self.wall()?;
         let lost = DirectionFigures {
