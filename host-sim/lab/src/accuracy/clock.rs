@@ -9,7 +9,7 @@ use serde::Serialize;
 /// Shortest time that is measured in one go, s. It is long compared with the time that reading the clock takes.
 const STRETCH_S: f64 = 2e-4;
 
-/// Nanoseconds per unit of work: least, quartiles and median of the repeats.
+/// Measured computing times in nanoseconds per unit of work: least, quartiles and median over the repeats.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spread {
     /// Least time per unit of work, which is that of a repeat without disturbance, ns.

@@ -25,16 +25,17 @@ pub struct LawPoint {
     pub number: &'static str,
     /// Reason why there are no results: the format cannot hold the law's settings.
     pub refused: Option<String>,
-    /// Largest difference of the force from that of the law in `f64`, N·m.
+    /// Largest difference of the force from that of the same law in `f64`, N·m.
     pub force_error_n_m: Option<f64>,
     /// Root mean square of the force's difference from that of the law in `f64`, N·m.
     pub force_error_rms_n_m: Option<f64>,
-    /// Largest difference from the law in `f64` of the energy that the wall has taken since the start, J.
+    /// Largest difference of the energy that the wall has taken since the start from that of the same law in `f64`, J.
     pub energy_error_j: Option<f64>,
     /// Largest difference of the force when the law in `f64` gets positions that are larger by one part in 10^12, N·m. It shows how
     /// much the law itself amplifies errors.
     pub force_floor_n_m: f64,
-    /// As `force_floor_n_m`, for the energy that the wall has taken, J.
+    /// Largest difference of the energy that the wall has taken, J, when positions are larger by one part in 10^12. It shows how
+    /// much the law itself amplifies errors.
     pub energy_floor_j: f64,
     /// Computing time of the control law per tick (control period).
     pub time: Option<Spread>,

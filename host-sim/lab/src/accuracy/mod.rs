@@ -112,15 +112,15 @@ pub struct Accuracy {
     pub count_rad: f64,
     /// Smallest step of a force in the 32-bit number format, N·m.
     pub force_quantum_n_m: f64,
-    /// Integration of the plant: every method on every problem.
+    /// Results of the plant's integration: every method on every test problem.
     pub plant: Vec<Diagram>,
     /// For every problem, the fastest methods with an error within one encoder count.
     pub within_a_count: Vec<Chosen>,
     /// Results of the control laws in every number format.
     pub law: Vec<LawPoint>,
-    /// Sampling: every law at every control rate and encoder resolution.
+    /// Results of the sampling: every control law at every control rate and encoder resolution.
     pub sampling: Vec<SamplingPoint>,
-    /// Closed loop: every integration method on every scene.
+    /// Results of the closed loop: every integration method on every scene.
     pub closed_loop: Vec<ClosedPoint>,
 }
 

@@ -151,7 +151,7 @@ fn error(angles: &[f64], known: &Known) -> Option<(f64, f64)> {
     Some((largest, (squares / angles.len() as f64).sqrt()))
 }
 
-/// Measures every method on a problem with each number of substeps; calls `on_round` once per round of timing.
+/// Measures every integration method on a test problem with each number of substeps; calls `on_round` once per round of timing.
 ///
 /// # Errors
 /// The plant's parameters are not valid.

@@ -11,7 +11,7 @@ use touchstone_world::plant::{Coulomb, Device, Hand, MEDIUM};
 
 /// Duration of a tick (control period) in the test problems, s.
 pub const PERIOD_S: f64 = 1e-3;
-/// Bandwidth of the current loop in the stiff problem, Hz.
+/// Bandwidth of the current loop in the test problem `current-loop`, Hz.
 pub const CURRENT_LOOP_HZ: f64 = 5000.0;
 
 /// A test problem for integration methods.
@@ -27,7 +27,7 @@ pub struct Problem {
     pub hand: Option<Hand>,
     /// Bandwidth of a current loop in front of the device, Hz.
     pub current_loop_hz: Option<f64>,
-    /// State at the start; entries that the plant does not have are 0.
+    /// State of plant and hand at the start; entries that the plant does not have are 0.
     pub start: [f64; 4],
     /// Torque in N·m and the hand's rest point in rad, constant during each tick.
     pub held: Vec<[f64; 2]>,

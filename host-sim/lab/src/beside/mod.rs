@@ -54,7 +54,7 @@ pub struct Difference {
 /// Fraction of the recorded span above which recording and simulation are said to differ.
 pub const PARTS: f64 = 0.05;
 
-/// Recorded and simulated courses tick by tick, with their differences and best fits.
+/// Comparison of a recording with its simulation: both courses tick by tick, their differences, and the best fits.
 #[derive(Debug, Clone)]
 pub struct Beside {
     /// Times of the samples, in the recording's time, s.
@@ -80,7 +80,7 @@ impl Beside {
         self.differences.iter().all(|it| it.share <= share)
     }
 
-    /// Differences and fits as JSON, without the courses.
+    /// The comparison as JSON: differences and fits, without the courses.
     #[must_use]
     pub fn to_json(&self) -> serde_json::Value {
         serde_json::json!({
@@ -122,7 +122,7 @@ pub fn beside(scene: &Scene, told: &Told, hand: HandWas, folder: &Path) -> Resul
     })
 }
 
-/// Difference of a recorded and a simulated course over the same ticks.
+/// Difference of the recorded and the simulated course of a quantity over the same ticks.
 fn difference(
     what: &'static str,
     unit: &'static str,

@@ -25,7 +25,7 @@ const TILES: [(&str, &str); 5] = [
     ("tile refused", "refused"),
 ];
 
-/// Lower and upper edge of each value's tile (decimal logarithms), half-way to the neighbouring values.
+/// Lower and upper edge of each value's tile in the map, as decimal logarithms; half-way to the neighbouring values.
 fn edges(values: &[f64]) -> Vec<[f64; 2]> {
     let at = |index: usize| values[index].log10();
     let last = values.len() - 1;

@@ -69,9 +69,10 @@ pub struct BoundaryPlace {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TunedEnding {
-    /// Rests within 5 % of `k_de`; force over penetration of a hand moving at up to 4 Hz is within 15 % and 15°.
+    /// The knob rests at a stiffness within 5 % of `k_de`. For a hand moving at up to 4 Hz, force over penetration is within 15 %
+    /// and 15° of `k_de`.
     Holds,
-    /// Rests within 5 % of `k_de`, but a moving hand meets a stiffness beyond the limits of `Holds`.
+    /// The knob rests at a stiffness within 5 % of `k_de`, but a moving hand meets a stiffness beyond the limits of `Holds`.
     Rests,
     /// The knob rests, but at a stiffness more than 5 % off `k_de`.
     RestsElsewhere,
@@ -112,7 +113,7 @@ pub struct BoundaryCell {
     pub damping_per_tick: f64,
     /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
     pub stiffness_per_tick: f64,
-    /// Damping of the device, N·m·s/rad.
+    /// Viscous damping of the device, N·m·s/rad.
     pub damping_n_m_s_per_rad: f64,
     /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
@@ -199,8 +200,8 @@ impl BoundaryPlan {
         places
     }
 
-    /// Scene with the device and the wall of a position. The press is the scene's, or stronger so that it goes at least twenty
-    /// encoder counts deep. The limits of torque and force grow with the press, because they are not the subject of the map.
+    /// Scene with the device and the wall of a position in the map. The press is the scene's, or stronger so that it goes at least
+    /// twenty encoder counts deep. The limits of torque and force grow with the press, because they are not the subject of the map.
     #[must_use]
     pub fn scene(&self, place: BoundaryPlace) -> Scene {
         let mut scene = self.base.clone();

@@ -30,8 +30,8 @@ use touchstone_sim::scene::{Encoder, Grip, MotionSpec, Number, RampAndHold, Scen
 /// Least `k_v` (soft stiffness of the enhanced law) that its settings accept, N·m/rad.
 const SOFTEST_N_M_PER_RAD: f64 = 0.01;
 
-/// Random scene of a number and seed. Device, wall and law are the same for three consecutive numbers, which differ in the grip.
-/// With estimated states the device that the estimator assumes is random too: half to twice the true values.
+/// Random scene, generated from a number and a seed. Device, wall and law are the same for three consecutive numbers, which differ
+/// in the grip. With estimated states the device that the estimator assumes is random too: half to twice the true values.
 #[must_use]
 pub fn scene(seed: u64, index: u64, states: StatesKind) -> Scene {
     let mut random = Random::new(seed ^ (index / 3).wrapping_mul(0xd1b5_4a32_d192_ed03));
@@ -215,7 +215,7 @@ impl Row {
     }
 }
 
-/// Certifies and simulates the random scene of a number.
+/// Generates the random scene of a number, certifies it, and simulates it.
 ///
 /// # Errors
 /// The scene cannot be run or certified.
@@ -270,7 +270,7 @@ pub fn row(seed: u64, index: u64, states: StatesKind) -> Result<Row> {
 pub struct Tally {
     /// Numbers of runs: first index is the verdict, second whether the run rested, kept oscillating or was unstable.
     counts: [[u32; 3]; 3],
-    /// The same numbers for classes of `T sqrt(k_de/J)` that are 0.1 wide.
+    /// Numbers of runs by verdict and outcome, for classes of `T sqrt(k_de/J)` that are 0.1 wide.
     by_stiffness: std::collections::BTreeMap<u32, [[u32; 3]; 3]>,
     /// Numbers of the scenes that were certified stable but did not rest.
     wrong: Vec<u64>,

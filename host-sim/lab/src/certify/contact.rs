@@ -22,7 +22,7 @@ pub const SWING: f64 = 1.25;
 /// A control law on a device, in the form that the certificate examines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {
-    /// The phases in which the law is linear.
+    /// The linear phases of the control law.
     pub phases: Phases,
     /// The device. Its dry friction is not in the matrices; it is only used to judge which motions friction may stop.
     pub device: Device,
@@ -49,7 +49,8 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// Creates the contact of a scene. The law's coefficients are those of its implementation in `f64`.
+    /// Creates the contact of law, device and hand that a scene describes. The law's coefficients are those of its implementation
+    /// in `f64`.
     ///
     /// # Errors
     /// The control law does not accept the scene's settings.
@@ -107,7 +108,7 @@ impl Contact {
         sampled(&mechanics, self.clock).ok()
     }
 
-    /// A phase of the law as a system from position to force, with the estimator if there is one.
+    /// A linear phase of the control law as a system from position to force, with the estimator if there is one.
     #[must_use]
     pub fn law(&self, phase: &LinearLaw) -> StateSpace {
         match &self.estimator {

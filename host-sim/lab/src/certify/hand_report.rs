@@ -96,8 +96,9 @@ pub fn report(contact: &Contact, name: &str, hand: Option<&Hand>, played: Played
     report
 }
 
-/// The contact with dry friction replaced by viscous damping, for an oscillation of [`SWING`] times the press' depth at the
-/// frequency of `mode`. The damping is the describing function `4 F/(π ω A)`; friction damps a smaller oscillation more.
+/// The contact with dry friction replaced by viscous damping, for an oscillation at the frequency of `mode` and with [`SWING`]
+/// times the press' depth. The damping is the describing function `4 F/(π ω A)` of friction `F`; friction damps a smaller
+/// oscillation more.
 fn with_friction(contact: &Contact, mode: &Mode) -> Option<Contact> {
     let friction = contact.device.friction?;
     let swing = SWING * contact.press_n_m? / contact.k_desired;

@@ -14,7 +14,7 @@ pub const DECAYS_WITHIN: f64 = 0.5;
 pub const JUDGED_AFTER: f64 = 0.75;
 /// Largest fraction of the enhanced law's loan of energy that a press may use.
 pub const LOAN_USED: f64 = 1.0;
-/// Rate of growth above which a motion is called unstable, 1/s.
+/// Rate of exponential growth above which a motion is called unstable, 1/s.
 pub const FASTEST_GROWTH_PER_S: f64 = 0.25;
 /// Largest gain of rounding to the nearest count, by its describing function, on a sinusoid of four counts or more peak to peak.
 pub const ROUNDING_GAIN: f64 = 1.05;
@@ -35,13 +35,14 @@ pub const LEFT_COUNTS: f64 = 1.5;
 /// Largest motion at the end of all simulated touches and presses that is called rest, as a fraction of a limit cycle's threshold
 /// (four encoder counts).
 pub const RESTS: f64 = 0.5;
-/// Limit in place of [`RESTS`] where the matrices alone have called the wall stable.
+/// Largest motion at the end of simulated touches that is called rest, as [`RESTS`], where the matrices alone have called the wall
+/// stable.
 pub const RESTS_AS_SAID: f64 = 0.75;
 /// Least motion at the end of every simulated touch and press, over the threshold of a limit cycle (four encoder counts), from
 /// which a wall is called unstable.
 pub const MOVES: f64 = 1.5;
 
-/// Results for one phase of the law with one hand.
+/// Results for one linear phase of the control law with one hand.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PhaseReport {
     /// Name of the control law's linear phase.
@@ -65,7 +66,7 @@ pub struct HandReport {
     pub verdict: Verdict,
     /// Reasons why the verdict is not "stable", and what the simulations decided.
     pub causes: Vec<String>,
-    /// Results of every phase of the law; the spring of the first contact comes last.
+    /// Results of every linear phase of the control law; the spring of the first contact comes last.
     pub phases: Vec<PhaseReport>,
     /// Largest magnitude of an eigenvalue over the linear phases in which the control law can stay.
     pub radius: f64,

@@ -32,19 +32,20 @@ use super::linear_law::{LinearLaw, Phase};
 use touchstone_control::law::EnhancedSfa;
 use touchstone_control::{AnyLaw, OffsetUpdate, Regulate};
 
-/// Name of the phase in which the law changes its offset at every tick.
+/// Name of the linear phase in which the enhanced law changes its offset at every tick.
 pub const OFFSET_UPDATED: &str = "offset updated";
 
-/// How a law may change between its phases.
+/// How a control law may change between its linear phases.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Switching {
     /// The control law is linear in a single phase.
     Never,
-    /// The law changes between two phases that differ in one gain, in any order; every gain between the two may occur.
+    /// The control law changes between two linear phases that differ in one gain, in any order; every gain between the two may
+    /// occur.
     Between(Box<[LinearLaw; 2]>),
 }
 
-/// A law as a set of linear phases, with what the certificate needs to know about it.
+/// A control law as a set of linear phases, with what the certificate needs to know about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Phases {
     /// Linear phases in which the control law can stay; each of them must be stable.
@@ -54,7 +55,8 @@ pub struct Phases {
     /// Whether the gain depends on the direction of the motion, and not only on its amplitude. Such a gain can feed energy into a
     /// motion.
     pub by_direction: bool,
-    /// Largest press in N·m whose energy in the coupling, `F²/(2 k_f)`, is at most the loan; absent for laws without a loan.
+    /// Largest press in N·m whose energy in the law's coupling spring, `F²/(2 k_f)`, is at most the energy that the law may lend;
+    /// absent for laws without a loan.
     pub loan_covers_n_m: Option<f64>,
     /// Stiffness of the spring that the law starts a contact with, N·m/rad; absent if the law does not leave it when the motion
     /// turns.

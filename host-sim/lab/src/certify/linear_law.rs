@@ -19,7 +19,7 @@ pub struct LinearLaw {
 }
 
 impl LinearLaw {
-    /// The law between two laws that differ in one gain: at `from` for a share of 0, at `to` for 1.
+    /// The law between two laws that differ in one gain: `from` for a `share` of 0, `to` for 1.
     #[must_use]
     pub fn between(from: &Self, to: &Self, share: f64) -> Self {
         let mix = |a: f64, b: f64| a + share * (b - a);
@@ -105,7 +105,7 @@ impl LinearLaw {
     }
 }
 
-/// A phase of a law: a mode of operation in which it is linear.
+/// A linear phase of a control law: a mode of operation in which it is linear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Phase {
     /// Name of the phase in a certificate.

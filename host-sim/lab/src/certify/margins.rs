@@ -5,7 +5,8 @@ use serde::Serialize;
 use touchstone_sim::scene::Scene;
 use touchstone_world::plant::Hand;
 
-/// Margins over all examined hands: changes at which the largest eigenvalue of any phase with any hand reaches magnitude 1.
+/// Stability margins over all examined hands: changes at which the largest eigenvalue of any phase with any hand reaches magnitude
+/// 1.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Margins {
     /// Additional delay at which the loop becomes unstable, s; 0 if the loop is unstable as it is.

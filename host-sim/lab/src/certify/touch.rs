@@ -250,8 +250,8 @@ pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
     Ok(found)
 }
 
-/// Energy that the scene's press borrows when the enhanced law's loan is unlimited, divided by the scene's loan. `None` without a
-/// loan, a press or a hand.
+/// Energy that the enhanced law gives out in the scene's press beyond what it took, if this loan is unlimited, divided by the
+/// scene's limit of the loan. `None` without a loan, a press or a hand.
 ///
 /// # Errors
 /// The control law does not accept the scene's settings.
@@ -270,7 +270,7 @@ pub fn loan_used(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Resul
     Ok(least.map(|least| (-least).max(0.0) / loan_j))
 }
 
-/// A loan that is larger than any press can use, J.
+/// Limit of the enhanced law's loan of energy that is larger than any press can use, J.
 const ENDLESS_J: f64 = 1e3;
 
 /// Least stiffness of a simulated hand's spring, N·m/rad. A hand that holds no position pushes through a spring this soft, which

@@ -65,7 +65,7 @@ impl Finding {
         self.value <= self.bound
     }
 
-    /// Whether the value is within its bound, or beyond it for a known failure.
+    /// Whether the finding is as expected: within its bound, or beyond it for a known failure.
     #[must_use]
     pub fn is_as_expected(&self) -> bool {
         self.holds() == self.fails_because.is_none()

@@ -92,11 +92,11 @@ impl Recorder for Windows {
 /// Where the limit lies relative to the searched interval.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bracket {
-    /// The press comes to rest at the lower end and grows at the upper end, so the limit lies between.
+    /// The press comes to rest with the least damping that was tried, and grows with the largest, so the limit lies between.
     Holds,
-    /// The press comes to rest at the upper end too: the device has more damping than that.
+    /// The press comes to rest even with the largest damping that was tried: the device has more damping than that.
     TooLow,
-    /// The press grows at the lower end already: the device has less damping than that, or the press never rests.
+    /// The press grows even with the least damping that was tried: the device has less damping than that, or the press never rests.
     TooHigh,
 }
 

@@ -49,7 +49,7 @@ pub struct KnownKnob {
 pub struct Swept {
     /// Current that compensates the cogging, A, one entry per harmonic from order 1: `re cos(n θ) - im sin(n θ)`.
     current_a: Vec<Complex<f64>>,
-    /// Half of the difference between the two pairs of turns, A, per harmonic.
+    /// Half of the difference between the results of two pairs of turns, A, per harmonic.
     apart_a: Vec<Complex<f64>>,
     /// Ripple of the shaft's angle around an even motion, rad, per harmonic.
     ripple_rad: Vec<Complex<f64>>,
@@ -66,7 +66,7 @@ pub struct MeasuredCogging {
     pub rms_n_m: f64,
     /// Largest torque of the map, N·m.
     pub peak_n_m: f64,
-    /// Difference between turns, root mean square, as a fraction of the map's.
+    /// Difference between turns, root mean square, as a fraction of the map's torque.
     pub unrepeated: f64,
 }
 
@@ -109,8 +109,8 @@ const ORDERS: usize = 255;
 const TURNS: usize = 2;
 /// Longest gap that is accepted in the telemetry, ticks.
 const LOST_MOST: u32 = 50;
-/// A harmonic is kept if it exceeds the median difference between turns by this factor. With noise alone, one sweep in twenty would
-/// have such a harmonic: `255 · 2^-(3.5²)`.
+/// A harmonic is kept in the map if it exceeds the median difference between turns by this factor. With noise alone, one sweep in
+/// twenty would have such a harmonic: `255 · 2^-(3.5²)`.
 const OUTSTANDING: f64 = 3.5;
 /// A harmonic is kept only if it also exceeds its own difference between the two pairs of turns by this factor.
 const ITS_OWN: f64 = 2.0;

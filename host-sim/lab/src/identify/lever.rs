@@ -44,7 +44,7 @@ const KNOB_KG_M2: f64 = 1e-4;
 pub const PRESS_SHARE: f64 = 2.0 / 3.0;
 
 impl Lever {
-    /// Creates the lever on which this mass has the inertia of the thesis' knob.
+    /// Creates the lever on which an axis with this mass has the inertia of the thesis' knob.
     #[must_use]
     pub fn of(mass_kg: f64) -> Self {
         Self {

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use touchstone_protocol::MeasuringPart;
 
-/// Data that a device sends for one control tick of the measurement.
+/// Data that a device sends for one control tick of the motor's measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorTick {
     /// Number of the control tick.
@@ -96,7 +96,7 @@ pub enum NotMeasured {
 
 /// Longest gap in the data that is filled by interpolation, ticks.
 const LOST_MOST: u32 = 5;
-/// Speeds are differences of positions this many ticks before and after.
+/// Half length of the window for a speed, ticks: a speed is the difference of positions this many ticks before and after.
 const HALF_WINDOW: usize = 4;
 /// Largest accepted uncertainty of the inertia: four standard uncertainties as a fraction of the inertia. A hand at the knob
 /// exceeds it.

@@ -291,11 +291,11 @@ fn times(parameters: &DVector<f64>, index: usize) -> f64 {
 pub enum Torques {
     /// The torques are exactly as commanded.
     Exact,
-    /// Only the mean over all swings is exact; the torque of a single swing may differ by some percent.
+    /// Only the mean torque over all swings is exact; the torque of a single swing may differ by some percent.
     Unsure,
 }
 
-/// Fits inertia, damping and friction to swings.
+/// Fits inertia, damping and friction to swings (pushes with the coasts that follow).
 ///
 /// # Errors
 /// The fit failed or leaves too large a residual.

@@ -72,7 +72,7 @@ impl Ladder {
     }
 }
 
-/// Measured time of a tick, and for each effect in `named` the time per tick without it that is saved, ns.
+/// Measured computing time of a tick, and for each effect in `named` the time that a tick without it saves, ns.
 ///
 /// # Errors
 /// The scene cannot be run.

@@ -27,7 +27,7 @@ pub use omitted::{Moved, Omitted};
 pub struct Asked {
     /// Relative change of a result above which an omitted effect is listed.
     pub tolerance: f64,
-    /// Whether the time of a tick is measured.
+    /// Whether the computing time of a tick is measured.
     pub times: bool,
     /// Whether effects that the scene does not have are tried.
     pub omitted: bool,
@@ -52,8 +52,8 @@ pub struct Named {
     pub place: &'static str,
     /// Instructions per tick that the effect adds alone at its typical magnitude, as counted.
     pub instructions: Option<f64>,
-    /// Time per tick that the effect adds to this scene, ns: the difference of the least measured times with and without it. `None`
-    /// if it was not measured, or if the scene cannot run without the effect.
+    /// Computing time per tick that the effect adds to this scene, ns: the difference of the least measured times with and without
+    /// it. `None` if it was not measured, or if the scene cannot run without the effect.
     pub ns: Option<f64>,
 }
 
@@ -81,7 +81,7 @@ pub struct Planned {
     /// Predicted instructions per tick from counts: bare loop, law, each effect, and what each pair of effects adds, at typical
     /// magnitudes.
     pub predicted_instructions: Option<f64>,
-    /// Measured time per tick of a run without a recorder.
+    /// Measured computing time per tick of a run without a recorder.
     pub measured: Option<Spread>,
     /// Effects that the scene does not have, each tried alone.
     pub omitted: Vec<Omitted>,

@@ -84,7 +84,7 @@ pub struct ReportInput<'a> {
     pub runs: &'a [Run],
     /// Warnings that a reader has to know, such as settings beyond a passivity bound.
     pub notes: &'a [String],
-    /// References for a stiffness: `k_de` in N·m/rad, and a text such as a figure number of the thesis.
+    /// References for one requested stiffness: `k_de` in N·m/rad, and a text such as a figure number of the thesis.
     pub row_notes: &'a [(f64, String)],
     /// Further sections between the tables and the plots; they are folded.
     pub sections: &'a [Section],
@@ -127,10 +127,10 @@ pub const PARQUET: bool = cfg!(feature = "parquet");
 /// Options on the files that [`write::write`] writes.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FileOptions {
-    /// Writes traces as Parquet only, if the program has [`PARQUET`].
+    /// Writes traces as Parquet only and not as CSV, if the program has [`PARQUET`].
     pub no_csv: bool,
     /// Traces contain every `every`th tick; 0 and 1 mean all ticks.
     pub every: usize,
-    /// Replaces files of another command in the folder.
+    /// Whether files of another command in the folder are replaced.
     pub force: bool,
 }

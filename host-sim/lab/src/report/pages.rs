@@ -28,7 +28,7 @@ pub struct Page<'a> {
     pub results: (&'a str, &'a Value),
     /// Further files: their names and texts.
     pub files: &'a [(String, String)],
-    /// Replaces files of another command in the folder.
+    /// Whether files of another command in the folder are replaced.
     pub force: bool,
 }
 

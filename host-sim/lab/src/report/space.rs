@@ -76,7 +76,7 @@ fn held_out_rows(found: &HeldOut) -> Vec<[String; 5]> {
     rows.collect()
 }
 
-/// Result of that check (walls that were not used to choose the setting) as text.
+/// Result of a check on walls that were not used to choose a setting, as text.
 #[must_use]
 pub fn held_out_text(found: &HeldOut) -> String {
     let mut text = format!(

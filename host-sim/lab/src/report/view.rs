@@ -36,7 +36,7 @@ pub struct Ranges {
 }
 
 impl Ranges {
-    /// Common axes for two runs that are to be compared.
+    /// Ranges of axes that fit two runs, which are to be compared.
     pub fn union(self, other: Ranges) -> Self {
         Ranges {
             time: self.time.union(other.time),
@@ -49,7 +49,7 @@ impl Ranges {
 }
 
 impl<'a> View<'a> {
-    /// Creates the view of a run; `None` if the run kept no trace.
+    /// Creates the view of a run; `None` if the run has no recorded trace.
     pub fn new(run: &'a Run, k_critical: Option<f64>) -> Option<Self> {
         let trace = run
             .trace

@@ -18,7 +18,7 @@ use touchstone_sim::error::Result;
 pub struct Written {
     /// Path of the page, which a reader can open.
     pub page: PathBuf,
-    /// Paths of all files, relative to the folder.
+    /// Paths of all written files, relative to the report's folder.
     pub files: Vec<PathBuf>,
     /// Total size of the written files, bytes.
     pub bytes: u64,

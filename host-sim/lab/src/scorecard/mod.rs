@@ -99,7 +99,7 @@ pub struct Row {
     pub worst: Option<Figures>,
     /// Whether every figure of every device is within its limit.
     pub passes: bool,
-    /// Where the law fails, in sentences, the worst figure first.
+    /// Where the control law fails, as sentences, the worst figure first.
     pub fails: Vec<String>,
 }
 
@@ -112,10 +112,10 @@ pub struct Scorecard {
     pub k_desired: f64,
     /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
     pub stiffness_per_tick: f64,
-    /// The spring-damper from which the limit of the ripple is calculated.
+    /// The spring-damper from which the limit of the ripple (change of the torque from tick to tick) is calculated.
     pub reference: Reference,
-    /// Touches of the ideal damped wall and of an undamped spring, both compared with the ideal damped wall; nominal device, worst
-    /// of three grips.
+    /// Figures of touches of an ideal damped wall and of an undamped spring, each divided by those of the ideal damped wall;
+    /// nominal device, worst of three grips.
     pub ideal_touch: Option<[TouchRatios; 2]>,
     /// Names of the devices on which a wall this stiff need not hold.
     pub not_asked: Vec<&'static str>,
@@ -181,7 +181,7 @@ fn ideal_touch(scene: &Scene) -> Result<[TouchRatios; 2]> {
     ])
 }
 
-/// Results of a scene's law on all devices.
+/// Results of a scene's control law on all devices.
 fn row(scene: &Scene, rival: &Rival, tuned: bool, reference: &Reference) -> Row {
     let programme = Programme::of(scene);
     let cases: Vec<&Case> = asked(scene).collect();

@@ -13,7 +13,7 @@ use touchstone_sim::run::terms::{Press, Terms};
 use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::{MotionSpec, Scene};
 
-/// Last part of a hold in which the device should rest, s.
+/// Duration of the last part of a hold, in which the device should rest, s.
 const REST_S: f64 = 0.25;
 /// A wall counts as lost if the knob is further than this from the surface, inside or outside, rad.
 const LOST_RAD: f64 = 3.0;
@@ -200,7 +200,7 @@ pub fn seen(scene: &Scene, deed: Deed) -> Result<Seen> {
     run::watch(scene, Watch::new(scene, deed, true)).map(Watch::seen)
 }
 
-/// As [`seen`], for ticks that were recorded elsewhere.
+/// Calculates all figures of a scene from ticks that were recorded elsewhere.
 #[must_use]
 pub fn seen_of(scene: &Scene, deed: Deed, ticks: &[Tick]) -> Seen {
     let mut watch = Watch::new(scene, deed, true);

@@ -237,8 +237,8 @@ impl Axis {
     }
 }
 
-/// One of `count` values from `from` to `to`, rounded to twelve digits. So the simulated value is the one in the file, on every
-/// machine.
+/// Returns value number `index` of `count` values from `from` to `to`, rounded to twelve digits. So the simulated value is the one
+/// in the file, on every machine.
 fn between(from: f64, to: f64, index: usize, count: usize, log: bool) -> f64 {
     if index == 0 {
         return from;

@@ -51,7 +51,7 @@ impl Grid {
         Ok(grid)
     }
 
-    /// The scene as JSON for a pair of words. On an axis of numbers the first value that the scene accepts is used.
+    /// The scene as JSON for one word of each axis. On an axis of numbers the first value that the scene accepts is used.
     fn tree(&self, word_x: usize, word_y: usize) -> Result<Value> {
         let mut refused = None;
         for index_x in trials(&self.x, word_x) {
@@ -119,7 +119,7 @@ fn words(axis: &Axis) -> usize {
     }
 }
 
-/// Indices of the values to try: three values of an axis of numbers, else the given word.
+/// Indices of the axis' values to try: three values of an axis of numbers, else the given word.
 fn trials(axis: &Axis, word: usize) -> Vec<usize> {
     match axis.numbers() {
         Some(_) => {

@@ -151,7 +151,7 @@ impl Row {
 mod tests {
     use super::*;
 
-    /// Checks that every column's heading contains its unit once. The test needs a word for each new unit.
+    /// Checks that the heading of every column contains the unit once.
     #[test]
     fn every_column_says_its_unit_once() {
         for measure in measures() {

@@ -118,7 +118,7 @@ impl Store {
         Ok(())
     }
 
-    /// Removes the journal after [`CELLS`] has been written with all its rows; returns the cells.
+    /// Removes the file of finished cells (journal) after [`CELLS`] has been written with all its rows; returns the cells.
     pub fn close(self) -> Cells {
         drop(self.journal);
         // One that stays holds nothing that is not known.

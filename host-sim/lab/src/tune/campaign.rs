@@ -39,7 +39,7 @@ impl Class {
     pub const ALL: [Class; 3] = [Class::FiveCritical, Class::TwentyCritical, Class::Inertia];
 }
 
-/// Scene with the random device of this number and its wall.
+/// Scene with the random device of this number and the wall to tune.
 #[must_use]
 pub fn scene(seed: u64, class: Class, number: u64) -> Scene {
     let mut random = Random::new(
@@ -152,7 +152,8 @@ impl Row {
         self.certificate == Verdict::Stable.word() && !self.ends_at_rest
     }
 
-    /// Rank of the result, the greatest is best: rests and follows a moving hand, then rests, then follows a moving hand.
+    /// Rank of the result; the greatest is best. Best is a wall that rests and gives a moving hand the right stiffness; then one
+    /// that only rests.
     fn rank(&self) -> (bool, bool, bool) {
         (self.rests && self.moves, self.rests, self.moves)
     }

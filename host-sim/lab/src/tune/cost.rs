@@ -21,7 +21,7 @@ const HOPELESS: f64 = 60.0;
 /// Cost of a setting that cannot be run at all.
 pub const REFUSED: f64 = 1e6;
 
-/// Depth of a touch, divided by the ideal damped wall's, up to which it hardly costs anything.
+/// Depth of a touch, as a multiple of the ideal damped wall's, up to which a touch hardly adds to the cost of settings.
 const TOUCH: f64 = 1.5;
 /// Sensor noise with which the nominal device should still rest, degrees, root mean square; that of a magnetic sensor (AS5046).
 const NOISE_DEG: f64 = 0.03;
@@ -39,7 +39,7 @@ pub struct Judgement {
     cases: Vec<&'static Case>,
     reference: Reference,
     aim: Aim,
-    /// Touch of the ideal wall on every device, in the order of `cases`; empty if touches are not judged.
+    /// Touches of the ideal wall on every device, in the order of `cases`; empty if touches are not judged.
     ideal: Vec<IdealTouch>,
 }
 
@@ -48,7 +48,8 @@ pub struct Judgement {
 enum Aim {
     /// Settings are judged by every figure of the scorecard.
     Scorecard,
-    /// Only that a press comes to rest and an oscillating hand meets the right stiffness, see [`super::outcome`].
+    /// Settings are judged only by whether a press comes to rest and an oscillating hand meets the right stiffness, see
+    /// [`super::outcome`].
     Outcome,
 }
 
@@ -161,7 +162,7 @@ impl Judgement {
         }
     }
 
-    /// Whether the nominal device is also simulated with sensor noise. It is if the scene has no noise of its own.
+    /// Whether settings are also judged on the nominal device with sensor noise. They are if the scene has no noise of its own.
     fn is_shaken(&self, scene: &Scene) -> bool {
         self.aim == Aim::Scorecard && scene.sensor.noise.is_none() && scene.encoder.is_some()
     }
@@ -238,8 +239,8 @@ impl Judgement {
             .collect())
     }
 
-    /// Figures on the nominal device if the wall is within all limits but the ripple's on every device, else `None`. For the Pareto
-    /// table.
+    /// Figures on the nominal device if the wall is within all limits on every device, the limit of the ripple left out; else
+    /// `None`. For the Pareto table.
     #[must_use]
     pub fn holds(&self, scene: &Scene) -> Option<Figures> {
         let mut nominal = None;

@@ -19,7 +19,7 @@ use touchstone_sim::scene::{MotionSpec, Number, Scene};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FailureCause {
-    /// The law accepts no settings for such a device.
+    /// The control law accepts no settings for such a device.
     Refused,
     /// The linear loop is unstable according to the certificate.
     UnstableLoop,

@@ -6,7 +6,7 @@ use super::evolution::Evolution;
 /// Result of a search for settings.
 #[derive(Debug, Clone)]
 pub struct Found {
-    /// The point with the least cost; coordinates are logarithms of ratios.
+    /// The point with the least cost. Its coordinates are natural logarithms of settings over their start values.
     pub point: Vec<f64>,
     /// Cost of the best point.
     pub cost: Cost,

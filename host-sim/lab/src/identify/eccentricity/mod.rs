@@ -81,7 +81,7 @@ pub struct Harmonic {
     pub uncertainty_rad: f64,
 }
 
-/// The known motion from which the value was calculated.
+/// The known motion from which the encoder's error was calculated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Witness {
     /// The turning of the motor's field, which is slow and timed by a clock.

@@ -209,7 +209,7 @@ impl HeldOutCell {
         self.longest_n >= (1.0 - 1e-3) * Mechanism::Cartesian.force_n()
     }
 
-    /// Figures beyond their limits, with the figure divided by its limit.
+    /// Figures that are beyond their limits, each with its value divided by the limit.
     #[must_use]
     pub fn fails(&self) -> Vec<(Measure, f64)> {
         let shares = self.found.figures.shares(&self.limits);
@@ -237,7 +237,7 @@ pub struct WorstOfAll {
     pub value: Option<f64>,
     /// Median of the figure over all walls; `None` if it is infinite.
     pub median: Option<f64>,
-    /// Number of walls on which the figure is beyond its limit.
+    /// Number of random walls on which the figure is beyond its limit.
     pub beyond: usize,
     /// Description of the wall with the largest value.
     pub wall: String,
@@ -254,7 +254,7 @@ impl HeldOut {
         Self::with(seed, count, &law, &OMEGA3_WALL.estimator())
     }
 
-    /// Simulates other settings on the random walls that a seed generates.
+    /// Simulates other law settings on the random walls that a seed generates.
     ///
     /// # Errors
     /// As [`Self::played`].
@@ -338,7 +338,7 @@ impl HeldOut {
             .try_fold(0.0, |most: f64, settle| settle.map(|s| most.max(s)))
     }
 
-    /// The check as a claim, for the list of claims.
+    /// The result of the check as a claim, for the list of claims.
     #[must_use]
     pub fn claim(&self) -> Claim {
         let worst = self.worst();

@@ -184,7 +184,7 @@ pub fn shipped_n_per_mm(mechanism: Mechanism) -> f64 {
     1e-3 * TunedWall::of(mechanism, RATE_HZ).k_desired_n_per_m
 }
 
-/// All cells of a mechanism: the thesis' approaches at two stiffnesses, and the shipped wall at its own stiffness.
+/// All cells of a mechanism: the thesis' ways to calculate the force at two stiffnesses, and the shipped wall at its own stiffness.
 #[must_use]
 pub fn cells(mechanism: Mechanism) -> Vec<Cell> {
     let mut cells = Vec::new();
@@ -379,5 +379,5 @@ pub fn run_all(cells: &[Cell], done: impl Fn() + Sync) -> Result<Vec<Record>, Se
         .collect()
 }
 
-/// Checks the unit of length: the smallest step of the number format is `2^-24` cm.
+/// Checks at compile time that the smallest step of the number format is `2^-24` of its unit, which is a centimetre here.
 const _: () = assert!(N::ONE.to_bits() == 1 << 24);

@@ -84,7 +84,7 @@ impl ProbingMotion {
         (seconds * f64::from(super::RATE_HZ)) as u32
     }
 
-    /// The part of the motion at a time.
+    /// The part of the hand's motion at a time.
     #[must_use]
     pub fn phase(&self, time_s: f64) -> Phase {
         match time_s {

@@ -147,7 +147,7 @@ impl PressedWall {
         guarded(self.surface.shape(), law, estimator, self.mechanism)
     }
 
-    /// The hand's approach to the wall, for the scorecard.
+    /// Wall and forces of the hand along the surface's normal, for the scorecard.
     #[must_use]
     pub fn approach(&self) -> Approach {
         let count_m = self.mechanism.count_m() / self.deviation.counts;
@@ -170,8 +170,8 @@ impl PressedWall {
         self.played_with_force(deed).map(|(found, _)| found)
     }
 
-    /// As [`PressedWall::played`], with the largest force that was requested of the motors, N. If the mechanism cannot reach a
-    /// position, all figures are infinite.
+    /// Simulates an action of the hand; returns the scorecard's figures and the largest force that was requested of the motors, N.
+    /// If the mechanism cannot reach a position, all figures are infinite.
     ///
     /// # Errors
     /// Control law or energy guard do not accept their settings.

@@ -91,7 +91,7 @@ impl Record {
         length(std::array::from_fn(|i| self.force_n[tick][i] - out * n[i]))
     }
 
-    /// Ticks of the last part of a phase; `share` is its fraction of the phase.
+    /// Ticks of the last part of a phase of the hand's motion; `share` is the length of that part as a fraction of the phase.
     #[must_use]
     pub fn late(&self, phase: Phase, share: f64) -> std::ops::Range<usize> {
         let all: Vec<usize> = (0..self.phase.len())

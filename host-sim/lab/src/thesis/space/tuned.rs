@@ -89,7 +89,7 @@ impl Played {
     }
 }
 
-/// A direction, with the results of every device.
+/// Scorecard for one direction: the results of every device.
 #[derive(Debug, Clone)]
 pub struct DirectionCard {
     /// The direction of the wall's normal.
@@ -256,7 +256,7 @@ mod tests {
         holds(Mechanism::Cartesian, RATE_HZ, &NORMALS);
     }
 
-    /// Checks that two sets of settings cover the control rates of the device.
+    /// Checks that two sets of settings cover the control rates of the omega.3.
     #[test]
     fn the_tuned_law_is_within_every_limit_at_other_rates() {
         for rate_hz in [1500, 2000, 4000] {
