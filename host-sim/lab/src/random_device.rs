@@ -7,8 +7,8 @@
 
 use touchstone_sim::scene::{Encoder, Friction, Scene};
 
-/// Damping of a fingertip, N·m·s/rad. The law's setting `device_damping_n_m_s_per_rad` (the thesis' `c_i`) is the device's own
-/// damping plus this.
+/// Damping of a fingertip, N·m·s/rad. Control laws assume a total damping (`device_damping_n_m_s_per_rad`, the thesis' `c_i`),
+/// which is the device's own damping plus the fingertip's.
 pub const FINGERTIP: f64 = 1e-4;
 
 /// Random number generator SplitMix64 (Steele, Lea and Flood, 2014).

@@ -18,13 +18,14 @@ const FASTEST_HZ: u32 = 10_000;
 /// Instructions that one control period (tick) takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instructions {
-    /// Mean over the test vectors of `cargo xtask thumb`; `None` if it was not measured.
+    /// Mean number of instructions per tick over the test vectors of `cargo xtask thumb`; `None` if it was not measured.
     pub mean: Option<f64>,
-    /// Largest count of any tick.
+    /// Largest number of instructions in any tick.
     pub worst: u32,
 }
 
-/// Instruction counts of a law in a number format. `None` where they were not counted: the board has no laws in floating point.
+/// Instruction counts of a control law in a number format. `None` where they were not counted: the board has no laws in floating
+/// point.
 #[must_use]
 pub fn instructions(law: &str, number: &str) -> Option<Instructions> {
     COUNTED.lines().find_map(|line| {

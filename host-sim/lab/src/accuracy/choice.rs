@@ -21,12 +21,12 @@ pub struct Cheapest {
 /// The recommended method for one problem.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Chosen {
-    /// Name of the problem.
+    /// Name of the test problem.
     pub problem: &'static str,
-    /// The fastest of all methods; absent if no method is within one encoder count.
+    /// The fastest of all integration methods; absent if the error of each exceeds one encoder count.
     pub of_all: Option<Cheapest>,
-    /// The fastest method other than the exact step. Its error is within one encoder count at this and every larger number of
-    /// substeps.
+    /// The fastest integration method other than the exact step, with its number of substeps. Its error is within one encoder count
+    /// at this number of substeps and at every larger one.
     pub without_exact: Option<Cheapest>,
     /// Time of the method in `without_exact`, divided by the time of the exact step.
     pub times_the_exact: Option<f64>,

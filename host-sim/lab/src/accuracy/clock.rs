@@ -9,16 +9,16 @@ use serde::Serialize;
 /// Shortest time that is measured in one go, s. It is long compared with the time that reading the clock takes.
 const STRETCH_S: f64 = 2e-4;
 
-/// Nanoseconds per unit of work: least, quartiles and median of the repeats.
+/// Measured computing times in nanoseconds per unit of work: least, quartiles and median over the repeats.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spread {
-    /// Least time, which is that of a repeat without disturbance, ns.
+    /// Least time per unit of work, which is that of a repeat without disturbance, ns.
     pub least_ns: f64,
-    /// Lower quartile of the times, ns.
+    /// Lower quartile of the times per unit of work, ns.
     pub lower_quartile_ns: f64,
-    /// Median of the times, ns.
+    /// Median of the times per unit of work, ns.
     pub median_ns: f64,
-    /// Upper quartile of the times, ns.
+    /// Upper quartile of the times per unit of work, ns.
     pub upper_quartile_ns: f64,
 }
 

@@ -31,7 +31,7 @@ pub struct ClosedPoint {
     pub verdict: &'static str,
     /// Displayed stiffness (force over penetration at the end of the hold), N·m/rad.
     pub k_displayed_n_m_per_rad: Option<f64>,
-    /// Most energy that the hand got in any window of time, J.
+    /// Most energy that the hand got out of the device in any window of time, J.
     pub energy_out_worst_window_j: f64,
     /// Deepest penetration of the wall, rad.
     pub penetration_max_rad: f64,
@@ -40,11 +40,11 @@ pub struct ClosedPoint {
     /// Largest stiffness at which the sampled loop of wall and bare device is stable when this method simulates the device,
     /// N·m/rad. `None`: the loop is stable at no stiffness.
     pub k_max_n_m_per_rad: Option<f64>,
-    /// Largest stable stiffness divided by that of the exact step, less 1.
+    /// Largest stable stiffness with this integration method, divided by that with the exact step, less 1.
     pub k_max_error: Option<f64>,
 }
 
-/// Name in the results, scene, preset, and overrides of the scene's keys.
+/// A closed-loop case: its name in the results, scene, preset, and overrides of the scene's keys.
 type Closed = (&'static str, &'static str, Preset, &'static [&'static str]);
 
 const SCENES: [Closed; 3] = [
@@ -62,7 +62,7 @@ const SCENES: [Closed; 3] = [
     ),
 ];
 
-/// Marks a substepped plant as linear. It has no friction, so its steps are linear in state and force.
+/// A plant that is simulated in substeps and has no friction, so that its steps are linear in state and force.
 struct Linear<S>(S);
 
 impl<S: Stepper> Stepper for Linear<S> {

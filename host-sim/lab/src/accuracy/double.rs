@@ -39,13 +39,13 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
 }
 
 impl Double {
-    /// Zero.
+    /// The number 0.
     pub const ZERO: Double = Double {
         high: 0.0,
         low: 0.0,
     };
 
-    /// The nearest `f64`.
+    /// The `f64` that is nearest to the number.
     #[must_use]
     pub fn to_f64(self) -> f64 {
         self.high

@@ -8,7 +8,7 @@ use crate::report::standalone;
 
 /// Stiffness of the wall that is assumed to convert an error of the force into an error of the angle, N·m/rad.
 const WALL_N_M_PER_RAD: f64 = 1.0;
-/// Smaller errors are drawn at this value, because rounding errors do not follow a curve.
+/// Least error in a diagram. Smaller errors are drawn at this value, because rounding errors do not follow a curve.
 const LEAST: f64 = 1e-17;
 
 const CLASSES: [&str; 7] = [

@@ -16,27 +16,28 @@ use super::clock::{Spread, Work, race};
 /// Counts per turn of the encoder with which the press was recorded.
 pub const COUNTS_PER_REV: u32 = 40_000;
 
-/// Results of one law in one number format.
+/// Results of one control law in one number format.
 #[derive(Debug, Clone, Serialize)]
 pub struct LawPoint {
     /// Name of the control law. `shipped` is the enhanced law with estimator and guard; the others have neither.
     pub law: &'static str,
-    /// Name of the number format.
+    /// Name of the number format, for example `fixed32`.
     pub number: &'static str,
     /// Reason why there are no results: the format cannot hold the law's settings.
     pub refused: Option<String>,
-    /// Largest difference of the force from that of the law in `f64`, N·m.
+    /// Largest difference of the force from that of the same law in `f64`, N·m.
     pub force_error_n_m: Option<f64>,
     /// Root mean square of the force's difference from that of the law in `f64`, N·m.
     pub force_error_rms_n_m: Option<f64>,
-    /// Largest difference from the law in `f64` of the energy that the wall has taken since the start, J.
+    /// Largest difference of the energy that the wall has taken since the start from that of the same law in `f64`, J.
     pub energy_error_j: Option<f64>,
     /// Largest difference of the force when the law in `f64` gets positions that are larger by one part in 10^12, N·m. It shows how
     /// much the law itself amplifies errors.
     pub force_floor_n_m: f64,
-    /// As `force_floor_n_m`, for the energy that the wall has taken, J.
+    /// Largest difference of the energy that the wall has taken, J, when positions are larger by one part in 10^12. It shows how
+    /// much the law itself amplifies errors.
     pub energy_floor_j: f64,
-    /// Time per tick (control period).
+    /// Computing time of the control law per tick (control period).
     pub time: Option<Spread>,
     /// Instructions per tick on the board, the mean over the test vectors of `cargo xtask thumb`.
     pub board_instructions: Option<f64>,

@@ -33,7 +33,7 @@ pub const COUNT_RAD: f64 = std::f64::consts::TAU / 40_000.0;
 /// Smallest step of a force in the 32-bit number format, N·m.
 pub const FORCE_QUANTUM_N_M: f64 = 1.0 / 16_777_216.0;
 
-/// How much is measured.
+/// Options of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Options {
     /// Measures fewer substeps, rates and repeats. Such a run shows that the program works; its times are not for publication.
@@ -106,21 +106,21 @@ pub struct Accuracy {
     pub files: Vec<String>,
     /// Whether this was a quick run with fewer substeps, rates and repeats.
     pub quick: bool,
-    /// How often every time was measured.
+    /// How often every computing time was measured.
     pub repeats: u32,
-    /// One encoder count, rad.
+    /// Size of one encoder count, rad.
     pub count_rad: f64,
     /// Smallest step of a force in the 32-bit number format, N·m.
     pub force_quantum_n_m: f64,
-    /// Integration of the plant: every method on every problem.
+    /// Results of the plant's integration: every method on every test problem.
     pub plant: Vec<Diagram>,
     /// For every problem, the fastest methods with an error within one encoder count.
     pub within_a_count: Vec<Chosen>,
-    /// Control laws in every number format.
+    /// Results of the control laws in every number format.
     pub law: Vec<LawPoint>,
-    /// Sampling: every law at every control rate and encoder resolution.
+    /// Results of the sampling: every control law at every control rate and encoder resolution.
     pub sampling: Vec<SamplingPoint>,
-    /// Closed loop: every integration method on every scene.
+    /// Results of the closed loop: every integration method on every scene.
     pub closed_loop: Vec<ClosedPoint>,
 }
 

@@ -26,16 +26,16 @@ pub struct Point {
     /// Largest gap in the energy balance, divided by the sum of all energies that flowed. `None` where the method calculates no
     /// energies.
     pub energy_gap: Option<f64>,
-    /// Time per simulated millisecond.
+    /// Computing time per simulated millisecond.
     pub time: Spread,
 }
 
 /// Results of every method on one problem.
 #[derive(Debug, Clone, Serialize)]
 pub struct Diagram {
-    /// Name of the problem.
+    /// Name of the test problem.
     pub problem: &'static str,
-    /// What makes the problem difficult.
+    /// What makes the problem difficult for an integration method.
     pub about: &'static str,
     /// Number of ticks, each of one simulated millisecond.
     pub ticks: usize,
@@ -151,7 +151,7 @@ fn error(angles: &[f64], known: &Known) -> Option<(f64, f64)> {
     Some((largest, (squares / angles.len() as f64).sqrt()))
 }
 
-/// Measures every method on a problem with each number of substeps; calls `on_round` once per round of timing.
+/// Measures every integration method on a test problem with each number of substeps; calls `on_round` once per round of timing.
 ///
 /// # Errors
 /// The plant's parameters are not valid.

@@ -9,17 +9,17 @@ use touchstone_sim::run::tick::{Recorder, Tick};
 use touchstone_sim::scene::{Preset, Scene};
 use touchstone_world::plant::{Coulomb, Device, Hand, MEDIUM};
 
-/// Duration of a tick, s.
+/// Duration of a tick (control period) in the test problems, s.
 pub const PERIOD_S: f64 = 1e-3;
-/// Bandwidth of the current loop in the stiff problem, Hz.
+/// Bandwidth of the current loop in the test problem `current-loop`, Hz.
 pub const CURRENT_LOOP_HZ: f64 = 5000.0;
 
 /// A test problem for integration methods.
 #[derive(Debug, Clone)]
 pub struct Problem {
-    /// Name in tables and files.
+    /// Name of the test problem in tables and files.
     pub name: &'static str,
-    /// What makes the problem difficult.
+    /// What makes the problem difficult for an integration method.
     pub about: &'static str,
     /// The device that moves.
     pub device: Device,
@@ -27,7 +27,7 @@ pub struct Problem {
     pub hand: Option<Hand>,
     /// Bandwidth of a current loop in front of the device, Hz.
     pub current_loop_hz: Option<f64>,
-    /// State at the start; entries that the plant does not have are 0.
+    /// State of plant and hand at the start; entries that the plant does not have are 0.
     pub start: [f64; 4],
     /// Torque in N·m and the hand's rest point in rad, constant during each tick.
     pub held: Vec<[f64; 2]>,

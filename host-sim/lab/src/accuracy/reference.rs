@@ -19,7 +19,7 @@ const MOST_EVENTS: u32 = 1000;
 /// Whether the device slides or friction holds it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Mode {
-    /// Turns in the direction of the sign (1 or -1); 0 for a device without friction, which turns either way.
+    /// The device turns in the direction of the sign (1 or -1). 0 stands for a device without friction, which turns either way.
     Sliding(f64),
     Stuck,
 }
@@ -152,7 +152,8 @@ impl Reference {
         }
     }
 
-    /// Distance to the end of the mode: it falls below zero once a sliding device has stopped or a stuck one has broken away.
+    /// Distance to the end of the mode (sliding or stuck). It falls below zero once a sliding device has stopped or a stuck one has
+    /// broken away.
     fn margin(&self, z: &Entries, u: f64, mode: Mode) -> f64 {
         match (self.device.friction, mode) {
             (None, _) => 1.0,

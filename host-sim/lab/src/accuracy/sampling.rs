@@ -26,11 +26,11 @@ pub struct SamplingPoint {
     pub dynamic_stiffness_error: Option<f64>,
     /// Phase of the force relative to the penetration while the hand oscillates, degrees; positive if the force leads.
     pub dynamic_stiffness_phase_deg: Option<f64>,
-    /// Change of the torque from tick to tick, root mean square, N·m.
+    /// Ripple: change of the torque from tick to tick, root mean square, N·m.
     pub ripple_rms_n_m: Option<f64>,
     /// Most energy that the wall gave out in any window of time, J.
     pub energy_out_wall_worst_window_j: Option<f64>,
-    /// Most energy that the hand got in any window of time, J.
+    /// Most energy that the hand got out of the device in any window of time, J.
     pub energy_out_worst_window_j: Option<f64>,
     /// Stiffness in N·m/rad at which the loop of wall and bare device becomes unstable at this rate, calculated from eigenvalues.
     pub k_max_n_m_per_rad: f64,

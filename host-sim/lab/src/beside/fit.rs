@@ -8,7 +8,7 @@ use serde::Serialize;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 
-/// Best factor on one property of the knob.
+/// Best factor on one property of the simulated knob, with which the simulation matches a recording.
 #[derive(Debug, Clone, Serialize)]
 pub struct Fit {
     /// Key of the property in the scene file.
@@ -38,7 +38,7 @@ const VALUES: [(&str, Change); 3] = [
     }),
 ];
 
-/// Factors from 1/2 to 2 are tried; a larger deviation would mean another knob.
+/// Largest factor on a property; the least is its reciprocal. A larger deviation would mean another knob.
 const WIDEST: f64 = 2.0;
 /// Number of steps of the grid of factors, equal on a logarithmic scale, that is tried before the search is refined.
 const GRID: i32 = 12;

@@ -10,7 +10,7 @@ use super::told::Told;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{Curve, Scene};
 
-/// Below this speed friction is taken in proportion to the speed, because a device this slow may be stuck.
+/// Speed of the device below which friction is taken in proportion to the speed, because a device this slow may be stuck.
 const SLOW_RAD_PER_S: f64 = 0.02;
 
 /// The hand's rest point in every tick of the recording, as a penetration of the wall, rad.

@@ -33,13 +33,13 @@ pub enum HandWas {
 /// Difference between the recorded and the simulated course of one quantity.
 #[derive(Debug, Clone, Serialize)]
 pub struct Difference {
-    /// The quantity: `position` or `force`.
+    /// Name of the compared quantity: `position` or `force`.
     pub what: &'static str,
-    /// The unit of the values.
+    /// Unit of the compared quantity.
     pub unit: &'static str,
-    /// Root mean square of the difference.
+    /// Root mean square of the difference between recording and simulation.
     pub rms: f64,
-    /// Largest difference.
+    /// Largest difference between recording and simulation.
     pub worst: f64,
     /// Time of the largest difference, in the recording's time, s.
     pub worst_at_s: f64,
@@ -54,7 +54,7 @@ pub struct Difference {
 /// Fraction of the recorded span above which recording and simulation are said to differ.
 pub const PARTS: f64 = 0.05;
 
-/// Recorded and simulated courses tick by tick, with their differences and best fits.
+/// Comparison of a recording with its simulation: both courses tick by tick, their differences, and the best fits.
 #[derive(Debug, Clone)]
 pub struct Beside {
     /// Times of the samples, in the recording's time, s.
@@ -63,7 +63,7 @@ pub struct Beside {
     pub penetration_rad: [Vec<f64>; 2],
     /// Force commanded out of the wall, N·m: first recorded, then simulated.
     pub force_n_m: [Vec<f64>; 2],
-    /// Differences of position and of force.
+    /// Differences between recording and simulation: of the position, then of the force.
     pub differences: [Difference; 2],
     /// Best factor on each property of the knob, varied alone; the property that matches best comes first.
     pub fits: Vec<Fit>,
@@ -80,7 +80,7 @@ impl Beside {
         self.differences.iter().all(|it| it.share <= share)
     }
 
-    /// Differences and fits as JSON, without the courses.
+    /// The comparison as JSON: differences and fits, without the courses.
     #[must_use]
     pub fn to_json(&self) -> serde_json::Value {
         serde_json::json!({
@@ -122,7 +122,7 @@ pub fn beside(scene: &Scene, told: &Told, hand: HandWas, folder: &Path) -> Resul
     })
 }
 
-/// Difference of a recorded and a simulated course over the same ticks.
+/// Difference of the recorded and the simulated course of a quantity over the same ticks.
 fn difference(
     what: &'static str,
     unit: &'static str,

@@ -8,7 +8,7 @@ use crate::report::{Block, Section, standalone};
 /// Most points of a line in a picture; a picture that is 800 pixels wide shows no more.
 const MOST: usize = 2000;
 
-/// Sections of the report page.
+/// Sections of the report page that compares recording and simulation.
 #[must_use]
 pub fn sections(beside: &Beside) -> Vec<Section> {
     let section = |title: &str, body| Section {

@@ -26,14 +26,14 @@ const SPEED_HALVINGS: u32 = 6;
 /// A recording, and the scene that simulates it.
 pub struct Replay<'a> {
     told: &'a Told,
-    /// Index of the first tick that is compared.
+    /// Index of the recording's first tick that is compared with the simulation.
     first: usize,
     scene: Scene,
     /// Uncertainty of the start speed, rad/s; 0 where a hand holds the knob.
     unsure_rad_per_s: f64,
 }
 
-/// The part of a recording that is compared.
+/// The part of a recording that is compared with the simulation.
 pub struct Part<'a> {
     pub time_s: &'a [f64],
     pub penetration_rad: &'a [f64],
@@ -41,7 +41,7 @@ pub struct Part<'a> {
     pub limited: &'a [bool],
 }
 
-/// The part of a simulated run that is compared.
+/// The part of a simulated run that is compared with the recording.
 pub struct Simulated {
     pub penetration_rad: Vec<f64>,
     pub force_n_m: Vec<f64>,

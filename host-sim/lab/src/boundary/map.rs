@@ -7,7 +7,7 @@ use crate::report::svg::Size;
 use crate::report::{Block, Section, drawn};
 use serde_json::{Value, json};
 
-/// Size of a panel, pixels.
+/// Size of one panel of the map, pixels.
 const SIZE: Size = Size {
     width: 430,
     height: 380,
@@ -25,7 +25,7 @@ const TILES: [(&str, &str); 5] = [
     ("tile refused", "refused"),
 ];
 
-/// Lower and upper edge of each value's tile (decimal logarithms), half-way to the neighbouring values.
+/// Lower and upper edge of each value's tile in the map, as decimal logarithms; half-way to the neighbouring values.
 fn edges(values: &[f64]) -> Vec<[f64; 2]> {
     let at = |index: usize| values[index].log10();
     let last = values.len() - 1;
@@ -120,7 +120,7 @@ pub fn figures(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<Figure> {
     plan.delays.iter().map(panel).collect()
 }
 
-/// All panels as one SVG picture.
+/// All panels of the map as one SVG picture.
 #[must_use]
 pub fn picture(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> String {
     let title = format!("Where a tuned wall ends: {}", plan.rival.about);
@@ -193,7 +193,7 @@ fn wrongly_stable(cells: &[BoundaryCell]) -> Option<String> {
     })
 }
 
-/// Contents of `results.json`.
+/// Contents of `results.json`: limits of every column and slopes of the boundary.
 #[must_use]
 pub fn results(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Value {
     let limits = limits(plan, cells);
@@ -214,7 +214,7 @@ pub fn results(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Value {
     })
 }
 
-/// Sections of the report page.
+/// Sections of the report page with the map.
 #[must_use]
 pub fn sections(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<Section> {
     let mut body = vec![Block::Figure(picture(plan, cells))];

@@ -42,11 +42,11 @@ pub struct BoundaryPlan {
     pub base: Scene,
     /// The control law that is tuned for every cell.
     pub rival: &'static Rival,
-    /// `b T/J` of each column.
+    /// `b T/J` (fraction of its speed that the device loses per tick) of each column of the map.
     pub dampings: Vec<f64>,
-    /// `T sqrt(k_de/J)` of each row.
+    /// `T sqrt(k_de/J)` (angle in rad that the oscillation advances per tick) of each row of the map.
     pub stiffnesses: Vec<f64>,
-    /// Delays in ticks, one panel each.
+    /// Delays from sample to force in ticks; the map has one panel for each.
     pub delays: Vec<f64>,
     /// Most simulated ticks that the search may use per cell.
     pub ticks: f64,
@@ -57,7 +57,7 @@ pub struct BoundaryPlan {
 /// Position of a cell in the map.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BoundaryPlace {
-    /// Delay, ticks.
+    /// Delay from sample to force, ticks.
     pub delay_ticks: f64,
     /// `b T/J`: fraction of its speed that the free device loses per tick.
     pub damping_per_tick: f64,
@@ -69,13 +69,14 @@ pub struct BoundaryPlace {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TunedEnding {
-    /// Rests within 5 % of `k_de`; force over penetration of a hand moving at up to 4 Hz is within 15 % and 15°.
+    /// The knob rests at a stiffness within 5 % of `k_de`. For a hand moving at up to 4 Hz, force over penetration is within 15 %
+    /// and 15° of `k_de`.
     Holds,
-    /// Rests within 5 % of `k_de`, but a moving hand meets a stiffness beyond the limits of `Holds`.
+    /// The knob rests at a stiffness within 5 % of `k_de`, but a moving hand meets a stiffness beyond the limits of `Holds`.
     Rests,
-    /// Rests, but at a stiffness more than 5 % off `k_de`.
+    /// The knob rests, but at a stiffness more than 5 % off `k_de`.
     RestsElsewhere,
-    /// Does not come to rest.
+    /// The knob does not come to rest in the wall.
     DoesNotRest,
     /// The law has no settings for such a wall.
     Refused,
@@ -101,24 +102,24 @@ impl TunedEnding {
     }
 }
 
-/// Results of one cell.
+/// Results of one cell of the map: a device and a wall.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BoundaryCell {
     /// Digest of scene, law, search budget and seed; cells of another digest belong to another map.
     pub plan: String,
-    /// Delay, ticks.
+    /// Delay from sample to force, ticks.
     pub delay_ticks: f64,
     /// `b T/J`: fraction of its speed that the free device loses per tick.
     pub damping_per_tick: f64,
     /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
     pub stiffness_per_tick: f64,
-    /// Damping of the device, N·m·s/rad.
+    /// Viscous damping of the device, N·m·s/rad.
     pub damping_n_m_s_per_rad: f64,
     /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
     /// `k_de` divided by `b/(T/2 + t_d)`, the largest stiffness that the device's own damping makes passive.
     pub times_critical: f64,
-    /// How the tuned wall behaves.
+    /// How the tuned wall behaves in the worst of three grips.
     pub ended: TunedEnding,
     /// Largest relative deviation of the stiffness at rest from `k_de`; `NaN` in the file where a press does not rest.
     #[serde(with = "crate::journal::or_nan")]
@@ -199,8 +200,8 @@ impl BoundaryPlan {
         places
     }
 
-    /// Scene with the device and the wall of a position. The press is the scene's, or stronger so that it goes at least twenty
-    /// encoder counts deep. The limits of torque and force grow with the press, because they are not the subject of the map.
+    /// Scene with the device and the wall of a position in the map. The press is the scene's, or stronger so that it goes at least
+    /// twenty encoder counts deep. The limits of torque and force grow with the press, because they are not the subject of the map.
     #[must_use]
     pub fn scene(&self, place: BoundaryPlace) -> Scene {
         let mut scene = self.base.clone();
@@ -337,7 +338,7 @@ impl BoundaryPlan {
 /// Largest stiffnesses of one column of the map, that is of one damping and delay.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ColumnLimits {
-    /// Delay, ticks.
+    /// Delay from sample to force, ticks.
     pub delay_ticks: f64,
     /// `b T/J`: fraction of its speed that the free device loses per tick.
     pub damping_per_tick: f64,
@@ -353,7 +354,7 @@ pub struct ColumnLimits {
     pub times_critical: Option<f64>,
 }
 
-/// Calculates the limits of every column.
+/// Calculates the largest stiffnesses of every column of the map.
 #[must_use]
 pub fn limits(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<ColumnLimits> {
     let mut found = Vec::new();

@@ -30,8 +30,8 @@ use touchstone_sim::scene::{Encoder, Grip, MotionSpec, Number, RampAndHold, Scen
 /// Least `k_v` (soft stiffness of the enhanced law) that its settings accept, N·m/rad.
 const SOFTEST_N_M_PER_RAD: f64 = 0.01;
 
-/// Random scene of a number and seed. Device, wall and law are the same for three consecutive numbers, which differ in the grip.
-/// With estimated states the device that the estimator assumes is random too: half to twice the true values.
+/// Random scene, generated from a number and a seed. Device, wall and law are the same for three consecutive numbers, which differ
+/// in the grip. With estimated states the device that the estimator assumes is random too: half to twice the true values.
 #[must_use]
 pub fn scene(seed: u64, index: u64, states: StatesKind) -> Scene {
     let mut random = Random::new(seed ^ (index / 3).wrapping_mul(0xd1b5_4a32_d192_ed03));
@@ -161,7 +161,7 @@ impl Ended {
 /// Certificate and simulated run of one random scene.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Row {
-    /// Number of the random scene.
+    /// Number of the random scene within its seed.
     pub index: u64,
     /// Name of the control law.
     pub law: String,
@@ -181,23 +181,23 @@ pub struct Row {
     pub stiffness_per_tick: f64,
     /// Delay from sample to force, ticks.
     pub delay_ticks: f64,
-    /// Largest magnitude of an eigenvalue of the loop over the phases of the law.
+    /// Largest magnitude of an eigenvalue of the loop over the linear phases of the control law.
     pub radius: f64,
     /// Rate at which the slowest motion of the loop decays, 1/s.
     pub decay_per_s: f64,
     /// Rate of decay of the slowest motion with dry friction counted as damping, 1/s.
     pub decay_with_friction_per_s: Option<f64>,
-    /// Frequency of the slowest motion, Hz.
+    /// Frequency of the loop's slowest motion, Hz.
     pub frequency_hz: f64,
     /// Speed at which the device returns to the wall after a bounce, over the speed of the touch before; the largest ratio.
     pub bounce: f64,
-    /// Most energy of the enhanced law's loan that the press uses, as a fraction of the loan.
+    /// Energy that the enhanced law gives out in the press beyond what it took, as a fraction of the most that it may (its loan).
     pub loan_used: Option<f64>,
     /// Largest magnitude of an eigenvalue while the measured penetration is scaled as rounding to counts may scale it.
     pub radius_rounded: f64,
     /// Motion that rounding to counts causes at rest, root mean square, counts.
     pub rounding_rms_counts: Option<f64>,
-    /// Least cosine of the circle criterion for the gains between the law's phases; the criterion holds above 0.
+    /// Least cosine of the circle criterion for the gains between the control law's linear phases; the criterion holds above 0.
     pub switching: Option<f64>,
     /// Amplitude below which dry friction stops a growing oscillation, counts.
     pub friction_holds_counts: f64,
@@ -215,7 +215,7 @@ impl Row {
     }
 }
 
-/// Certifies and simulates the random scene of a number.
+/// Generates the random scene of a number, certifies it, and simulates it.
 ///
 /// # Errors
 /// The scene cannot be run or certified.
@@ -270,14 +270,14 @@ pub fn row(seed: u64, index: u64, states: StatesKind) -> Result<Row> {
 pub struct Tally {
     /// Numbers of runs: first index is the verdict, second whether the run rested, kept oscillating or was unstable.
     counts: [[u32; 3]; 3],
-    /// The same numbers for classes of `T sqrt(k_de/J)` that are 0.1 wide.
+    /// Numbers of runs by verdict and outcome, for classes of `T sqrt(k_de/J)` that are 0.1 wide.
     by_stiffness: std::collections::BTreeMap<u32, [[u32; 3]; 3]>,
     /// Numbers of the scenes that were certified stable but did not rest.
     wrong: Vec<u64>,
 }
 
 impl Tally {
-    /// Counts one run.
+    /// Adds one run to the counts.
     pub fn add(&mut self, row: &Row) {
         let outcome = row.outcome as usize;
         let tenth = (10.0 * row.stiffness_per_tick).floor() as u32;

@@ -22,11 +22,11 @@ pub const SWING: f64 = 1.25;
 /// A control law on a device, in the form that the certificate examines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {
-    /// The phases in which the law is linear.
+    /// The linear phases of the control law.
     pub phases: Phases,
     /// The device. Its dry friction is not in the matrices; it is only used to judge which motions friction may stop.
     pub device: Device,
-    /// Control period and delay.
+    /// Control period, and delay from sample to force.
     pub clock: Clock,
     /// Bandwidth of the current loop, Hz. It comes from the options of the certificate, because scenes have none.
     pub current_loop_hz: Option<f64>,
@@ -49,10 +49,11 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// Creates the contact of a scene. The law's coefficients are those of its implementation in `f64`.
+    /// Creates the contact of law, device and hand that a scene describes. The law's coefficients are those of its implementation
+    /// in `f64`.
     ///
     /// # Errors
-    /// The law does not accept the scene's settings.
+    /// The control law does not accept the scene's settings.
     pub fn of(scene: &Scene) -> Result<Self> {
         let controller = AnyLaw::<f64>::new(&scene.settings()?)
             .map_err(|error| settings::refused(scene, &error))?;
@@ -107,7 +108,7 @@ impl Contact {
         sampled(&mechanics, self.clock).ok()
     }
 
-    /// A phase of the law as a system from position to force, with the estimator if there is one.
+    /// A linear phase of the control law as a system from position to force, with the estimator if there is one.
     #[must_use]
     pub fn law(&self, phase: &LinearLaw) -> StateSpace {
         match &self.estimator {
@@ -116,7 +117,7 @@ impl Contact {
         }
     }
 
-    /// Largest eigenvalue over the phases in which the law can stay, and the name of its phase.
+    /// Largest eigenvalue over the linear phases in which the control law can stay, and the name of its phase.
     #[must_use]
     pub fn worst(&self, hand: Option<&Hand>) -> (Mode, &'static str) {
         let lost = Mode {
@@ -135,7 +136,7 @@ impl Contact {
             .unwrap_or((lost, "no phase"))
     }
 
-    /// Largest magnitude of an eigenvalue over the phases in which the law can stay.
+    /// Largest magnitude of an eigenvalue over the linear phases in which the control law can stay.
     #[must_use]
     pub fn radius(&self, hand: Option<&Hand>) -> f64 {
         self.worst(hand).0.radius
@@ -154,7 +155,7 @@ impl Contact {
             .fold(0.0, f64::max)
     }
 
-    /// Largest magnitude of an eigenvalue over gains between two phases of the law; 0 for a law without such gains.
+    /// Largest magnitude of an eigenvalue over gains between two linear phases of the control law; 0 for a law without such gains.
     #[must_use]
     pub fn radius_between(&self, hand: Option<&Hand>) -> f64 {
         let (Switching::Between(ends), Some(plant)) = (&self.phases.switching, self.plant(hand))

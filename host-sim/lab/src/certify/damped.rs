@@ -8,7 +8,7 @@ use super::linear_law::{LinearLaw, Phase};
 use touchstone_control::law::Damped;
 use touchstone_control::velocity::Velocity;
 
-/// The phases in which the law can stay.
+/// The linear phases in which the control law can stay.
 pub(super) fn phases(law: &Damped<f64>) -> Vec<Phase> {
     let (k, b) = (law.spring.desired.0, law.spring.damping.0);
     let phase = |name, law| Phase { name, law };

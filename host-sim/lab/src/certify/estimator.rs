@@ -8,7 +8,7 @@ use touchstone_sim::error::Result;
 use touchstone_sim::run::settings;
 use touchstone_sim::scene::Scene;
 
-/// The estimator of a scene.
+/// The state estimator of a scene as a linear system.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimator(touchstone_control::Estimator<f64>);
 
@@ -29,8 +29,8 @@ impl Estimator {
         })
     }
 
-    /// Updates the state by a measured penetration; returns the law's input. [`Estimator::command`] must follow with the law's
-    /// force.
+    /// Updates the estimator's state by a measured penetration; returns the control law's input. [`Estimator::command`] must follow
+    /// with the law's force.
     pub fn update(&self, state: &mut [f64], measured: f64) -> Sample<f64> {
         let (estimate, commands) = state.split_at_mut(3);
         let commands = [commands[0], commands[1], commands[2]];

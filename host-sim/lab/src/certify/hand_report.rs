@@ -14,7 +14,7 @@ use touchstone_world::plant::Hand;
 pub struct Played {
     /// Speed at which the device returns to the wall after a bounce, over the speed of the touch before; the largest ratio.
     pub bounce: f64,
-    /// Most energy of the enhanced law's loan that the press uses, as a fraction of the loan.
+    /// Energy that the enhanced law gives out in the press beyond what it took, as a fraction of the most that it may (its loan).
     pub loan_used: Option<f64>,
 }
 
@@ -96,8 +96,9 @@ pub fn report(contact: &Contact, name: &str, hand: Option<&Hand>, played: Played
     report
 }
 
-/// The contact with dry friction replaced by viscous damping, for an oscillation of [`SWING`] times the press' depth at the
-/// frequency of `mode`. The damping is the describing function `4 F/(π ω A)`; friction damps a smaller oscillation more.
+/// The contact with dry friction replaced by viscous damping, for an oscillation at the frequency of `mode` and with [`SWING`]
+/// times the press' depth. The damping is the describing function `4 F/(π ω A)` of friction `F`; friction damps a smaller
+/// oscillation more.
 fn with_friction(contact: &Contact, mode: &Mode) -> Option<Contact> {
     let friction = contact.device.friction?;
     let swing = SWING * contact.press_n_m? / contact.k_desired;

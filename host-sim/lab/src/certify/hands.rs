@@ -64,18 +64,18 @@ pub fn from_parameters(values: [f64; 5]) -> Hand {
     }
 }
 
-/// The three grips with their names.
+/// The three grips of the simulated hand, with their names.
 pub const GRIPS: [(&str, Hand); 3] = [
     ("light", plant::LIGHT),
     ("medium", plant::MEDIUM),
     ("firm", plant::FIRM),
 ];
 
-/// Name of the worst hand in the ranges, which is found by a search.
+/// Name of the worst hand within [`RANGES`], which is found by a search.
 pub const HYPOTHETICAL: &str = "worst of all";
 
-/// The hand at a position in the ranges. Each coordinate goes from 0 to 1, on a logarithmic scale except for the stiffness, which
-/// may be zero.
+/// The hand at a position within [`RANGES`]. Each coordinate goes from 0 to 1, on a logarithmic scale except for the stiffness,
+/// which may be zero.
 fn at(place: [f64; 5]) -> Hand {
     from_parameters(std::array::from_fn(|index| {
         let [low, high] = RANGES[index];

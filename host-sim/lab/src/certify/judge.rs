@@ -14,7 +14,7 @@ pub const DECAYS_WITHIN: f64 = 0.5;
 pub const JUDGED_AFTER: f64 = 0.75;
 /// Largest fraction of the enhanced law's loan of energy that a press may use.
 pub const LOAN_USED: f64 = 1.0;
-/// Rate of growth above which a motion is called unstable, 1/s.
+/// Rate of exponential growth above which a motion is called unstable, 1/s.
 pub const FASTEST_GROWTH_PER_S: f64 = 0.25;
 /// Largest gain of rounding to the nearest count, by its describing function, on a sinusoid of four counts or more peak to peak.
 pub const ROUNDING_GAIN: f64 = 1.05;
@@ -32,25 +32,26 @@ pub const STIFFEST_PER_TICK: f64 = 1.0;
 /// Amplitude of a motion below which the knob counts as at rest, encoder counts.
 pub const LEFT_COUNTS: f64 = 1.5;
 
-/// Largest motion at the end of all simulated touches and presses that is called rest, as a fraction of the limit cycle's
-/// threshold.
+/// Largest motion at the end of all simulated touches and presses that is called rest, as a fraction of a limit cycle's threshold
+/// (four encoder counts).
 pub const RESTS: f64 = 0.5;
-/// Limit in place of [`RESTS`] where the matrices alone have called the wall stable.
+/// Largest motion at the end of simulated touches that is called rest, as [`RESTS`], where the matrices alone have called the wall
+/// stable.
 pub const RESTS_AS_SAID: f64 = 0.75;
-/// Least motion at the end of every simulated touch and press, over the limit cycle's threshold, from which a wall is called
-/// unstable.
+/// Least motion at the end of every simulated touch and press, over the threshold of a limit cycle (four encoder counts), from
+/// which a wall is called unstable.
 pub const MOVES: f64 = 1.5;
 
-/// Results for one phase of the law with one hand.
+/// Results for one linear phase of the control law with one hand.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PhaseReport {
-    /// Name of the phase.
+    /// Name of the control law's linear phase.
     pub phase: &'static str,
     /// Largest magnitude of an eigenvalue of the loop in this phase.
     pub radius: f64,
     /// Rate at which the slowest motion of this phase decays, 1/s; negative if it grows.
     pub decay_per_s: f64,
-    /// Frequency of the slowest motion, Hz.
+    /// Frequency of the loop's slowest motion, Hz.
     pub frequency_hz: f64,
 }
 
@@ -65,16 +66,16 @@ pub struct HandReport {
     pub verdict: Verdict,
     /// Reasons why the verdict is not "stable", and what the simulations decided.
     pub causes: Vec<String>,
-    /// Results of every phase of the law; the spring of the first contact comes last.
+    /// Results of every linear phase of the control law; the spring of the first contact comes last.
     pub phases: Vec<PhaseReport>,
-    /// Largest magnitude of an eigenvalue over the phases in which the law can stay.
+    /// Largest magnitude of an eigenvalue over the linear phases in which the control law can stay.
     pub radius: f64,
-    /// Rate at which the slowest motion decays, 1/s; negative if it grows.
+    /// Rate at which the loop's slowest motion decays, 1/s; negative if it grows.
     pub decay_per_s: f64,
     /// As `decay_per_s`, with dry friction counted as damping for an oscillation of [`SWING`](super::contact::SWING) times the
     /// press' depth. `None` without dry friction or a press.
     pub decay_with_friction_per_s: Option<f64>,
-    /// Frequency of the slowest motion, Hz.
+    /// Frequency of the loop's slowest motion, Hz.
     pub frequency_hz: f64,
     /// Largest magnitude of an eigenvalue while measured penetrations are multiplied by 1 to [`ROUNDING_GAIN`].
     pub radius_rounded: f64,
@@ -82,19 +83,21 @@ pub struct HandReport {
     pub rounding_rms_counts: Option<f64>,
     /// Largest possible motion from rounding to counts at rest, counts.
     pub rounding_most_counts: Option<f64>,
-    /// Largest magnitude of an eigenvalue over gains between the law's phases.
+    /// Largest magnitude of an eigenvalue over gains between the control law's linear phases.
     pub radius_between: f64,
     /// Least cosine of the circle criterion (16). Above 0 the loop is stable however the gain changes between two phases. Absent if
     /// the law has no such gain, or an end of its range is unstable.
     pub switching: Option<f64>,
     /// Speed at which the device returns to the wall after a bounce, over the speed of the touch before; the largest ratio.
     pub bounce: f64,
-    /// Most energy of the enhanced law's loan that the press uses, as a fraction of the loan; `None` without a loan or a press.
+    /// Energy that the enhanced law gives out in the press beyond what it took, as a fraction of the most that it may (its loan);
+    /// `None` without a loan or a press.
     pub loan_used: Option<f64>,
-    /// Least and largest motion at the end of the simulated touches, as multiples of the limit cycle's threshold.
+    /// Least and largest motion at the end of the simulated touches, as multiples of a limit cycle's threshold (four encoder
+    /// counts).
     pub ends: Option<[f64; 2]>,
-    /// Least and largest motion at the end of simulated slow presses, as multiples of the limit cycle's threshold. They are
-    /// simulated where an offset decays too slowly or a press uses more than the loan.
+    /// Least and largest motion at the end of simulated slow presses, as multiples of a limit cycle's threshold (four encoder
+    /// counts). They are simulated where an offset decays too slowly or a press uses more than the loan.
     pub presses: Option<[f64; 2]>,
     /// Amplitude below which dry friction stops a motion that would grow without it, rad; 0 without friction.
     pub friction_holds_rad: f64,

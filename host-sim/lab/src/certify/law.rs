@@ -32,29 +32,31 @@ use super::linear_law::{LinearLaw, Phase};
 use touchstone_control::law::EnhancedSfa;
 use touchstone_control::{AnyLaw, OffsetUpdate, Regulate};
 
-/// Name of the phase in which the law changes its offset at every tick.
+/// Name of the linear phase in which the enhanced law changes its offset at every tick.
 pub const OFFSET_UPDATED: &str = "offset updated";
 
-/// How a law may change between its phases.
+/// How a control law may change between its linear phases.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Switching {
-    /// The law has one phase only.
+    /// The control law is linear in a single phase.
     Never,
-    /// The law changes between two phases that differ in one gain, in any order; every gain between the two may occur.
+    /// The control law changes between two linear phases that differ in one gain, in any order; every gain between the two may
+    /// occur.
     Between(Box<[LinearLaw; 2]>),
 }
 
-/// A law as a set of linear phases, with what the certificate needs to know about it.
+/// A control law as a set of linear phases, with what the certificate needs to know about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Phases {
-    /// Phases in which the law can stay; each of them must be stable.
+    /// Linear phases in which the control law can stay; each of them must be stable.
     pub lasting: Vec<Phase>,
     /// How the law changes between its phases.
     pub switching: Switching,
     /// Whether the gain depends on the direction of the motion, and not only on its amplitude. Such a gain can feed energy into a
     /// motion.
     pub by_direction: bool,
-    /// Largest press in N·m whose energy in the coupling, `F²/(2 k_f)`, is at most the loan; absent for laws without a loan.
+    /// Largest press in N·m whose energy in the law's coupling spring, `F²/(2 k_f)`, is at most the energy that the law may lend;
+    /// absent for laws without a loan.
     pub loan_covers_n_m: Option<f64>,
     /// Stiffness of the spring that the law starts a contact with, N·m/rad; absent if the law does not leave it when the motion
     /// turns.
@@ -74,7 +76,7 @@ pub enum Clamp {
 }
 
 impl Phases {
-    /// Derives the phases of a law.
+    /// Derives the linear phases of a control law.
     #[must_use]
     pub fn of(controller: &AnyLaw<f64>) -> Self {
         let springs = |stiffness: f64, damping: f64, clamps| Self {
@@ -150,11 +152,11 @@ impl Phases {
 /// How the offset of the enhanced law is treated in a phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Offset {
-    /// Changed at every tick by the ideal step, (6) or (7).
+    /// The offset changes at every tick by the ideal step, equation (6) or (7).
     Updated,
-    /// Constant, but kept as a state of the matrix.
+    /// The offset is constant, but a state of the matrix.
     Held,
-    /// Constant and not in the matrix, because a constant offset only moves the point of rest.
+    /// The offset is constant and not in the matrix, because a constant offset only moves the point of rest.
     Frozen,
 }
 

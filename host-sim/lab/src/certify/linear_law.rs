@@ -8,18 +8,18 @@ use nalgebra::{DMatrix, DVector};
 /// and force `f`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearLaw {
-    /// State to next state.
+    /// Matrix from the state to the next state.
     pub a: DMatrix<f64>,
-    /// Penetration and displacement to next state.
+    /// Matrix from penetration and displacement to the next state.
     pub b: DMatrix<f64>,
-    /// State to force.
+    /// Vector from the state to the force.
     pub c: DVector<f64>,
-    /// Penetration and displacement to the force of the same tick.
+    /// Factors from penetration and displacement to the force of the same tick.
     pub d: [f64; 2],
 }
 
 impl LinearLaw {
-    /// The law between two laws that differ in one gain: at `from` for a share of 0, at `to` for 1.
+    /// The law between two laws that differ in one gain: `from` for a `share` of 0, `to` for 1.
     #[must_use]
     pub fn between(from: &Self, to: &Self, share: f64) -> Self {
         let mix = |a: f64, b: f64| a + share * (b - a);
@@ -51,7 +51,7 @@ impl LinearLaw {
         Self::of(0, |_, e, moved| stiffness * e + damping_per_tick * moved)
     }
 
-    /// Number of states.
+    /// Number of state variables.
     #[must_use]
     pub fn order(&self) -> usize {
         self.c.len()
@@ -105,11 +105,11 @@ impl LinearLaw {
     }
 }
 
-/// A phase of a law: a mode of operation in which it is linear.
+/// A linear phase of a control law: a mode of operation in which it is linear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Phase {
     /// Name of the phase in a certificate.
     pub name: &'static str,
-    /// Matrices of the phase.
+    /// Matrices of the control law in this phase.
     pub law: LinearLaw,
 }

@@ -5,7 +5,8 @@ use serde::Serialize;
 use touchstone_sim::scene::Scene;
 use touchstone_world::plant::Hand;
 
-/// Margins over all examined hands: changes at which the largest eigenvalue of any phase with any hand reaches magnitude 1.
+/// Stability margins over all examined hands: changes at which the largest eigenvalue of any phase with any hand reaches magnitude
+/// 1.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Margins {
     /// Additional delay at which the loop becomes unstable, s; 0 if the loop is unstable as it is.
@@ -25,7 +26,7 @@ pub struct Margins {
 
 /// Longest additional delay that is examined, ticks.
 const LONGEST_TICKS: f64 = 16.0;
-/// Number of stiffnesses that are examined.
+/// Number of stiffnesses `k_de` that are examined.
 const POINTS: i32 = 60;
 
 fn radius(contact: &Contact, hands: &[Hand]) -> f64 {

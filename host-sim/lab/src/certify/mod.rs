@@ -57,7 +57,7 @@ use touchstone_world::plant::Hand;
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// The wall comes to rest.
+    /// A press on the wall comes to rest.
     Stable,
     /// Neither the matrices nor the simulations decide.
     Undecided,
@@ -124,7 +124,7 @@ pub struct Certificate {
 /// Calculates the certificate of a scene.
 ///
 /// # Errors
-/// The law does not accept the scene's settings.
+/// The control law does not accept the scene's settings.
 pub fn certify(scene: &Scene, options: &Options) -> Result<Certificate> {
     let mut contact = Contact::of(scene)?;
     contact.current_loop_hz = options.current_loop_hz;

@@ -7,13 +7,13 @@ use touchstone_world::plant::spectral_radius;
 /// A discrete system `s' = a s + b w`, `y = c s + d w`, one step per tick: state `s`, input `w`, output `y`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StateSpace {
-    /// State to next state.
+    /// Matrix from the state to the next state.
     pub a: DMatrix<f64>,
-    /// Input to next state.
+    /// Vector from the input to the next state.
     pub b: DVector<f64>,
-    /// State to output.
+    /// Vector from the state to the output.
     pub c: DVector<f64>,
-    /// Input to output of the same tick.
+    /// Factor from the input to the output of the same tick.
     pub d: f64,
 }
 
@@ -48,7 +48,7 @@ impl StateSpace {
         system
     }
 
-    /// Number of states.
+    /// Number of state variables.
     #[must_use]
     pub fn order(&self) -> usize {
         self.b.len()
@@ -101,7 +101,7 @@ pub fn eigenvalues(matrix: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
 /// The motion of a loop that decays slowest or grows fastest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mode {
-    /// Magnitude of the largest eigenvalue.
+    /// Magnitude of the loop's largest eigenvalue.
     pub radius: f64,
     /// Angle of the eigenvalue, rad per tick, 0 to π; NaN if only the magnitude was found.
     pub angle_rad: f64,

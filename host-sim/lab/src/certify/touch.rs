@@ -179,7 +179,7 @@ fn phases(count: u32) -> impl Iterator<Item = f64> {
 /// leaves counts.
 ///
 /// # Errors
-/// The law does not accept the scene's settings.
+/// The control law does not accept the scene's settings.
 pub fn bounce(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Result<f64> {
     let push_n_m = contact.played_press_n_m;
     let touched = Touched::of(scene, contact, hand, push_n_m);
@@ -213,14 +213,15 @@ pub fn bounce(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Result<f
     Ok(most)
 }
 
-/// Least and largest motion at the end of a pressing hand's touches, peak to peak, as multiples of the limit cycle's threshold.
+/// Least and largest motion at the end of a pressing hand's touches, peak to peak, as multiples of a limit cycle's threshold (four
+/// encoder counts).
 ///
 /// Each touch is simulated to the end of a hold as long as the scene's; the last quarter is judged, as in a run. A press that
 /// begins with a light touch is simulated at that torque too, because a hand that pushes less holds the device in the wall less
 /// firmly.
 ///
 /// # Errors
-/// The law does not accept the scene's settings.
+/// The control law does not accept the scene's settings.
 pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
     let ticks = (hold_s(contact) / contact.clock.period_s).ceil().max(TICKS) as u64;
     let limit_rad = Terms::of(scene).limit_cycle_rad;
@@ -249,11 +250,11 @@ pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
     Ok(found)
 }
 
-/// Energy that the scene's press borrows when the enhanced law's loan is unlimited, divided by the scene's loan. `None` without a
-/// loan, a press or a hand.
+/// Energy that the enhanced law gives out in the scene's press beyond what it took, if this loan is unlimited, divided by the
+/// scene's limit of the loan. `None` without a loan, a press or a hand.
 ///
 /// # Errors
-/// The law does not accept the scene's settings.
+/// The control law does not accept the scene's settings.
 pub fn loan_used(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Result<Option<f64>> {
     let loan_j = scene.law.energy_credit_j;
     if contact.phases.loan_covers_n_m.is_none() || contact.press_n_m.is_none() || hand.is_none() {
@@ -269,7 +270,7 @@ pub fn loan_used(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Resul
     Ok(least.map(|least| (-least).max(0.0) / loan_j))
 }
 
-/// A loan that is larger than any press can use, J.
+/// Limit of the enhanced law's loan of energy that is larger than any press can use, J.
 const ENDLESS_J: f64 = 1e3;
 
 /// Least stiffness of a simulated hand's spring, N·m/rad. A hand that holds no position pushes through a spring this soft, which

@@ -285,8 +285,8 @@ fn shipped(_: Effort) -> Result<Vec<Finding>> {
         .collect()
 }
 
-/// Simulates a spring in one number format that a constant torque presses into a wall at 0. Calls `at` with the state at every
-/// tick.
+/// Simulates a knob that a constant torque presses into a spring wall at angle 0; the control law calculates in the number format
+/// `N`. Calls `at` with the state at every tick.
 fn pressed<N: Reported>(
     plant: &BareCoulomb,
     stiffness: f64,

@@ -146,7 +146,7 @@ impl<N: Reported> Subject<N> {
         self.settings.law == LawKind::Spring && self.is_alone()
     }
 
-    /// Moves far out of the wall, because a wall that a law has moved out may begin far outside of its configured surface.
+    /// Moves the knob far out of the wall, because a wall that a law has moved out may begin far outside of its configured surface.
     fn leave(&self, law: &mut Controller<N>) {
         law.tick(Position::from_f64(-1e9));
     }

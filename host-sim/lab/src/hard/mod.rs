@@ -65,7 +65,7 @@ impl Finding {
         self.value <= self.bound
     }
 
-    /// Whether the value is within its bound, or beyond it for a known failure.
+    /// Whether the finding is as expected: within its bound, or beyond it for a known failure.
     #[must_use]
     pub fn is_as_expected(&self) -> bool {
         self.holds() == self.fails_because.is_none()
@@ -84,16 +84,16 @@ impl Finding {
     }
 }
 
-/// A hard case.
+/// A hard case: a situation in which simulators or control laws fail.
 #[derive(Clone, Copy)]
 pub struct Case {
     /// Name of the case.
     pub name: &'static str,
     /// The difficulty that the case tests.
     pub about: &'static str,
-    /// Source of the right answer.
+    /// Independent source of the right answer, in words.
     pub oracle: &'static str,
-    /// Unit of values and bounds.
+    /// Unit of the measured values and their bounds.
     pub unit: &'static str,
     /// Runs the case; returns one finding per subject.
     run: fn(Effort) -> Result<Vec<Finding>>,
@@ -106,13 +106,13 @@ pub struct Outcome {
     pub name: &'static str,
     /// The difficulty that the case tests.
     pub about: &'static str,
-    /// Source of the right answer.
+    /// Independent source of the right answer, in words.
     pub oracle: &'static str,
-    /// Unit of values and bounds.
+    /// Unit of the measured values and their bounds.
     pub unit: &'static str,
     /// Whether every finding is as expected, known failures included.
     pub passed: bool,
-    /// Findings for every subject.
+    /// Findings for every subject (plant, integration method, or law in a number format).
     pub findings: Vec<Finding>,
     /// Time that the case took, s.
     pub seconds: f64,
@@ -128,7 +128,7 @@ impl Outcome {
             .max_by(|a, b| a.used().total_cmp(&b.used()))
     }
 
-    /// Findings that are not as expected.
+    /// Findings that should be within their bound and are not, or the reverse.
     pub fn surprises(&self) -> impl Iterator<Item = &Finding> {
         self.findings
             .iter()

@@ -65,8 +65,8 @@ fn wrap(_: Effort) -> Result<Vec<Finding>> {
     Ok(found)
 }
 
-/// Moves the virtual mass at random and sums the energy that goes in at the HIP. Returns the most energy that came out, divided by
-/// the sum of all energies that flowed.
+/// Moves the virtual mass at random and sums the energy that goes in at the hand's point. Returns the most energy that came out,
+/// divided by the sum of all energies that flowed.
 fn shaken(inertia: f64, stiffness: f64, damping: f64, ground: f64) -> f64 {
     let gain = |value: f64| Stiffness::<f64>(value);
     let total = gain(inertia + stiffness + damping + ground);

@@ -1,4 +1,4 @@
-//! Hard cases of the exact plants.
+//! Hard cases of the plants (device and hand) that are integrated exactly.
 
 use super::random::Random;
 use super::{Case, Effort, Finding};

@@ -18,7 +18,7 @@ use nalgebra::{Matrix4, Vector4};
 /// Identified properties of an axis, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisMechanics {
-    /// Moved mass, kg.
+    /// Mass that moves with the axis, kg.
     pub mass_kg: Estimate,
     /// Viscous damping, N·s/m.
     pub damping_n_s_per_m: Estimate,
@@ -54,7 +54,7 @@ pub enum Unidentified {
 
 /// Length of a bump function, s: a few periods of the slowest motions that can be distinguished from a constant force.
 const BUMP_S: f64 = 0.4;
-/// Bump functions per second.
+/// Number of bump functions (equations) per second of the record.
 const BUMPS_PER_S: f64 = 40.0;
 /// The direction of motion at a tick is taken from the positions this much earlier and later, s.
 const AROUND_S: f64 = 3e-3;

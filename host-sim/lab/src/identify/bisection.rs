@@ -14,7 +14,7 @@ use touchstone_sim::error::Result;
 use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::Scene;
 
-/// Settings of the bisection.
+/// Settings of the bisection for the device's damping.
 #[derive(Debug, Clone, Copy)]
 pub struct Search {
     /// Lower end of the searched interval of damping, N·m·s/rad.
@@ -25,7 +25,7 @@ pub struct Search {
     pub steps: u32,
 }
 
-/// One step of the bisection.
+/// One step of the bisection: a press with one assumed damping.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trial {
     /// Damping that FBA assumed, N·m·s/rad.
@@ -92,15 +92,15 @@ impl Recorder for Windows {
 /// Where the limit lies relative to the searched interval.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bracket {
-    /// The press comes to rest at the lower end and grows at the upper end, so the limit lies between.
+    /// The press comes to rest with the least damping that was tried, and grows with the largest, so the limit lies between.
     Holds,
-    /// The press comes to rest at the upper end too: the device has more damping than that.
+    /// The press comes to rest even with the largest damping that was tried: the device has more damping than that.
     TooLow,
-    /// The press grows at the lower end already: the device has less damping than that, or the press never rests.
+    /// The press grows even with the least damping that was tried: the device has less damping than that, or the press never rests.
     TooHigh,
 }
 
-/// Result of the identification.
+/// Result of the identification: the device's damping with its uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identified {
     /// Largest damping that FBA may assume, N·m·s/rad: the mean over the presses.

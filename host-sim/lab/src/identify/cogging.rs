@@ -19,7 +19,7 @@ use touchstone_protocol::settings::cogging::{
 pub struct SweepTick {
     /// Number of the control tick.
     pub tick: u32,
-    /// Direction of the turn.
+    /// Direction of the turn in which the data were measured.
     pub part: MeasuringPart,
     /// Position from the encoder's own zero, encoder counts.
     pub count: i32,
@@ -49,7 +49,7 @@ pub struct KnownKnob {
 pub struct Swept {
     /// Current that compensates the cogging, A, one entry per harmonic from order 1: `re cos(n θ) - im sin(n θ)`.
     current_a: Vec<Complex<f64>>,
-    /// Half of the difference between the two pairs of turns, A, per harmonic.
+    /// Half of the difference between the results of two pairs of turns, A, per harmonic.
     apart_a: Vec<Complex<f64>>,
     /// Ripple of the shaft's angle around an even motion, rad, per harmonic.
     ripple_rad: Vec<Complex<f64>>,
@@ -66,7 +66,7 @@ pub struct MeasuredCogging {
     pub rms_n_m: f64,
     /// Largest torque of the map, N·m.
     pub peak_n_m: f64,
-    /// Difference between turns, root mean square, as a fraction of the map's.
+    /// Difference between turns, root mean square, as a fraction of the map's torque.
     pub unrepeated: f64,
 }
 
@@ -79,7 +79,7 @@ pub enum NoMap {
         /// Longest gap in the data, ticks.
         lost: u32,
     },
-    /// No harmonic exceeds the noise.
+    /// No harmonic of the cogging exceeds the noise.
     #[error("no cogging stands out: less than {n_m:.1e} N·m of any order")]
     Nothing {
         /// Torque from which on a harmonic would have exceeded the noise, N·m.
@@ -105,12 +105,12 @@ pub enum NoMap {
 
 /// Number of harmonics that are examined.
 const ORDERS: usize = 255;
-/// Turns per direction.
+/// Turns of the shaft per direction in a sweep.
 const TURNS: usize = 2;
 /// Longest gap that is accepted in the telemetry, ticks.
 const LOST_MOST: u32 = 50;
-/// A harmonic is kept if it exceeds the median difference between turns by this factor. With noise alone, one sweep in twenty would
-/// have such a harmonic: `255 · 2^-(3.5²)`.
+/// A harmonic is kept in the map if it exceeds the median difference between turns by this factor. With noise alone, one sweep in
+/// twenty would have such a harmonic: `255 · 2^-(3.5²)`.
 const OUTSTANDING: f64 = 3.5;
 /// A harmonic is kept only if it also exceeds its own difference between the two pairs of turns by this factor.
 const ITS_OWN: f64 = 2.0;

@@ -20,13 +20,13 @@ pub struct Lever {
 pub struct AxisOfDevice {
     /// Name of the axis, for people.
     pub name: String,
-    /// Moved mass, kg.
+    /// Mass that moves with the axis, kg.
     pub mass_kg: f64,
     /// Viscous damping, N·s/m.
     pub damping_n_s_per_m: f64,
-    /// Dry friction, N.
+    /// Dry friction of the axis, N.
     pub friction_n: f64,
-    /// Largest force, N.
+    /// Largest force of the axis, N.
     pub force_n: f64,
     /// Size of a position count, m.
     pub count_m: f64,
@@ -34,7 +34,7 @@ pub struct AxisOfDevice {
     pub delay_s: f64,
     /// Control rate, Hz.
     pub rate_hz: u32,
-    /// Requested stiffness, N/m.
+    /// Requested stiffness of the wall, N/m.
     pub k_desired_n_per_m: f64,
 }
 
@@ -44,7 +44,7 @@ const KNOB_KG_M2: f64 = 1e-4;
 pub const PRESS_SHARE: f64 = 2.0 / 3.0;
 
 impl Lever {
-    /// Creates the lever on which this mass has the inertia of the thesis' knob.
+    /// Creates the lever on which an axis with this mass has the inertia of the thesis' knob.
     #[must_use]
     pub fn of(mass_kg: f64) -> Self {
         Self {

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use touchstone_protocol::MeasuringPart;
 
-/// Data that a device sends for one control tick of the measurement.
+/// Data that a device sends for one control tick of the motor's measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorTick {
     /// Number of the control tick.
@@ -46,7 +46,7 @@ pub struct MeasuredMotor {
     pub resistance_ohm: Estimate,
     /// Inductance of one phase to the star point, H.
     pub inductance_h: Estimate,
-    /// Flux linkage, Wb.
+    /// Flux linkage of the motor, Wb.
     pub flux_linkage_wb: Estimate,
     /// Torque constant `3/2 p λ`, N·m per ampere of phase amplitude.
     pub torque_constant_n_m_per_a: Estimate,
@@ -60,7 +60,7 @@ pub enum NotMeasured {
     /// Data of the measurement are missing.
     #[error("the measurement is not whole: {part} is missing")]
     Incomplete {
-        /// The missing part.
+        /// Name of the missing part of the measurement.
         part: &'static str,
     },
     /// Too many records in a row were lost in transmission.
@@ -78,9 +78,9 @@ pub enum NotMeasured {
     /// A calculated value is not possible for a motor.
     #[error("the {what} comes out as {value:.3e}, which no motor has")]
     Absurd {
-        /// Name of the quantity.
+        /// Name of the quantity whose value is not possible.
         what: &'static str,
-        /// The calculated value, SI unit.
+        /// The value that is not possible, SI unit.
         value: f64,
     },
     /// The motion does not fit a free knob.
@@ -96,7 +96,7 @@ pub enum NotMeasured {
 
 /// Longest gap in the data that is filled by interpolation, ticks.
 const LOST_MOST: u32 = 5;
-/// Speeds are differences of positions this many ticks before and after.
+/// Half length of the window for a speed, ticks: a speed is the difference of positions this many ticks before and after.
 const HALF_WINDOW: usize = 4;
 /// Largest accepted uncertainty of the inertia: four standard uncertainties as a fraction of the inertia. A hand at the knob
 /// exceeds it.

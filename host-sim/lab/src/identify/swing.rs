@@ -19,7 +19,7 @@ pub struct Swing {
     pub angle_rad: Vec<f64>,
 }
 
-/// How the device is pushed.
+/// How the device is pushed: torque, angles and times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Swings {
     /// Torque of a push, N·m; above the device's friction and below its torque limit.
@@ -74,7 +74,7 @@ pub enum NotFound {
         "a push of {torque_n_m} N·m did not turn the device by {wanted_rad} rad within {within_s} s"
     )]
     DidNotMove {
-        /// The push's torque, N·m.
+        /// Torque of the push, N·m.
         torque_n_m: f64,
         /// Angle by which the push should have turned the device, rad.
         wanted_rad: f64,
@@ -86,7 +86,7 @@ pub enum NotFound {
         "no inertia, damping and friction explain the motion: {residual_rad:.2e} rad rms are left"
     )]
     NoFit {
-        /// Residual, root mean square, rad.
+        /// Residual between predicted and read angles, root mean square, rad.
         residual_rad: f64,
     },
 }
@@ -289,13 +289,13 @@ fn times(parameters: &DVector<f64>, index: usize) -> f64 {
 /// How exactly the torques of the swings are known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Torques {
-    /// The torques are as commanded.
+    /// The torques are exactly as commanded.
     Exact,
-    /// Only the mean over all swings is exact; the torque of a single swing may differ by some percent.
+    /// Only the mean torque over all swings is exact; the torque of a single swing may differ by some percent.
     Unsure,
 }
 
-/// Fits inertia, damping and friction to swings.
+/// Fits inertia, damping and friction to swings (pushes with the coasts that follow).
 ///
 /// # Errors
 /// The fit failed or leaves too large a residual.

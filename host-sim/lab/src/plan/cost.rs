@@ -12,7 +12,7 @@ use crate::accuracy::clock::{Spread, Work, race};
 
 /// Instruction counts, written by `cargo xtask bench --ladder --write`.
 const COUNTED: &str = include_str!("ladder.txt");
-/// How often each run is timed.
+/// How often each simulated run is timed.
 const REPEATS: u32 = 15;
 
 /// Counted instructions per tick for each configuration: the bare loop, and the loop with one law, effect or pair of effects.
@@ -21,7 +21,7 @@ pub struct Ladder {
 }
 
 impl Ladder {
-    /// The counts that were stored last.
+    /// The instruction counts that were stored last.
     pub fn known() -> Self {
         let counted = COUNTED
             .lines()
@@ -72,7 +72,7 @@ impl Ladder {
     }
 }
 
-/// Measured time of a tick, and for each effect in `named` the time per tick without it that is saved, ns.
+/// Measured computing time of a tick, and for each effect in `named` the time that a tick without it saves, ns.
 ///
 /// # Errors
 /// The scene cannot be run.

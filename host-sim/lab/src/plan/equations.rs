@@ -8,7 +8,7 @@ use touchstone_sim::scene::Scene;
 use touchstone_world::plant::Invalid;
 use touchstone_world::plant::train::{Friction, Links};
 
-/// An eigenvalue, 1/s.
+/// An eigenvalue of the linear part of device and hand, 1/s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Eigenvalue {
     /// Real part, 1/s; the motion grows where it is positive.

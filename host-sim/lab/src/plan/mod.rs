@@ -22,12 +22,12 @@ use crate::report::ProgramVersion;
 pub use equations::Eigenvalue;
 pub use omitted::{Moved, Omitted};
 
-/// Options of a plan.
+/// Options for the description of how a scene is simulated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Asked {
     /// Relative change of a result above which an omitted effect is listed.
     pub tolerance: f64,
-    /// Whether the time of a tick is measured.
+    /// Whether the computing time of a tick is measured.
     pub times: bool,
     /// Whether effects that the scene does not have are tried.
     pub omitted: bool,
@@ -43,17 +43,17 @@ impl Default for Asked {
     }
 }
 
-/// An effect that the scene has.
+/// An effect that the scene has, such as friction or a current loop.
 #[derive(Debug, Clone, Serialize)]
 pub struct Named {
-    /// Name of the effect.
+    /// Name of the simulated effect.
     pub name: &'static str,
     /// Where in the loop the effect acts.
     pub place: &'static str,
     /// Instructions per tick that the effect adds alone at its typical magnitude, as counted.
     pub instructions: Option<f64>,
-    /// Time per tick that the effect adds to this scene, ns: the difference of the least measured times with and without it. `None`
-    /// if it was not measured, or if the scene cannot run without the effect.
+    /// Computing time per tick that the effect adds to this scene, ns: the difference of the least measured times with and without
+    /// it. `None` if it was not measured, or if the scene cannot run without the effect.
     pub ns: Option<f64>,
 }
 
@@ -68,7 +68,7 @@ pub struct Planned {
     pub scene: String,
     /// Names of the state variables of device and hand.
     pub states: Vec<String>,
-    /// Eigenvalues of the linear part.
+    /// Eigenvalues of the linear part of device and hand.
     pub eigenvalues: Vec<Eigenvalue>,
     /// How the plant is integrated over a tick, in words.
     pub tier: String,
@@ -76,12 +76,12 @@ pub struct Planned {
     pub substeps: u32,
     /// Reasons for this integration, one sentence each.
     pub reasons: Vec<String>,
-    /// Effects that the scene has.
+    /// Effects that the scene has, with their computing cost.
     pub effects: Vec<Named>,
     /// Predicted instructions per tick from counts: bare loop, law, each effect, and what each pair of effects adds, at typical
     /// magnitudes.
     pub predicted_instructions: Option<f64>,
-    /// Measured time per tick of a run without a recorder.
+    /// Measured computing time per tick of a run without a recorder.
     pub measured: Option<Spread>,
     /// Effects that the scene does not have, each tried alone.
     pub omitted: Vec<Omitted>,

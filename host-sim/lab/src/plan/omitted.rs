@@ -23,7 +23,7 @@ pub struct Moved {
 /// An effect that the scene does not have, and what it would change.
 #[derive(Debug, Clone, Serialize)]
 pub struct Omitted {
-    /// Name of the effect.
+    /// Name of the simulated effect.
     pub name: &'static str,
     /// Key or table of the scene file that would add the effect.
     pub field: &'static str,
@@ -103,7 +103,7 @@ const OUTPUTS: &[Output] = &[
 /// Change of the start angle with which the loop's own sensitivity is measured, rad.
 const NUDGE_RAD: f64 = 1e-9;
 
-/// Tries every effect that the scene does not have. Effects that exclude one of the scene's are left out.
+/// Simulates the scene with each effect that it does not have, one at a time. Effects that exclude one of the scene's are left out.
 ///
 /// # Errors
 /// The scene cannot be run.

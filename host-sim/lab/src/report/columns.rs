@@ -6,9 +6,9 @@ use touchstone_sim::run::record::Trace;
 pub struct Column {
     /// Name in CSV and Parquet: the name of the field in [`Trace`], whose ending is the unit.
     pub name: &'static str,
-    /// Unit in the form used in metadata.
+    /// Unit of the column, in the form used in metadata.
     pub unit: &'static str,
-    /// Meaning in a few words.
+    /// Meaning of the column in a few words.
     pub meaning: &'static str,
     /// Returns the column's values from a trace.
     pub values: fn(&Trace) -> &[f64],

@@ -14,12 +14,13 @@ use super::quantity::plain;
 use super::svg::escape;
 use touchstone_sim::run::record::Trace;
 
-/// Most ticks of a trace that are embedded. Of a longer trace only the lowest and highest angle of each stretch are kept.
+/// Most ticks of a trace that are embedded in the page. Of a longer trace, which is divided into stretches, only the lowest and
+/// highest angle of each stretch are embedded.
 const MOST: usize = 4000;
 /// Number of integer steps from the lowest to the highest value of a column.
 const STEPS: f64 = 8000.0;
 
-/// Writes the section with its data; nothing if fewer than two runs kept a trace.
+/// Writes the section that compares two runs, with its data; nothing if fewer than two runs have a recorded trace.
 pub fn section(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     let traced: Vec<(usize, &Trace)> = input
         .runs

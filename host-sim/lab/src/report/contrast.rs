@@ -9,7 +9,7 @@ fn colour(variables: &str, name: &str) -> [f64; 3] {
     [0, 2, 4].map(|i| f64::from(u8::from_str_radix(&hex[i..i + 2], 16).unwrap()) / 255.0)
 }
 
-/// Contrast as WCAG 2 defines it.
+/// Contrast of two colours as WCAG 2 defines it.
 fn contrast(a: [f64; 3], b: [f64; 3]) -> f64 {
     let linear = |c: f64| {
         if c <= 0.04045 {

@@ -11,9 +11,9 @@ pub struct Figure {
     pub title: String,
     /// What the figure shows, in one or two sentences with numbers from the runs.
     pub description: String,
-    /// Horizontal axis.
+    /// Horizontal axis of the figure.
     pub x: Axis,
-    /// Vertical axis.
+    /// Vertical axis of the figure.
     pub y: Axis,
     /// Which side of the figure is inside the wall.
     pub wall: Option<Wall>,
@@ -30,12 +30,12 @@ pub enum Wall {
     Above(f64),
 }
 
-/// One axis.
+/// One axis of a figure.
 #[derive(Debug, Clone, Serialize)]
 pub struct Axis {
-    /// Title without the unit.
+    /// Title of the axis without the unit.
     pub title: String,
-    /// SI unit; empty for a plain number.
+    /// SI unit of the axis; empty for a plain number.
     pub unit: String,
     /// Lower and upper end of the axis.
     pub range: Range,
@@ -123,15 +123,15 @@ pub enum Shape {
 /// A sign for a verdict. Signs differ in shape as well as in colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Sign {
-    /// A full dot.
+    /// The sign is a full dot.
     Dot,
-    /// An open triangle.
+    /// The sign is an open triangle.
     Triangle,
-    /// Two waves.
+    /// The sign is two waves.
     Waves,
-    /// A cross.
+    /// The sign is a cross.
     Cross,
-    /// An open circle.
+    /// The sign is an open circle.
     Ring,
 }
 
@@ -148,7 +148,7 @@ impl Figure {
         }
     }
 
-    /// Adds a line.
+    /// Adds a line to the figure.
     pub fn line(&mut self, role: &'static str, name: &str, shape: Shape) {
         self.lines.push(Line {
             role,
@@ -161,14 +161,14 @@ impl Figure {
 /// An interval that grows to include values. Empty until the first finite value.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Range {
-    /// Lower end.
+    /// Lower end of the interval.
     pub min: f64,
-    /// Upper end.
+    /// Upper end of the interval.
     pub max: f64,
 }
 
 impl Range {
-    /// An empty range.
+    /// An empty interval, to which values can be added.
     pub const EMPTY: Range = Range {
         min: f64::INFINITY,
         max: f64::NEG_INFINITY,

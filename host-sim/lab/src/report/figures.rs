@@ -53,7 +53,7 @@ impl Kind {
         }
     }
 
-    /// Short name for identifiers.
+    /// Short name of the figure, for identifiers in the page.
     pub fn key(self) -> &'static str {
         match self {
             Kind::PositionForce => "f",

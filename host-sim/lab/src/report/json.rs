@@ -25,7 +25,7 @@ struct Results<'a> {
     program: ProgramVersion,
     command: &'a str,
     inputs: &'a [Input],
-    /// Every how many ticks a trace file has a row; absent if no files were written.
+    /// Number of ticks per row of a trace file; absent if no files were written.
     #[serde(skip_serializing_if = "Option::is_none")]
     trace_every: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -59,7 +59,7 @@ pub fn law_order(law: LawKind) -> usize {
 
 /// Name, explanation and style of a verdict on a run.
 pub struct VerdictWords {
-    /// The name in one word.
+    /// Name of the verdict in one or two words.
     pub name: &'static str,
     /// Name of the verdict in results, and of its CSS class.
     pub key: &'static str,
@@ -106,7 +106,7 @@ pub struct Condition {
 }
 
 impl Condition {
-    /// The conditions of a run.
+    /// The conditions of a run, from its summary.
     pub fn of(summary: &Summary) -> Self {
         let rate = f64::from(summary.rate_hz);
         Condition {
@@ -131,7 +131,7 @@ impl Condition {
         }
     }
 
-    /// All conditions in one line.
+    /// All conditions of the run in one line of text.
     pub fn text(&self) -> String {
         self.parts.join(" · ")
     }

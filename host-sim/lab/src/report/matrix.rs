@@ -7,7 +7,7 @@ use touchstone_sim::run::record::{Run, Summary};
 /// A column of a table: a control law, or a setting of a law that the report names itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Column {
-    /// Name in place of the law's own. It is the first field, so that columns with such a name are sorted last.
+    /// Name of the column in place of the law's own. It is the first field, so that columns with such a name are sorted last.
     shown_as: Option<&'static str>,
     /// The control law of the column.
     pub law: LawKind,
@@ -22,12 +22,12 @@ impl Column {
         }
     }
 
-    /// Whether the report names the column itself.
+    /// Whether the report gives the column a name of its own, instead of the law's name.
     pub fn is_named(self) -> bool {
         self.shown_as.is_some()
     }
 
-    /// The column's heading.
+    /// Heading of the column.
     pub fn name(self) -> &'static str {
         self.shown_as.unwrap_or(label::law(self.law))
     }

@@ -15,7 +15,7 @@ pub struct Measure {
     pub meaning: &'static str,
     /// The measure's value; `None` where it does not apply.
     pub value: fn(&Summary) -> Option<f64>,
-    /// Formats the value for readers.
+    /// Formats the measure's value for readers.
     pub shown: fn(&Summary, f64) -> String,
 }
 

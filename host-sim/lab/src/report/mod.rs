@@ -76,7 +76,7 @@ pub struct ReportInput<'a> {
     pub scenes: &'a [Scene],
     /// Files from which the scenes were read. Recordings are not among them; the scenes name those.
     pub inputs: &'a [PathBuf],
-    /// Which files to write.
+    /// Which files the report writes.
     pub files: FileOptions,
     /// Critical stiffness `k_c` of device and control rate, N·m/rad. It is drawn beside the displayed stiffness.
     pub k_critical: Option<f64>,
@@ -84,7 +84,7 @@ pub struct ReportInput<'a> {
     pub runs: &'a [Run],
     /// Warnings that a reader has to know, such as settings beyond a passivity bound.
     pub notes: &'a [String],
-    /// References for a stiffness: `k_de` in N·m/rad, and a text such as a figure number of the thesis.
+    /// References for one requested stiffness: `k_de` in N·m/rad, and a text such as a figure number of the thesis.
     pub row_notes: &'a [(f64, String)],
     /// Further sections between the tables and the plots; they are folded.
     pub sections: &'a [Section],
@@ -95,9 +95,9 @@ pub struct ReportInput<'a> {
 /// A section of the page that the caller composes, for example the claims that were checked.
 #[derive(Debug, Clone, Default)]
 pub struct Section {
-    /// Heading.
+    /// Heading of the section.
     pub title: String,
-    /// Content, from top to bottom.
+    /// Parts of the section, from top to bottom.
     pub body: Vec<Block>,
     /// Whether the section starts folded, on a page of sections alone. A report of runs folds all sections.
     pub folded: bool,
@@ -106,15 +106,15 @@ pub struct Section {
 /// A part of a [`Section`]. Texts are plain; the page escapes them.
 #[derive(Debug, Clone)]
 pub enum Block {
-    /// A paragraph.
+    /// A paragraph of text.
     Text(String),
     /// A table with a heading row.
     Table {
         /// Caption of the table.
         caption: String,
-        /// Names of the columns, with units.
+        /// Names of the table's columns, with units.
         header: Vec<String>,
-        /// Cells, row by row.
+        /// Texts of the table's cells, row by row.
         rows: Vec<Vec<String>>,
     },
     /// A drawing as SVG that this program made.
@@ -127,10 +127,10 @@ pub const PARQUET: bool = cfg!(feature = "parquet");
 /// Options on the files that [`write::write`] writes.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FileOptions {
-    /// Writes traces as Parquet only, if the program has [`PARQUET`].
+    /// Writes traces as Parquet only and not as CSV, if the program has [`PARQUET`].
     pub no_csv: bool,
     /// Traces contain every `every`th tick; 0 and 1 mean all ticks.
     pub every: usize,
-    /// Replaces files of another command in the folder.
+    /// Whether files of another command in the folder are replaced.
     pub force: bool,
 }

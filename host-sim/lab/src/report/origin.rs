@@ -18,9 +18,9 @@ pub const SCHEMA_VERSION: u32 = 1;
 /// Version of the program that made the results.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct ProgramVersion {
-    /// The program's name.
+    /// Name of the program.
     pub name: &'static str,
-    /// The program's version.
+    /// Version number of the program.
     pub version: &'static str,
     /// Commit that the program was built from; `None` if it was not built from a git checkout.
     pub commit: Option<&'static str>,
@@ -71,9 +71,9 @@ pub struct RunFiles {
 /// A scene file that was written out.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneFile {
-    /// Path, relative to the report's folder.
+    /// Path of the scene file, relative to the report's folder.
     pub path: String,
-    /// The scene's text.
+    /// Text of the scene file.
     pub text: String,
     /// SHA-256 hash of the scene's text, hexadecimal.
     pub sha256: String,
@@ -84,7 +84,7 @@ pub struct SceneFile {
 pub struct Origin {
     /// Input files that were read.
     pub inputs: Vec<Input>,
-    /// One entry for each run.
+    /// Names and files of each run, in the order of the report.
     pub runs: Vec<RunFiles>,
 }
 

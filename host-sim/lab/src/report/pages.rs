@@ -11,7 +11,7 @@ use super::svg::escape;
 use super::{ProgramVersion, Section, Written, html, previous};
 use touchstone_sim::error::Result;
 
-/// Contents of the folder.
+/// Contents of a results folder with a page.
 #[derive(Debug, Clone, Copy)]
 pub struct Page<'a> {
     /// Heading of the page.
@@ -28,11 +28,11 @@ pub struct Page<'a> {
     pub results: (&'a str, &'a Value),
     /// Further files: their names and texts.
     pub files: &'a [(String, String)],
-    /// Replaces files of another command in the folder.
+    /// Whether files of another command in the folder are replaced.
     pub force: bool,
 }
 
-/// Text of the page.
+/// HTML text of the page.
 fn html(input: &Page) -> String {
     let mut page = String::new();
     let title = escape(input.title);

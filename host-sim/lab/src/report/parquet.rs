@@ -127,7 +127,7 @@ fn builder<'a>(metadata: impl Iterator<Item = (&'a str, String)>) -> WriterPrope
 pub enum Values<'a> {
     /// Numbers; a missing value is NaN.
     Numbers(Vec<f64>),
-    /// Texts.
+    /// Texts, one per row.
     Words(Vec<&'a str>),
 }
 

@@ -53,7 +53,7 @@ pub fn alone(input: &ReportInput, origin: &Origin) -> String {
     page + "</section>\n"
 }
 
-/// The section of one stiffness, folded; empty if none of its runs kept a trace.
+/// The section of one requested stiffness, folded; empty if none of its runs has a recorded trace.
 pub fn row(
     input: &ReportInput,
     origin: &Origin,
@@ -125,7 +125,7 @@ pub fn row(
     page
 }
 
-/// Results at one stiffness in words, from its runs.
+/// Results at one requested stiffness as sentences, from its runs.
 fn found(views: &[(usize, View)]) -> String {
     let mut text = String::new();
     let mut verdicts: Vec<Verdict> = views.iter().map(|(_, v)| v.run.summary.verdict).collect();

@@ -9,7 +9,7 @@ use super::origin::SCHEMA_VERSION;
 use touchstone_control::{Choice as _, LawKind};
 use touchstone_sim::run::record::Verdict;
 
-/// Every verdict.
+/// All verdicts that a run may have.
 const VERDICTS: &[Verdict] = &[
     Verdict::Passive,
     Verdict::Active,
@@ -19,7 +19,7 @@ const VERDICTS: &[Verdict] = &[
     Verdict::NoContact,
 ];
 
-/// Text of the JSON schema.
+/// Text of the JSON schema of `results.json`.
 pub fn results() -> String {
     let mut text = serde_json::to_string_pretty(&schema()).expect("string keys only");
     text.push('\n');

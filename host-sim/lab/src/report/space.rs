@@ -32,7 +32,7 @@ const RESULTS: &str = "results.json";
 /// Names of the files in the report's folder.
 pub(super) const FILES: [&str; 2] = [RESULTS, PAGE];
 
-/// Contents of the page.
+/// Contents of the report page.
 #[derive(Debug, Clone, Copy)]
 pub struct Input<'a> {
     /// Command line that repeats the report.
@@ -45,7 +45,7 @@ pub struct Input<'a> {
     pub mechanism: Mechanism,
     /// Results of the tuned law on walls that were not used to choose its settings.
     pub held_out: Option<&'a HeldOut>,
-    /// The runs.
+    /// The runs with their records.
     pub runs: &'a [Record],
     /// The thesis' claims, with whether the runs confirm them.
     pub claims: &'a [Claim],
@@ -76,7 +76,7 @@ fn held_out_rows(found: &HeldOut) -> Vec<[String; 5]> {
     rows.collect()
 }
 
-/// Result of that check (walls that were not used to choose the setting) as text.
+/// Result of a check on walls that were not used to choose a setting, as text.
 #[must_use]
 pub fn held_out_text(found: &HeldOut) -> String {
     let mut text = format!(

@@ -8,7 +8,7 @@ use crate::thesis::space::claims::AT_REST_MM;
 use crate::thesis::space::{Approach, Object, Phase, Record};
 use std::fmt::Write;
 
-/// CSS class of an approach's lines: that of the same law on the page for one axis.
+/// CSS class of the lines for a way to calculate the force: that of the same law on the page for one axis.
 fn class(approach: Approach) -> &'static str {
     match approach {
         Approach::Spring => "law-a",

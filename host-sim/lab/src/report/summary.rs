@@ -108,7 +108,7 @@ pub fn words(page: &mut String, input: &ReportInput) {
     page.push_str("</dl>\n");
 }
 
-/// Writes the picture.
+/// Writes the picture at the top of the report.
 pub fn picture(page: &mut String, input: &ReportInput) {
     let figures = picture::figures(input);
     // A single run shows its figures at once; no need to lead to them.

@@ -106,7 +106,7 @@ fn attributes(axis: &Axis, scale: &Scale, name: char) -> String {
     format!(r#"data-{name}="{min:.6} {max:.6} {}""#, scale.unit)
 }
 
-/// A figure that is being drawn.
+/// A figure while it is drawn as SVG.
 struct Plot<'a> {
     size: Size,
     figure: &'a Figure,
@@ -123,7 +123,8 @@ impl Plot<'_> {
         )
     }
 
-    /// Position in fine steps. A point far outside is moved nearer so that its numbers stay short; it is clipped anyway.
+    /// Position of a point in fine steps of the drawing. A point far outside is moved nearer so that its numbers stay short; it is
+    /// clipped anyway.
     fn fine(&self, x: f64, y: f64) -> (f64, f64) {
         let (width, height) = self.area();
         let near = |place: f64| place.clamp(-30.0, 30.0);
@@ -133,7 +134,7 @@ impl Plot<'_> {
         )
     }
 
-    /// Draws the area inside the wall.
+    /// Draws the area of the figure that is inside the wall.
     fn wall(&self) -> String {
         let (width, height) = self.area();
         let (width, height) = (width * FINE, height * FINE);

@@ -8,9 +8,9 @@ pub type Strokes = Vec<Vec<(f64, f64)>>;
 
 /// A run's trace, with values that all its plots need.
 pub struct View<'a> {
-    /// The run.
+    /// The run that is plotted.
     pub run: &'a Run,
-    /// The run's trace.
+    /// The recorded trace of the run.
     pub trace: &'a Trace,
     /// Critical stiffness `k_c`, N·m/rad.
     pub k_critical: Option<f64>,
@@ -23,20 +23,20 @@ pub struct View<'a> {
 /// Ends of the axes in SI units.
 #[derive(Debug, Clone, Copy)]
 pub struct Ranges {
-    /// Time, s.
+    /// Range of the time axis, s.
     pub time: Range,
-    /// Angle of the knob near the wall, rad.
+    /// Range of the knob's angle near the wall, rad.
     pub angle: Range,
-    /// Force, N·m.
+    /// Range of the force axis, N·m.
     pub force: Range,
-    /// Displayed stiffness, N·m/rad.
+    /// Range of the displayed stiffness, N·m/rad.
     pub stiffness: Range,
-    /// Energy, true and as the law observes it, J.
+    /// Range of the energies, true and as the law observes them, J.
     pub energy: Range,
 }
 
 impl Ranges {
-    /// Common axes for two runs that are to be compared.
+    /// Ranges of axes that fit two runs, which are to be compared.
     pub fn union(self, other: Ranges) -> Self {
         Ranges {
             time: self.time.union(other.time),
@@ -49,7 +49,7 @@ impl Ranges {
 }
 
 impl<'a> View<'a> {
-    /// Creates the view of a run; `None` if the run kept no trace.
+    /// Creates the view of a run; `None` if the run has no recorded trace.
     pub fn new(run: &'a Run, k_critical: Option<f64>) -> Option<Self> {
         let trace = run
             .trace
@@ -83,7 +83,7 @@ impl<'a> View<'a> {
         })
     }
 
-    /// Number of samples.
+    /// Number of samples in the trace.
     fn len(&self) -> usize {
         super::columns::len(self.trace)
     }

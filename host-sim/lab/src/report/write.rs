@@ -13,12 +13,12 @@ use super::staging::{Staging, io_error};
 use super::{ReportInput, csv, html, json, picture, previous};
 use touchstone_sim::error::Result;
 
-/// What was written.
+/// What was written for a report: page, files, size.
 #[derive(Debug, Clone)]
 pub struct Written {
     /// Path of the page, which a reader can open.
     pub page: PathBuf,
-    /// Paths of all files, relative to the folder.
+    /// Paths of all written files, relative to the report's folder.
     pub files: Vec<PathBuf>,
     /// Total size of the written files, bytes.
     pub bytes: u64,

@@ -6,25 +6,26 @@ use touchstone_sim::scene::{Grip, MotionSpec, PressWiggleRelease, Scene, TouchAn
 /// The three grips of a scorecard. Every figure is the worst over them.
 pub const GRIPS: [Grip; 3] = [Grip::Light, Grip::Medium, Grip::Firm];
 
-/// How a device differs from the one that its law assumes.
+/// How a device of the scorecard differs from the one that its law assumes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
     /// No change: the nominal device.
     Nothing,
     /// Factor on the encoder counts per turn.
     Counts(f64),
-    /// Factor on the inertia.
+    /// Factor on the device's inertia.
     Inertia(f64),
-    /// Factor on the damping.
+    /// Factor on the device's damping.
     Damping(f64),
-    /// Delay from a sample until its command acts, ticks.
+    /// The delay from a sample until its command acts, in ticks, replaces the scene's.
     Delay(f64),
 }
 
 /// A device on which one setting of a law must work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Case {
-    /// Name of the device. The name of the variant with fewer encoder counts assumes 40,000 nominal counts.
+    /// Name of the device. The name of the device with fewer encoder counts assumes that the nominal one has 40,000 counts per
+    /// turn.
     pub name: &'static str,
     /// Change that makes the device differ from the nominal one.
     pub change: Change,
@@ -51,7 +52,7 @@ pub const CASES: [Case; 9] = [
 /// `T sqrt(k_de/J)` above which a wall need not hold at half the inertia or with a whole tick of delay. Sampling limits every wall
 /// near 1.
 pub const STIFFEST_FOR_ALL: f64 = 0.5;
-/// Delay in ticks from which on a deeper press is allowed.
+/// Delay in ticks from which on the limit for the depth of a press is larger.
 pub const LATE_TICKS: f64 = 0.5;
 
 impl Case {

@@ -10,7 +10,7 @@ use touchstone_world::plant::Hand;
 /// A wall of a given stiffness, and a hand that approaches it along its normal; SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Approach {
-    /// Requested stiffness, N/m.
+    /// Requested stiffness of the wall, N/m.
     pub k_desired_n_per_m: f64,
     /// Force of the press, N.
     pub push_n: f64,
@@ -18,7 +18,7 @@ pub struct Approach {
     pub touch_n: f64,
     /// Size of a position count, m.
     pub count_m: f64,
-    /// Error of a position along the normal if each axis is off by half a count, m.
+    /// Error of a position along the wall's normal if each axis is off by half a count, m.
     pub unsure_m: f64,
     /// Control rate, Hz.
     pub rate_hz: u32,
@@ -51,7 +51,7 @@ impl Approach {
         }
     }
 
-    /// Start and end of the oscillation periods that are measured, s.
+    /// Start and end of the part of an oscillation that is measured, whole periods, s.
     fn periods_s(frequency_hz: f64) -> (f64, f64) {
         let period_s = 1.0 / frequency_hz;
         let from = START_S + RAMP_S + period_s.max(0.5);
@@ -167,7 +167,7 @@ pub struct DirectionWatch {
     k_desired_n_per_m: f64,
 }
 
-/// Worst figures of all actions in one direction.
+/// Worst value of each figure over all actions of the hand in one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DirectionFigures {
     /// The scorecard's figures. The energy is set only if it was calculated; the ripple is in N.
@@ -177,13 +177,13 @@ pub struct DirectionFigures {
 }
 
 impl DirectionFigures {
-    /// Figures before any tick.
+    /// Start value: the figures before any tick.
     pub const NONE: Self = Self {
         figures: Figures::NONE,
         settle_s: Some(0.0),
     };
 
-    /// The worse value of each figure.
+    /// The worse value of each figure, from two sets.
     #[must_use]
     pub fn worst(self, other: &Self) -> Self {
         Self {
@@ -218,7 +218,7 @@ impl DirectionWatch {
         self.response.as_ref()
     }
 
-    /// Figures after the last tick.
+    /// Calculates the figures after the last tick.
     #[must_use]
     pub fn finish(mut self) -> DirectionFigures {
         if let Some(response) = &self.response {

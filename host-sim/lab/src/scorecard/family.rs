@@ -25,13 +25,13 @@ pub const LOST_DEPTH: f64 = 5.0;
 pub const LOST_ERROR: f64 = 0.5;
 /// A press or touch deeper than this multiple of `F/k_de` counts as deep.
 pub const DEEP: f64 = 1.3;
-/// Number of worst variants that are named in the results.
+/// Number of worst device variants that are named in the results.
 const WORST: usize = 5;
 /// Factors on the scene's encoder counts; the smaller one makes 16,384 of 40,000.
 const COUNTS: [f64; 2] = [1.0, 0.4096];
 /// Factors on the scene's inertia and damping.
 const TIMES: [f64; 3] = [0.5, 1.0, 2.0];
-/// Delays of the variants, ticks.
+/// Delays from sample to force of the device variants, ticks.
 const DELAYS: [f64; 4] = [0.0, 0.1, 0.5, 1.0];
 /// Random hands may exceed the light and the firm grip by this fraction of the distance between the two, on logarithmic scales.
 const BEYOND: f64 = 0.25;
@@ -47,7 +47,7 @@ pub struct Member {
     pub hand: (Grip, Option<Hand>),
     /// Description of the variant in words.
     pub name: String,
-    /// Delay, ticks.
+    /// Delay from sample to force, ticks.
     pub delay_ticks: f64,
 }
 
@@ -70,7 +70,7 @@ pub struct Around {
 }
 
 impl Around {
-    /// The scene at every rate with every noise level.
+    /// The scene, repeated for every control rate and every noise level.
     fn scenes(&self, scene: &Scene) -> Vec<Scene> {
         let mut rates = self.rates_hz.clone();
         if rates.is_empty() {
@@ -128,7 +128,7 @@ impl Member {
         }
     }
 
-    /// Whether `T sqrt(k_de/J)` is larger than any tuned law holds at this delay.
+    /// Whether `T sqrt(k_de/J)` is larger than any tuned law was found to hold at this delay.
     #[must_use]
     pub fn is_beyond_map(&self) -> bool {
         stiffness_per_tick(&self.scene) > most_stiffness_per_tick(self.delay_ticks)
@@ -230,7 +230,7 @@ pub struct Nominal {
     pub noise_deg: f64,
     /// Deepest penetration of the touch, divided by the press' `F/k_de`; `None` if the run diverged, as for the fields below.
     pub touch_penetration_ratio: Option<f64>,
-    /// The touch compared with that of the ideal damped wall.
+    /// Figures of the touch, divided by those of a touch of the ideal damped wall.
     pub touch: Option<TouchRatios>,
     /// Deepest penetration of the press, divided by `F/k_de`.
     pub peak_penetration_ratio: Option<f64>,
@@ -267,18 +267,20 @@ pub struct Judged {
     pub member: String,
     /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
     pub stiffness_per_tick: f64,
-    /// Delay, ticks.
+    /// Delay from sample to force, ticks.
     pub delay_ticks: f64,
-    /// Whether `T sqrt(k_de/J)` is larger than any tuned law holds at this delay.
+    /// Whether `T sqrt(k_de/J)` is larger than any tuned law was found to hold at this delay.
     pub beyond_map: bool,
-    /// Deepest penetration of the press, divided by `F/k_de`; absent if the wall is lost.
+    /// Deepest penetration of the press, divided by `F/k_de`; absent if the wall is lost (a press too deep, or its stiffness far
+    /// off).
     pub press: Option<f64>,
-    /// Deepest penetration of the touch, divided by the press' `F/k_de`; absent if the wall is lost.
+    /// Deepest penetration of the touch, divided by the press' `F/k_de`; absent if the wall is lost (a press too deep, or its
+    /// stiffness far off).
     pub touch: Option<f64>,
 }
 
 impl Judged {
-    /// The larger of the depths of press and touch; infinite if the wall is lost.
+    /// The larger of the relative depths of press and touch; infinite if the wall is lost.
     #[must_use]
     pub fn depth(&self) -> f64 {
         let both = self.press.zip(self.touch);
@@ -286,24 +288,24 @@ impl Judged {
     }
 }
 
-/// Results of one setting on all device variants.
+/// Results of one set of law settings on all device variants.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Family {
-    /// Name of the law.
+    /// Name of the control law.
     pub law: String,
     /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
-    /// Number of variants.
+    /// Number of device variants that were simulated.
     pub members: usize,
-    /// Number of variants on which the wall is lost.
+    /// Number of device variants on which the wall is lost (a press too deep, or its stiffness far off).
     pub lost: usize,
-    /// Number of lost variants that no tuned law would hold.
+    /// Number of device variants on which the wall is lost and with any tuned law would be.
     pub lost_beyond_map: usize,
-    /// Number of variants on which the wall is lost, or press or touch is deeper than [`DEEP`].
+    /// Number of device variants on which the wall is lost, or press or touch is deeper than [`DEEP`].
     pub deep: usize,
-    /// Deepest press on the variants that are not lost, divided by `F/k_de`.
+    /// Deepest press over the device variants on which the wall is not lost, divided by `F/k_de`.
     pub deepest_press: f64,
-    /// Deepest touch on the variants that are not lost, divided by the press' `F/k_de`.
+    /// Deepest touch over the device variants on which the wall is not lost, divided by the press' `F/k_de`.
     pub deepest_touch: f64,
     /// Results of the scene's own device, one entry per rate and noise level.
     pub nominal: Vec<Nominal>,
@@ -311,10 +313,10 @@ pub struct Family {
     pub worst: Vec<Judged>,
 }
 
-/// Simulates one setting on all variants; calls `done` after each variant.
+/// Simulates one set of law settings on all device variants; calls `done` after each variant.
 ///
 /// # Errors
-/// The law does not accept its settings on one of the variants.
+/// The control law does not accept its settings on one of the variants.
 pub fn judge(
     law: &str,
     scene: &Scene,

@@ -4,7 +4,7 @@ use super::cases::Deed;
 use super::direction::{Approach, OUTSIDE_M, smooth};
 use touchstone_world::plant::Hand;
 
-/// The actions in their order.
+/// The actions of the hand in their order.
 pub const DEEDS: [Deed; 4] = [
     Deed::Press,
     Deed::Move(1.0),
@@ -50,7 +50,7 @@ impl DeedsInTurn {
         })
     }
 
-    /// Number of ticks of all actions.
+    /// Number of ticks that all actions take.
     #[must_use]
     pub fn ticks(&self) -> u64 {
         self.begun()

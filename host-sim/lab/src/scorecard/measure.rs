@@ -13,15 +13,15 @@ pub enum Measure {
     /// Largest deviation of the force from `k_de x` during ramp and hold, divided by `k_de x`. Depths `x` below ten counts are left
     /// out, and an error of half a count is allowed for.
     StiffnessError,
-    /// As `StiffnessError`, from 50 ms after the ramp to the end of the hold.
+    /// Largest deviation of the force from `k_de x`, divided by `k_de x`, from 50 ms after the ramp to the end of the hold.
     StiffnessErrorHeld,
-    /// As `StiffnessError`, while the hand lets go.
+    /// Largest deviation of the force from `k_de x`, divided by `k_de x`, while the hand lets go.
     StiffnessErrorRelease,
     /// Deviation of the magnitude of `F/x` from `k_de` while the hand oscillates, divided by `k_de`.
     ModulusError,
     /// Phase of the force relative to the penetration, lead or lag, degrees.
     PhaseDeg,
-    /// Change of the torque from tick to tick while the hand oscillates, root mean square, N·m.
+    /// Ripple: change of the torque from tick to tick while the hand oscillates, root mean square, N·m.
     RippleRmsNM,
     /// Most energy that the hand got beyond what it had put in since the start, J.
     EnergyOutJ,
@@ -88,12 +88,12 @@ impl Measure {
 pub struct Figures(pub [f64; 8]);
 
 impl Figures {
-    /// Figures before any tick.
+    /// Start value: the figures before any tick.
     pub const NONE: Figures = Figures([0.0; 8]);
     /// Figures of a lost wall: all infinite.
     pub const LOST: Figures = Figures([f64::INFINITY; 8]);
 
-    /// Value of a figure.
+    /// Value of one figure in SI units.
     #[must_use]
     pub fn get(&self, measure: Measure) -> f64 {
         self.0[measure.index()]
@@ -128,7 +128,7 @@ impl Figures {
         self.raise(Measure::RippleRmsNM, rms);
     }
 
-    /// The worse value of each figure.
+    /// The worse value of each figure, from two sets.
     #[must_use]
     pub fn worst(mut self, other: &Figures) -> Figures {
         for measure in Measure::ALL {
@@ -167,7 +167,7 @@ impl Serialize for Figures {
 pub struct Limits {
     /// Largest peak penetration, divided by `F/k_de`.
     pub peak: f64,
-    /// Largest ripple, root mean square, N·m.
+    /// Largest ripple (change of the torque from tick to tick), root mean square, N·m.
     pub ripple_n_m: f64,
     /// Largest energy given to the hand, J; only rounding of the sums is allowed.
     pub energy_j: f64,
@@ -191,7 +191,7 @@ impl Limits {
         }
     }
 
-    /// Limit of a figure.
+    /// Limit of one figure in SI units.
     #[must_use]
     pub fn of(&self, measure: Measure) -> f64 {
         match measure {
@@ -218,15 +218,16 @@ pub struct Beside {
     pub release_speed_rad_per_s: f64,
     /// Largest distance from the wall after the release, rad.
     pub release_excursion_rad: f64,
-    /// Rate-hardness by thesis (1.5), N·m/rad; the least value.
+    /// Rate-hardness (slope of the force just after contact over the speed of the touch), N·m/rad; the least value.
     pub rate_hardness: Option<f64>,
     /// Extended rate-hardness (largest rise of the torque within a millisecond over the largest speed), N·m/rad; the least value.
     pub extended_rate_hardness: Option<f64>,
     /// Largest torque in the first five milliseconds of a touch, N·m; the least value over the runs.
     pub touch_torque_n_m: Option<f64>,
-    /// The touch compared with that of the ideal damped wall for the same hand; `None` if it was not calculated.
+    /// Figures of the touch, divided by those of a touch of the ideal damped wall by the same hand; `None` if they were not
+    /// calculated.
     pub touch: Option<TouchRatios>,
-    /// Most energy that the hand got out in any window of time, J.
+    /// Most energy that the hand got out of the device in any window of time, J.
     pub energy_out_worst_window_j: f64,
     /// Most energy that the wall gave out beyond what it took since the start, J.
     pub energy_out_wall_j: f64,
@@ -235,7 +236,7 @@ pub struct Beside {
 }
 
 impl Beside {
-    /// The worse value of each figure.
+    /// The worse value of each figure, from two sets.
     #[must_use]
     pub fn worst(self, other: &Beside) -> Beside {
         let either = |a: Option<f64>, b: Option<f64>, worse: fn(f64, f64) -> f64| match (a, b) {

@@ -45,9 +45,9 @@ pub struct Cell {
     pub case: &'static str,
     /// Figures with a limit, the worst of three grips.
     pub figures: Figures,
-    /// Figures without a limit.
+    /// Figures without a limit, the worst of three grips.
     pub beside: Beside,
-    /// Limits of the figures.
+    /// Limits of the figures on this device.
     pub limits: Limits,
     /// The figure that is largest relative to its limit, and its value divided by the limit. Above 1 the device fails; `None` is
     /// infinite.
@@ -81,7 +81,7 @@ impl Cell {
 /// Results of one law on all devices.
 #[derive(Debug, Clone, Serialize)]
 pub struct Row {
-    /// Name of the law.
+    /// Name of the control law.
     pub law: &'static str,
     /// Description of the law in a few words.
     pub about: &'static str,
@@ -99,11 +99,11 @@ pub struct Row {
     pub worst: Option<Figures>,
     /// Whether every figure of every device is within its limit.
     pub passes: bool,
-    /// Where the law fails, in sentences, the worst figure first.
+    /// Where the control law fails, as sentences, the worst figure first.
     pub fails: Vec<String>,
 }
 
-/// The results of all laws.
+/// The results of all control laws in one scene.
 #[derive(Debug, Clone, Serialize)]
 pub struct Scorecard {
     /// Name of the scene.
@@ -112,14 +112,14 @@ pub struct Scorecard {
     pub k_desired: f64,
     /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
     pub stiffness_per_tick: f64,
-    /// The spring-damper from which the limit of the ripple is calculated.
+    /// The spring-damper from which the limit of the ripple (change of the torque from tick to tick) is calculated.
     pub reference: Reference,
-    /// Touches of the ideal damped wall and of an undamped spring, both compared with the ideal damped wall; nominal device, worst
-    /// of three grips.
+    /// Figures of touches of an ideal damped wall and of an undamped spring, each divided by those of the ideal damped wall;
+    /// nominal device, worst of three grips.
     pub ideal_touch: Option<[TouchRatios; 2]>,
     /// Names of the devices on which a wall this stiff need not hold.
     pub not_asked: Vec<&'static str>,
-    /// Results of each law.
+    /// Results of each control law.
     pub rows: Vec<Row>,
     /// Where a spring with damping does better than other laws and where it does not, in sentences.
     pub damped_spring: Vec<String>,
@@ -140,7 +140,7 @@ pub fn asked(scene: &Scene) -> impl Iterator<Item = &'static Case> {
 /// Figures of the scene's law on one device: the worst of three grips. `fully` adds the figures without a limit.
 ///
 /// # Errors
-/// The law does not accept its settings.
+/// The control law does not accept its settings.
 pub fn figures(
     scene: &Scene,
     programme: &Programme,
@@ -181,7 +181,7 @@ fn ideal_touch(scene: &Scene) -> Result<[TouchRatios; 2]> {
     ])
 }
 
-/// Results of a scene's law on all devices.
+/// Results of a scene's control law on all devices.
 fn row(scene: &Scene, rival: &Rival, tuned: bool, reference: &Reference) -> Row {
     let programme = Programme::of(scene);
     let cases: Vec<&Case> = asked(scene).collect();
@@ -218,7 +218,7 @@ fn row(scene: &Scene, rival: &Rival, tuned: bool, reference: &Reference) -> Row 
 /// A law with the scene that has its settings.
 #[derive(Debug, Clone)]
 pub struct Entry {
-    /// The law.
+    /// The control law.
     pub rival: &'static Rival,
     /// The scene with this law and its settings.
     pub scene: Scene,

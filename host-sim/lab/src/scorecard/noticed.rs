@@ -18,7 +18,7 @@ pub struct DeviceRun<'a> {
     pub rate_hz: u32,
     /// The wall's requested stiffness.
     pub stiffness: DesiredStiffness,
-    /// First tick with the full force; before it the force fades in.
+    /// First tick with the full force; before it the force is faded in.
     pub whole_from: u64,
     /// Whether commands act half a tick late or more.
     pub late: bool,
@@ -30,13 +30,13 @@ pub struct DeviceRun<'a> {
 /// stiffness, and the largest phase.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MovedAt {
-    /// Frequency of the motion, Hz.
+    /// Frequency of the hand's motion, Hz.
     pub frequency_hz: f64,
     /// Magnitude of force over penetration, N/m; absent if the hand left the wall.
     pub modulus_n_per_m: Option<f64>,
     /// Phase by which the force leads the penetration, degrees; absent if the hand left the wall.
     pub phase_deg: Option<f64>,
-    /// Number of stretches of time in which the hand moved at this frequency.
+    /// Number of separate times for which the hand moved at this frequency.
     pub stretches: usize,
 }
 
@@ -44,7 +44,7 @@ pub struct MovedAt {
 const STRETCH_S: f64 = 0.25;
 /// Time around the moment of leaving the surface in which the largest speed is taken, s.
 const LEAVING_S: f64 = 0.2;
-/// Time over which a speed is averaged, s; one position count within it is about a millimetre per second.
+/// Time over which a speed is averaged, s. Within this time one position count (0.01 mm) is a millimetre per second.
 pub(super) const SPEED_S: f64 = 0.01;
 
 pub(super) fn met(response: &Response, frequency_hz: f64) -> MovedAt {
@@ -60,7 +60,7 @@ pub(super) fn met(response: &Response, frequency_hz: f64) -> MovedAt {
 /// Frequencies that differ by at most this fraction count as the same.
 const SAME_FREQUENCY: f64 = 0.05;
 
-/// Adds a stretch of time to the entry of its frequency.
+/// Adds the response during one stretch of time to the entry of its frequency.
 fn join(moved: &mut Vec<MovedAt>, next: MovedAt, k_desired: f64) {
     let same =
         |at: &&mut MovedAt| (at.frequency_hz / next.frequency_hz - 1.0).abs() <= SAME_FREQUENCY;
@@ -85,7 +85,7 @@ fn join(moved: &mut Vec<MovedAt>, next: MovedAt, k_desired: f64) {
         });
 }
 
-/// Results from a person's hand.
+/// Figures from the motion of a person's hand; a missing one was not measured.
 pub(super) struct Noticed {
     pub(super) moment: Option<f64>,
     pub(super) held: Option<f64>,

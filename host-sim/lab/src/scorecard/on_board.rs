@@ -30,10 +30,10 @@ use touchstone_sim::scene::{Grip, RestPath, Scene};
 pub const FREQUENCIES_HZ: [f64; 7] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
 /// Frequencies of the scorecard's own figures, Hz.
 const OWN_HZ: [f64; 3] = [1.0, 2.0, 4.0];
-/// Two figures agree if they differ by at most this fraction of the desktop's.
+/// Figures of board and simulator agree if they differ by at most this fraction of the simulator's.
 pub const SAME: f64 = 0.1;
 
-/// Names of all actions, as in the tables.
+/// Names of all actions of the hand, as in the tables.
 #[must_use]
 pub fn deed_words() -> Vec<String> {
     let moves = FREQUENCIES_HZ.into_iter().map(Deed::Move);
@@ -61,8 +61,8 @@ pub fn deed_word(deed: Deed) -> String {
     }
 }
 
-/// The hand's motion as CSV: its rest point in every control tick, for every grip and action. If `named` is not empty, only these
-/// actions.
+/// The hand's motion as CSV: its rest point in every control tick, for every grip and action of the hand; only for the actions in
+/// `named` if that is not empty.
 ///
 /// # Errors
 /// The scene does not allow one of the motions.
@@ -93,7 +93,7 @@ pub fn programme_csv(scene: &Scene, grips: &[Grip], named: &[String]) -> Result<
     Ok(text)
 }
 
-/// A figure of the board, compared with the desktop's.
+/// A scorecard figure of the board, compared with that of the simulator (`desktop`).
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct FigureBeside {
     /// Name of the figure for programs, with its unit.
@@ -105,20 +105,20 @@ pub struct FigureBeside {
     pub grip: Option<&'static str>,
     /// Frequency of an oscillating hand, Hz; absent for other figures.
     pub frequency_hz: Option<f64>,
-    /// Value on the desktop; absent if it is infinite, for example because the knob left the wall.
+    /// Value in the simulator (`desktop`); absent if it is infinite, for example because the knob left the wall.
     pub desktop: Option<f64>,
-    /// Value on the board; absent if it is infinite.
+    /// Value of the figure on the board; absent if it is infinite.
     pub board: Option<f64>,
-    /// Lowest and highest value on the desktop over the surface's positions within a count; absent if the wall is lost at one of
-    /// them.
+    /// Lowest and highest value in the simulator, for positions of the wall's surface within one encoder count; absent if the wall
+    /// is lost at one of them.
     pub scatter: Option<(f64, f64)>,
-    /// Lowest and highest value on the board, if it was recorded with several positions of the surface.
+    /// Lowest and highest value on the board, if it was recorded with several positions of the wall's surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub board_scatter: Option<(f64, f64)>,
 }
 
 impl FigureBeside {
-    /// Difference of the board's value from the desktop's, as a fraction of the desktop's.
+    /// Difference of the board's value from the simulator's, as a fraction of the simulator's.
     #[must_use]
     pub fn apart(&self) -> Option<f64> {
         let (desktop, board) = self.desktop.zip(self.board)?;
@@ -127,13 +127,13 @@ impl FigureBeside {
             .or(Some(0.0))
     }
 
-    /// Width of the desktop's scatter: smaller differences have no meaning.
+    /// Range of the simulator's values when the wall's surface moves within one encoder count; smaller differences have no meaning.
     #[must_use]
     pub fn resolution(&self) -> Option<f64> {
         self.scatter.map(|(low, high)| high - low)
     }
 
-    /// Whether the values of desktop and board are both smaller than the resolution.
+    /// Whether the values of simulator and board are both smaller than the resolution of the figure.
     #[must_use]
     pub fn is_unresolved(&self) -> bool {
         let both = [self.desktop, self.board].into_iter();
@@ -142,7 +142,7 @@ impl FigureBeside {
             .all(|it| it.is_some_and(|(value, resolution)| value.abs() <= resolution))
     }
 
-    /// Whether the scatters of board and desktop overlap. A board with one recording counts as a range of zero width.
+    /// Whether the ranges of board and simulator overlap. A board with one recording counts as a range of zero width.
     #[must_use]
     pub fn is_in_scatter(&self) -> bool {
         let board = self.board_scatter.or(self.board.map(|it| (it, it)));
@@ -150,7 +150,8 @@ impl FigureBeside {
         both.is_some_and(|(board, desktop)| board.0 <= desktop.1 && desktop.0 <= board.1)
     }
 
-    /// Whether the values differ by at most the fraction `share`, or are both below the resolution. Two missing values agree.
+    /// Whether the values of board and simulator differ by at most the fraction `share`, or are both below the resolution. Two
+    /// missing values agree.
     #[must_use]
     pub fn holds(&self, share: f64) -> bool {
         match self.apart() {
@@ -160,14 +161,14 @@ impl FigureBeside {
     }
 }
 
-/// The comparison of a board's scorecard with the desktop's.
+/// The comparison of a board's scorecard with that of the simulator.
 #[derive(Debug, Clone, Serialize)]
 pub struct BoardCard {
     /// The grips that were recorded.
     pub grips: Vec<&'static str>,
-    /// Number of recorded ticks.
+    /// Number of recorded control ticks.
     pub ticks: usize,
-    /// Number of recordings of the board, each with the surface at another position within a count.
+    /// Number of recordings of the board, each with the wall's surface at another position within an encoder count.
     pub places: usize,
     /// The scorecard's figures: first the worst of the grips, then those of each grip.
     pub figures: Vec<FigureBeside>,
@@ -176,22 +177,23 @@ pub struct BoardCard {
 }
 
 impl BoardCard {
-    /// All figures, dynamic stiffness included, that differ by more than the fraction `share`.
+    /// All figures, dynamic stiffness included, in which board and simulator differ by more than the fraction `share`.
     pub fn apart(&self, share: f64) -> impl Iterator<Item = &FigureBeside> {
         let own = self.figures.iter().filter(|it| it.grip.is_none());
         own.chain(&self.moved).filter(move |it| !it.holds(share))
     }
 
-    /// Figures that differ by more than the fraction `share`, and by more than the scatter explains.
+    /// Figures in which board and simulator differ by more than the fraction `share`, and by more than the positions of the wall's
+    /// surface within a count explain.
     pub fn beyond(&self, share: f64) -> impl Iterator<Item = &FigureBeside> {
         self.apart(share).filter(|it| !it.is_in_scatter())
     }
 }
 
-/// Number of positions of the surface within a count; the first is the scene's own.
+/// Number of positions of the wall's surface within an encoder count that are simulated; the first is the scene's own.
 const PLACES: usize = 8;
 
-/// One action with one grip: the desktop's runs for each position of the surface, and the board's recordings.
+/// One action of the hand with one grip: the simulated runs for each position of the wall's surface, and the board's recordings.
 struct Pair {
     grip: Grip,
     deed: Deed,
@@ -199,8 +201,8 @@ struct Pair {
     board: Vec<Seen>,
 }
 
-/// Compares a board's recordings with the desktop's scorecard of a scene. The first recording gives the board's figures. Further
-/// recordings of the same actions, with the surface elsewhere within a count, give their scatter.
+/// Compares a board's recordings with the simulated scorecard of a scene. The first recording gives the board's figures. Further
+/// recordings of the same actions, with the wall's surface elsewhere within an encoder count, give their range.
 ///
 /// # Errors
 /// A recording belongs to another scene or has other actions than the first one, or the law does not accept its settings.
@@ -277,14 +279,14 @@ pub fn board_card(scene: &Scene, recordings: &[BoardRecording]) -> Result<BoardC
     })
 }
 
-/// Name of a figure, and the actions of which it is the worst.
+/// Name of a figure, and the actions of the hand over which it is the worst.
 struct Asked {
     key: &'static str,
     heading: (&'static str, f64),
     deeds: fn(Deed) -> bool,
 }
 
-/// Compares the worst value of some actions on the desktop with that on the board.
+/// Compares the worst value of a figure over some actions in the simulator with that on the board.
 fn figure(
     pairs: &[Pair],
     grip: Option<&'static str>,
@@ -326,7 +328,7 @@ fn scatter(values: &[Option<f64>]) -> Option<(f64, f64)> {
     Some(all)
 }
 
-/// Range of a board's values; `None` for a single recording.
+/// Lowest and highest of a board's values; `None` for a single recording.
 fn several(values: &[Option<f64>]) -> Option<(f64, f64)> {
     (values.len() > 1).then(|| scatter(values)).flatten()
 }

@@ -59,7 +59,7 @@ impl DeviceFigure {
 pub struct DeviceCard {
     /// Whether a simulated hand followed the scorecard's programme.
     pub commanded: bool,
-    /// Every figure.
+    /// All figures of the scorecard.
     pub figures: Vec<DeviceFigure>,
     /// Response of the wall at every frequency of the hand.
     pub moved: Vec<MovedAt>,
@@ -72,7 +72,7 @@ impl DeviceCard {
         self.figures.iter().find(|figure| figure.key == key)
     }
 
-    /// The figures beyond their limits.
+    /// Returns the figures beyond their limits.
     pub fn beyond(&self) -> impl Iterator<Item = &DeviceFigure> {
         self.figures.iter().filter(|figure| figure.is_beyond())
     }
@@ -92,7 +92,7 @@ const NO_LEAVING: &str = "the hand did not leave the wall after a quarter of a s
 const NO_TOUCH: &str = "no first touch that lasted three ticks was seen with the whole force";
 const NO_CONTACT: &str = "the wall was not touched for a quarter of a second";
 
-/// Calculates the figures of a run.
+/// Calculates the scorecard of a run on a device.
 #[must_use]
 pub fn card(run: &DeviceRun) -> DeviceCard {
     let series = TouchedSeries::of(run.ticks);

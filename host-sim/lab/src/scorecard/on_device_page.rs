@@ -41,7 +41,7 @@ fn moved(at: &MovedAt) -> String {
     }
 }
 
-/// Explains to readers what the figures are calculated from.
+/// Text that explains to readers what the figures of a run on a device are calculated from.
 const OF: &str = "Of what the encoders read and the motors were told; depth in counts, so figures differ from the simulator's by up to half a count along the normal.";
 
 fn verdict(card: &DeviceCard) -> String {
@@ -60,7 +60,7 @@ fn verdict(card: &DeviceCard) -> String {
     }
 }
 
-/// The scorecard as text.
+/// The scorecard of a run on a device as text.
 #[must_use]
 pub fn text(card: &DeviceCard) -> String {
     let mut text = format!("scorecard {}\n", verdict(card));

@@ -140,7 +140,7 @@ pub fn text(card: &Scorecard) -> String {
     text
 }
 
-/// The ratios of a touch, formatted for readers.
+/// The figures of a touch relative to the ideal damped wall, formatted for readers.
 pub(super) fn touch_cells(touch: Option<&TouchRatios>) -> [String; 4] {
     let shown = |ratio: Option<f64>| ratio.map_or("–".to_owned(), |it| format!("{it:.2}"));
     [

@@ -2,7 +2,7 @@
 
 use super::measure::{Figures, Measure};
 
-/// Depth in counts below which a stiffness is not measured, because a count is too large a part of it.
+/// Depth in counts below which a stiffness is not measured, because one count would be too large a part of the depth.
 pub const SHALLOW_COUNTS: f64 = 10.0;
 /// Time after the end of a ramp from which on a press counts as held, s.
 pub const HELD_AFTER_S: f64 = 0.05;
@@ -19,8 +19,8 @@ pub struct DesiredStiffness {
 }
 
 impl DesiredStiffness {
-    /// Relative deviation of a force from `k_de x`, less the uncertainty of the penetration; `None` if the depth is below
-    /// [`SHALLOW_COUNTS`].
+    /// Relative deviation of a force from `k_de x` at the depth `x`, less the uncertainty of the penetration; `None` if the depth
+    /// is below [`SHALLOW_COUNTS`].
     #[must_use]
     pub fn off(&self, x: f64, force: f64) -> Option<f64> {
         let k = self.k_desired;
@@ -34,13 +34,13 @@ impl DesiredStiffness {
 pub struct PressFigures {
     /// The requested stiffness, and the uncertainty of a penetration.
     pub stiffness: DesiredStiffness,
-    /// Force of the press.
+    /// Force of the press, N·m on a knob or N along a normal.
     pub push: f64,
     /// First tick of the press' ramp; the touch comes before.
     pub ramp_start: u64,
-    /// First tick that counts as held.
+    /// First tick in which the press counts as held.
     pub held_from: u64,
-    /// First tick of the release.
+    /// First tick in which the hand lets go.
     pub release: u64,
 }
 

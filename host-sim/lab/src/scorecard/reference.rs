@@ -18,7 +18,7 @@ use std::f64::consts::TAU;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 
-/// The spring-damper from which the limit of the ripple is calculated.
+/// The spring-damper from which the limit of the ripple (change of the torque from tick to tick) is calculated.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Reference {
     /// Virtual damping of the spring-damper, N·m·s/rad.
@@ -37,19 +37,21 @@ pub struct Reference {
 const DELAYS: [f64; 4] = [1.0, 0.5, 0.1, 0.0];
 /// Number of damping ratios `ζ = B/(2 sqrt(k_de J))` that are tried.
 const RATIOS: usize = 28;
-/// Factor on the reference's ripple that gives the limit, if the reference holds a whole tick of delay.
+/// Factor on the reference spring-damper's ripple that gives the limit, if that spring-damper holds the wall with a whole tick of
+/// delay.
 const WHERE_DAMPING_SUFFICES: f64 = 1.1;
-/// Factor on the reference's ripple that gives the limit, if the reference holds only less than a tick of delay.
+/// Factor on the reference spring-damper's ripple that gives the limit, if that spring-damper holds the wall only with less than a
+/// tick of delay.
 const WHERE_IT_DOES_NOT: f64 = 0.6;
 /// Largest allowed ripple as a fraction of the press' torque. A hand notices changes of torque above some 13 % (Jandura and
 /// Srinivasan 1994).
 const MOST_OF_THE_PRESS: f64 = 0.1;
 
 impl Reference {
-    /// Calculates the reference for a scene's device and wall.
+    /// Finds the reference spring-damper for a scene's device and wall.
     ///
     /// # Errors
-    /// The law does not accept its settings.
+    /// The control law does not accept its settings.
     pub fn of(scene: &Scene) -> Result<Self> {
         let mut scene = scene.clone();
         scene.sensor.noise = None;

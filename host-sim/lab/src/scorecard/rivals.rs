@@ -24,7 +24,7 @@ pub struct Rival {
     apply: fn(&mut Scene),
 }
 
-/// All laws of a scorecard.
+/// All control laws of a scorecard.
 pub const RIVALS: [Rival; 12] = [
     Rival {
         name: "spring",
@@ -145,7 +145,7 @@ pub const RIVALS: [Rival; 12] = [
     },
 ];
 
-/// Sets a law as it is usually published: measured states, no guard, and the thesis' parameters where the scene has none.
+/// Sets a control law as it is usually published: measured states, no guard, and the thesis' parameters where the scene has none.
 fn measured(scene: &mut Scene, kind: LawKind) {
     if let Ok(known) = scene.with_preset(Preset::Thesis) {
         *scene = known;
@@ -155,7 +155,7 @@ fn measured(scene: &mut Scene, kind: LawKind) {
     scene.law.guard.on = false;
 }
 
-/// Sets a spring-damper whose velocity comes from this filter.
+/// Sets a spring-damper whose velocity comes from this velocity filter.
 fn filtered(scene: &mut Scene, from: VelocityKind) {
     measured(scene, LawKind::SpringDamper);
     scene.law.velocity.from = from;

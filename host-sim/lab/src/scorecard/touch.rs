@@ -26,13 +26,15 @@ const LONGEST_S: f64 = 0.4;
 /// Figures of a touch, divided by those of the ideal damped wall; the worst of several hands.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TouchRatios {
-    /// Deepest penetration over the ideal damped wall's; less is better.
+    /// Deepest penetration of the touch, divided by the ideal damped wall's; less is better.
     pub penetration: f64,
-    /// Rate-hardness (thesis (1.5)) over `k_de`; more is better. It may be negative for a damped wall.
+    /// Rate-hardness (slope of the torque just after contact over the speed of the touch), divided by `k_de`; more is better. It
+    /// may be negative for a damped wall.
     pub rate_hardness: Option<f64>,
-    /// Extended rate-hardness over the ideal damped wall's; more is better.
+    /// Extended rate-hardness (largest rise of the torque within a millisecond over the largest speed), divided by the ideal damped
+    /// wall's; more is better.
     pub extended_rate_hardness: Option<f64>,
-    /// Largest torque in the first five milliseconds over the ideal damped wall's; more is better.
+    /// Largest torque in the first five milliseconds of the touch, divided by the ideal damped wall's; more is better.
     pub torque: Option<f64>,
 }
 
@@ -50,7 +52,7 @@ impl TouchRatios {
         }
     }
 
-    /// The worse value of each figure.
+    /// The worse value of each figure, from two sets.
     #[must_use]
     pub fn worst(&self, other: &Self) -> Self {
         let less = |one: Option<f64>, other: Option<f64>| Some(one?.min(other?));

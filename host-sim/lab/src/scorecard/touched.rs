@@ -34,7 +34,7 @@ pub struct TouchedSeries {
     pub out: Vec<f64>,
 }
 
-/// Scalar product.
+/// Scalar product of two vectors.
 pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| a[i] * b[i]).sum()
 }

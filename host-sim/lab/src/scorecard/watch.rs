@@ -13,12 +13,12 @@ use touchstone_sim::run::terms::{Press, Terms};
 use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::{MotionSpec, Scene};
 
-/// Last part of a hold in which the device should rest, s.
+/// Duration of the last part of a hold, in which the device should rest, s.
 const REST_S: f64 = 0.25;
 /// A wall counts as lost if the knob is further than this from the surface, inside or outside, rad.
 const LOST_RAD: f64 = 3.0;
 
-/// Results of one run.
+/// Scorecard results of one run.
 #[derive(Debug, Clone, Copy)]
 pub struct Seen {
     /// Figures with a limit.
@@ -187,7 +187,7 @@ impl Recorder for Watch {
 /// without a limit, which makes the run half as long again.
 ///
 /// # Errors
-/// The law does not accept its settings.
+/// The control law does not accept its settings.
 pub fn watch(scene: &Scene, deed: Deed, fully: bool) -> Result<(Figures, Beside)> {
     run::watch(scene, Watch::new(scene, deed, fully)).map(Watch::finish)
 }
@@ -195,12 +195,12 @@ pub fn watch(scene: &Scene, deed: Deed, fully: bool) -> Result<(Figures, Beside)
 /// Simulates a scene and calculates all figures.
 ///
 /// # Errors
-/// The law does not accept its settings.
+/// The control law does not accept its settings.
 pub fn seen(scene: &Scene, deed: Deed) -> Result<Seen> {
     run::watch(scene, Watch::new(scene, deed, true)).map(Watch::seen)
 }
 
-/// As [`seen`], for ticks that were recorded elsewhere.
+/// Calculates all figures of a scene from ticks that were recorded elsewhere.
 #[must_use]
 pub fn seen_of(scene: &Scene, deed: Deed, ticks: &[Tick]) -> Seen {
     let mut watch = Watch::new(scene, deed, true);

@@ -17,7 +17,7 @@ pub fn shown(measure: Measure, value: f64) -> String {
     }
 }
 
-/// Where a law fails: one sentence for every figure beyond its limit with the worst device, the worst figure first.
+/// Where a control law fails: one sentence for every figure beyond its limit, with the worst device; the worst figure first.
 #[must_use]
 pub fn fails(cells: &[Cell]) -> Vec<String> {
     let mut fails: Vec<(f64, String)> = Vec::new();

@@ -12,7 +12,7 @@ pub const MOST_VALUES: usize = 10_000;
 /// A key of the scene file and its values along an axis.
 #[derive(Debug, Clone)]
 pub struct Axis {
-    /// The key of the scene file.
+    /// The key of the scene file that varies.
     pub field: &'static Field,
     /// Whether the values are evenly spaced on a logarithmic scale.
     pub log: bool,
@@ -237,8 +237,8 @@ impl Axis {
     }
 }
 
-/// One of `count` values from `from` to `to`, rounded to twelve digits. So the simulated value is the one in the file, on every
-/// machine.
+/// Returns value number `index` of `count` values from `from` to `to`, rounded to twelve digits. So the simulated value is the one
+/// in the file, on every machine.
 fn between(from: f64, to: f64, index: usize, count: usize, log: bool) -> f64 {
     if index == 0 {
         return from;

@@ -7,14 +7,14 @@ use serde_json::Value;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::Scene;
 
-/// A base scene and two axes.
+/// The cells of a map: a base scene and two axes.
 #[derive(Debug, Clone)]
 pub struct Grid {
-    /// Horizontal axis.
+    /// Horizontal axis of the map.
     pub x: Axis,
-    /// Vertical axis.
+    /// Vertical axis of the map.
     pub y: Axis,
-    /// The scene that is varied.
+    /// The scene whose keys vary.
     pub base: Scene,
     /// The scene as JSON: one entry if the values of both axes are numbers, else one for each combination of words.
     trees: Vec<Value>,
@@ -51,7 +51,7 @@ impl Grid {
         Ok(grid)
     }
 
-    /// The scene as JSON for a pair of words. On an axis of numbers the first value that the scene accepts is used.
+    /// The scene as JSON for one word of each axis. On an axis of numbers the first value that the scene accepts is used.
     fn tree(&self, word_x: usize, word_y: usize) -> Result<Value> {
         let mut refused = None;
         for index_x in trials(&self.x, word_x) {
@@ -89,7 +89,7 @@ impl Grid {
         }))
     }
 
-    /// Number of cells.
+    /// Number of cells of the map.
     #[must_use]
     pub fn cells(&self) -> u64 {
         (self.x.values.len() * self.y.values.len()) as u64
@@ -119,7 +119,7 @@ fn words(axis: &Axis) -> usize {
     }
 }
 
-/// Indices of the values to try: three values of an axis of numbers, else the given word.
+/// Indices of the axis' values to try: three values of an axis of numbers, else the given word.
 fn trials(axis: &Axis, word: usize) -> Vec<usize> {
     match axis.numbers() {
         Some(_) => {

@@ -23,13 +23,13 @@ const BANDS: [&str; 8] = [
 /// Points from a user's measurements.
 #[derive(Debug, Clone, Default)]
 pub struct Overlay {
-    /// Name of the measurements.
+    /// Name of the user's measurements, for the legend.
     pub name: String,
-    /// The points in the axes' units.
+    /// Coordinates of the points in the axes' units.
     pub points: Vec<(f64, f64)>,
 }
 
-/// The lines and points drawn over the tiles.
+/// The lines and points that are drawn over the map's tiles.
 #[derive(Debug, Clone, Default)]
 pub struct Over {
     /// Lines that theory predicts.

@@ -20,7 +20,7 @@ pub struct Measure {
     pub words: &'static str,
     /// SI unit; `1` for a number without unit.
     pub unit: &'static str,
-    /// Meaning of the measure.
+    /// Meaning of the measure, in words.
     pub meaning: &'static str,
     /// The measure's value; `None` where it does not apply.
     pub of: fn(&Summary) -> Option<f64>,
@@ -46,7 +46,7 @@ impl Measure {
     }
 }
 
-/// All measures.
+/// All measures that a sweep can store.
 #[must_use]
 pub fn measures() -> Vec<Measure> {
     let mut all: Vec<Measure> = MEASURES
@@ -117,9 +117,9 @@ pub fn verdicts() -> Vec<&'static str> {
 pub struct Row(
     /// Number of the cell.
     pub u64,
-    /// The value of x.
+    /// Value of the horizontal axis, as text.
     pub String,
-    /// The value of y.
+    /// Value of the vertical axis, as text.
     pub String,
     /// The verdict on the run, or [`REFUSED`].
     pub String,
@@ -151,7 +151,7 @@ impl Row {
 mod tests {
     use super::*;
 
-    /// Checks that every column's heading contains its unit once. The test needs a word for each new unit.
+    /// Checks that the heading of every column contains the unit once.
     #[test]
     fn every_column_says_its_unit_once() {
         for measure in measures() {

@@ -36,7 +36,7 @@ const PIECE: Duration = Duration::from_millis(500);
 /// A sweep: the cells, and what is stored for each.
 #[derive(Debug, Clone)]
 pub struct Sweep {
-    /// The cells and their scenes.
+    /// The cells of the map and their scenes.
     pub grid: Grid,
     /// Measures that are stored for each cell besides its verdict.
     pub measures: Vec<Measure>,
@@ -187,7 +187,7 @@ impl Sweep {
     }
 }
 
-/// Result of [`Sweep::fill`].
+/// Result of [`Sweep::fill`]: how many cells were computed, and the first refusal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Filled {
     /// Number of cells that the folder already held.

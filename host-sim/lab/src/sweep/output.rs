@@ -22,7 +22,7 @@ const SIZE: Size = Size {
 };
 const SCENE: &str = "scene.toml";
 
-/// Options for drawing a map.
+/// Options for drawing the maps.
 #[derive(Clone, Default)]
 pub struct Drawing<'a> {
     /// Points from a user's measurements, drawn over the map.
@@ -109,8 +109,8 @@ pub fn results(sweep: &Sweep, shard: Shard, cells: &Cells, over: &Over, files: &
     })
 }
 
-/// Writes the folder; returns the contents of `results.json` and the paths of the files. A shard gets its cells only; maps are
-/// drawn for the whole sweep.
+/// Writes the map's folder; returns the contents of `results.json` and the paths of the files. A shard gets its cells only; maps
+/// are drawn for the whole sweep.
 ///
 /// # Errors
 /// As [`folder::publish`].

@@ -23,7 +23,7 @@ const JOURNAL: &str = "journal.csv";
 pub struct Shard {
     /// Number of this shard, from 1 to [`Shard::of`].
     pub index: u64,
-    /// Number of shards.
+    /// Number of shards into which the sweep is divided.
     pub of: u64,
 }
 
@@ -60,7 +60,7 @@ pub struct Store {
     folder: PathBuf,
     journal: Journal,
     header: Vec<String>,
-    /// The finished cells.
+    /// The finished cells of the map.
     pub cells: Cells,
 }
 
@@ -118,7 +118,7 @@ impl Store {
         Ok(())
     }
 
-    /// Removes the journal after [`CELLS`] has been written with all its rows; returns the cells.
+    /// Removes the file of finished cells (journal) after [`CELLS`] has been written with all its rows; returns the cells.
     pub fn close(self) -> Cells {
         drop(self.journal);
         // One that stays holds nothing that is not known.

@@ -12,11 +12,11 @@ use touchstone_sim::scene::Scene;
 /// Whether the simulation reproduces a statement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
-    /// The simulation shows what the thesis says.
+    /// The simulation reproduces the thesis' statement.
     Reproduced,
-    /// The simulation shows it only for some of the runs, or under the conditions in the text.
+    /// The simulation reproduces the thesis' statement only for some of the runs, or under the conditions in the text.
     Partly,
-    /// The simulation shows something else.
+    /// The simulation contradicts the statement.
     NotReproduced,
 }
 
@@ -47,7 +47,7 @@ pub struct Claim {
     pub measured: String,
 }
 
-/// The runs with one law and stiffness, over all grips and encoders.
+/// The runs with one control law and stiffness, over all grips and encoders.
 fn of(runs: &[Run], law: LawKind, k_desired: f64) -> impl Iterator<Item = &Summary> + Clone {
     runs.iter()
         .map(|run| &run.summary)
@@ -66,7 +66,7 @@ fn all_or_part(hits: usize, total: usize) -> Outcome {
     }
 }
 
-/// A claim that every one of some runs has to meet; the outcome follows from the number that do.
+/// Creates a claim that each of some runs has to meet; the outcome follows from the number of runs that do.
 fn counted<'a>(
     name: &'static str,
     source: &'static str,
@@ -117,7 +117,7 @@ fn largest_step_on_the_way_out(trace: &Trace, from_s: f64) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Runs a cell of the comparison with changed settings.
+/// Simulates a cell of the comparison with changed settings.
 fn variant(
     base: &Scene,
     k_desired: f64,

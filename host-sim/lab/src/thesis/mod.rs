@@ -40,11 +40,11 @@ pub const REPLACED: [(&str, &str); 5] = [
     ("encoder", "encoders"),
 ];
 
-/// A note for readers on the key that a [`cell`] replaces for one law.
+/// A note for readers that TDPA always runs with the thesis' observer, whatever the scene sets.
 pub const TDPA_OBSERVES: &str = "TDPA runs with the thesis' observer, as it was published, whatever law.observer says; \
                                  the enhanced law runs with law.observer";
 
-/// One cell of the comparison.
+/// One cell of the comparison: a scene to simulate.
 #[derive(Debug, Clone)]
 pub struct Cell {
     /// The scene of the cell.
@@ -72,7 +72,8 @@ pub fn cell(base: &Scene, k_desired: f64, law: LawKind, grip: Grip, counts: u32)
     })
 }
 
-/// All cells: the plotted comparison first, then other grips and the other encoder; each with the stiffness beyond the thesis.
+/// All cells of the comparison. The plotted ones come first, then those with other grips and the other encoder; each part includes
+/// the stiffness beyond the thesis.
 ///
 /// # Errors
 /// As [`cell`].

@@ -22,7 +22,7 @@ pub const MOST_N_M: f64 = 0.5;
 /// Fraction of `J/T²` up to which an estimator was found to hold a stiffness.
 const OF_INERTIA: f64 = 0.16;
 
-/// Class of the requested stiffness.
+/// Class of the requested stiffness: how it is derived from the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Class {
@@ -35,11 +35,11 @@ pub enum Class {
 }
 
 impl Class {
-    /// All classes.
+    /// All classes of stiffness.
     pub const ALL: [Class; 3] = [Class::FiveCritical, Class::TwentyCritical, Class::Inertia];
 }
 
-/// Scene with the random device of this number and its wall.
+/// Scene with the random device of this number and the wall to tune.
 #[must_use]
 pub fn scene(seed: u64, class: Class, number: u64) -> Scene {
     let mut random = Random::new(
@@ -95,9 +95,9 @@ fn drawn(random: &mut Random, class: Class) -> Option<Scene> {
 /// Results of tuning one law for one device.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Row {
-    /// The class of stiffness.
+    /// Class of the requested stiffness.
     pub class: Class,
-    /// Number of the device.
+    /// Number of the random device within its seed.
     pub number: u64,
     /// The law that was tuned.
     pub law: String,
@@ -152,7 +152,8 @@ impl Row {
         self.certificate == Verdict::Stable.word() && !self.ends_at_rest
     }
 
-    /// Rank of the result, the greatest is best: rests and follows a moving hand, then rests, then follows a moving hand.
+    /// Rank of the result; the greatest is best. Best is a wall that rests and gives a moving hand the right stiffness; then one
+    /// that only rests.
     fn rank(&self) -> (bool, bool, bool) {
         (self.rests && self.moves, self.rests, self.moves)
     }
@@ -257,7 +258,7 @@ fn rank(outcome: &Outcome) -> (bool, bool, bool) {
 /// The stability certificate of a wall for the three grips.
 ///
 /// # Errors
-/// The law does not accept its settings.
+/// The control law does not accept its settings.
 pub fn certificate(scene: &Scene) -> Result<Certificate> {
     let pressed = Programme::of(scene).scene(scene, GRIPS[1], Deed::Press);
     let asked = certify::Options {

@@ -21,7 +21,7 @@ const HOPELESS: f64 = 60.0;
 /// Cost of a setting that cannot be run at all.
 pub const REFUSED: f64 = 1e6;
 
-/// Depth of a touch, divided by the ideal damped wall's, up to which it hardly costs anything.
+/// Depth of a touch, as a multiple of the ideal damped wall's, up to which a touch hardly adds to the cost of settings.
 const TOUCH: f64 = 1.5;
 /// Sensor noise with which the nominal device should still rest, degrees, root mean square; that of a magnetic sensor (AS5046).
 const NOISE_DEG: f64 = 0.03;
@@ -39,20 +39,21 @@ pub struct Judgement {
     cases: Vec<&'static Case>,
     reference: Reference,
     aim: Aim,
-    /// Touch of the ideal wall on every device, in the order of `cases`; empty if touches are not judged.
+    /// Touches of the ideal wall on every device, in the order of `cases`; empty if touches are not judged.
     ideal: Vec<IdealTouch>,
 }
 
-/// What a setting is judged by.
+/// The figures by which settings are judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Aim {
-    /// Every figure of the scorecard.
+    /// Settings are judged by every figure of the scorecard.
     Scorecard,
-    /// Only that a press comes to rest and an oscillating hand meets the right stiffness, see [`super::outcome`].
+    /// Settings are judged only by whether a press comes to rest and an oscillating hand meets the right stiffness, see
+    /// [`super::outcome`].
     Outcome,
 }
 
-/// Cost of a setting.
+/// Cost of the settings of a law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
     /// The cost, which the search minimises.
@@ -161,7 +162,7 @@ impl Judgement {
         }
     }
 
-    /// Whether the nominal device is also simulated with sensor noise. It is if the scene has no noise of its own.
+    /// Whether settings are also judged on the nominal device with sensor noise. They are if the scene has no noise of its own.
     fn is_shaken(&self, scene: &Scene) -> bool {
         self.aim == Aim::Scorecard && scene.sensor.noise.is_none() && scene.encoder.is_some()
     }
@@ -238,8 +239,8 @@ impl Judgement {
             .collect())
     }
 
-    /// Figures on the nominal device if the wall is within all limits but the ripple's on every device, else `None`. For the Pareto
-    /// table.
+    /// Figures on the nominal device if the wall is within all limits on every device, the limit of the ripple left out; else
+    /// `None`. For the Pareto table.
     #[must_use]
     pub fn holds(&self, scene: &Scene) -> Option<Figures> {
         let mut nominal = None;
@@ -259,7 +260,7 @@ impl Judgement {
         nominal
     }
 
-    /// The actions of the hand.
+    /// The actions of the hand in the simulated runs.
     #[must_use]
     pub fn programme(&self) -> &Programme {
         &self.programme

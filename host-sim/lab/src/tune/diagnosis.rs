@@ -19,7 +19,7 @@ use touchstone_sim::scene::{MotionSpec, Number, Scene};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FailureCause {
-    /// The law accepts no settings for such a device.
+    /// The control law accepts no settings for such a device.
     Refused,
     /// The linear loop is unstable according to the certificate.
     UnstableLoop,
@@ -27,7 +27,7 @@ pub enum FailureCause {
     Guard,
     /// The wall holds with a hundred times the torque.
     TorqueLimit,
-    /// The wall holds in `f64`.
+    /// The wall holds if the law calculates in `f64`.
     LawRounding,
     /// The wall holds without the sensor's noise.
     Noise,
@@ -53,7 +53,7 @@ pub enum FailureCause {
 }
 
 impl FailureCause {
-    /// All causes.
+    /// All causes of failure.
     pub const ALL: [FailureCause; 15] = [
         FailureCause::Refused,
         FailureCause::UnstableLoop,

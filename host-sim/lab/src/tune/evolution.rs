@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// The search ends when the least costs of the last generations lie within this range.
 const FLAT: f64 = 1e-12;
-/// Largest squared ratio of the distribution's axes; above it the covariance matrix is not numerically reliable.
+/// Largest squared ratio of the search distribution's axes; above it the covariance matrix is not numerically reliable.
 const WORST_CONDITION: f64 = 1e14;
 
 /// Constants that depend on the number of dimensions and on the population.
@@ -257,8 +257,7 @@ mod tests {
         None
     }
 
-    /// Median number of points over eleven seeds. Hansen's tutorial has no such table; the tests' bounds are twice what this code
-    /// needs.
+    /// Median number of points that a search examines, over eleven seeds. The tests' bounds are twice what this code needs.
     fn median(start: &[f64], cost: impl Fn(&[f64]) -> f64) -> usize {
         let mut all: Vec<usize> = (0..11)
             .map(|seed| looked(start, seed, &cost).unwrap_or(usize::MAX))

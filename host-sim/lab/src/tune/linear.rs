@@ -58,7 +58,7 @@ fn response(law: &StateSpace, omega: f64, period_s: f64, lag_s: f64) -> Option<C
     Some((through + complex(law.d)) * Complex::from_polar(1.0, -omega * lag_s))
 }
 
-/// The point with the best eigenvalues, from a search that begins at the best of `starts`.
+/// Settings with the best eigenvalues of the loop, from a search that begins at the best of `starts`.
 pub fn start(
     rival: &Rival,
     scene: &Scene,

@@ -26,12 +26,12 @@ use parameters::{Axis, at, axes};
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 
-/// Options of a search.
+/// Options of a search for settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
     /// Seed of the random numbers; the same seed finds the same settings.
     pub seed: u64,
-    /// Length of the search.
+    /// Length of the search for settings.
     pub effort: Effort,
     /// Largest allowed ripple on the nominal device, N·m; absent: the limit of [`Reference`].
     pub ripple_n_m: Option<f64>,
@@ -155,8 +155,8 @@ pub fn to_rest(scene: &Scene, rival: &'static Rival, ticks: f64, seed: u64) -> T
     search_by(scene, rival, reference, &judgement, looks, &mut |_, _| ())
 }
 
-/// The scene with the law's settings that have the best eigenvalues, without a simulated run. A law without matrices gets the
-/// settings of the rule.
+/// The scene with the law's settings that have the best eigenvalues of the loop, without a simulated run. A law without matrices
+/// gets the settings of the start rule.
 #[must_use]
 pub fn by_matrices(scene: &Scene, rival: &'static Rival, seed: u64) -> Scene {
     let axes = axes(rival, scene);
@@ -215,7 +215,8 @@ fn values(axes: &[Axis], scene: &mut Scene) -> Vec<(&'static str, f64)> {
     axes.iter().map(&mut of).collect()
 }
 
-/// Start points of a search: the rule, the scene's own settings, and settings that were found earlier for soft and for stiff walls.
+/// Start points of a search: the rule for the device, the scene's own settings, and settings that were found earlier for soft and
+/// for stiff walls.
 fn starts(scene: &Scene, axes: &[Axis]) -> Vec<Vec<f64>> {
     let mut own = scene.law.clone();
     let own: Vec<f64> = axes
@@ -239,8 +240,8 @@ fn starts(scene: &Scene, axes: &[Axis]) -> Vec<Vec<f64>> {
     starts
 }
 
-/// Settings that were found earlier for the thesis' knob, divided by those of the rule: at 5 and at 20 times its critical
-/// stiffness, and a damped wall that holds every device variant at 14 times.
+/// Settings that were found earlier for the thesis' knob, each divided by that of the start rule. They are for 5 and 20 times its
+/// critical stiffness, and for a damped wall that holds every device variant at 14 times.
 const KNOWN: [&[(&str, f64)]; 3] = [
     &[
         ("law.limit_of_penetration_per_ms", 11.4),

@@ -19,7 +19,7 @@ pub const PHASE_DEG: f64 = 15.0;
 /// Results of a press and an oscillating hand, the worst of three grips.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Outcome {
-    /// Verdict on the worst press.
+    /// Verdict on the worst press of the three grips.
     pub ended: Verdict,
     /// Largest deviation of the stiffness at rest, as a fraction of `k_de`; absent if a press does not come to rest.
     pub displayed_error: Option<f64>,
@@ -33,7 +33,7 @@ impl Outcome {
     /// Simulates a scene's device and law with the scene's press.
     ///
     /// # Errors
-    /// The law does not accept its settings.
+    /// The control law does not accept its settings.
     pub fn of(scene: &Scene) -> Result<Self> {
         let programme = Programme::of(scene);
         let (felt, _) = figures(scene, &programme, &CASES[0], false)?;

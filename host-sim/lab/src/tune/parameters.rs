@@ -22,13 +22,13 @@ pub struct Parameter {
 /// Start and range of a tuned setting. All values are above 0, because the search works with ratios.
 #[derive(Debug, Clone, Copy)]
 pub struct Axis {
-    /// The setting.
+    /// The setting that is tuned.
     pub parameter: Parameter,
-    /// Value at which the search starts.
+    /// Value of the setting at which the search starts.
     pub start: f64,
-    /// Least value.
+    /// Least value of the setting in the search.
     pub least: f64,
-    /// Largest value.
+    /// Largest value of the setting in the search.
     pub most: f64,
 }
 

@@ -18,7 +18,8 @@ pub struct Point {
     pub k_desired: f64,
     /// Change of the torque from tick to tick on the nominal device while the hand oscillates, root mean square, N·m.
     pub ripple_rms_n_m: f64,
-    /// Longest delay with which the nominal device is within the limits, to a sixteenth of a tick; the search ends at 3 ticks.
+    /// Longest delay with which the wall on the nominal device is within the limits, to a sixteenth of a tick; the search ends at 3
+    /// ticks.
     pub delay_margin_ticks: f64,
     /// Bandwidth of the law's estimator, Hz; absent if the law uses measured states.
     pub bandwidth_hz: Option<f64>,

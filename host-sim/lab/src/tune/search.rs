@@ -3,10 +3,10 @@
 use super::cost::Cost;
 use super::evolution::Evolution;
 
-/// Result of a search.
+/// Result of a search for settings.
 #[derive(Debug, Clone)]
 pub struct Found {
-    /// The point with the least cost.
+    /// The point with the least cost. Its coordinates are natural logarithms of settings over their start values.
     pub point: Vec<f64>,
     /// Cost of the best point.
     pub cost: Cost,

@@ -50,7 +50,7 @@ pub fn toml(tuned: &Tuned) -> String {
     text
 }
 
-/// Lines with rate, stiffness and every setting of the law.
+/// Lines of the file with control rate, stiffness and every setting of the law.
 #[must_use]
 pub fn rows(scene: &Scene) -> String {
     let mut text = format!("\n[timing]\nrate_hz = {}\n", scene.timing.rate_hz);

@@ -17,13 +17,14 @@ const EDGE: usize = 8;
 const SLOWEST: f64 = 0.5;
 /// A coast is left out if its first speed is below this fraction of the fastest coast's, because torques then disturb it too much.
 const SLOW: f64 = 0.6;
-/// Fewest turns of a usable coast.
+/// Fewest turns of the shaft in a usable coast.
 const TURNS_LEAST: f64 = 3.0;
-/// Degree of the polynomial. It follows `e^-t` over this range of speeds with an error far below an encoder count.
+/// Degree of the polynomial for the slowing down. It follows `e^-t` over this range of speeds with an error far below an encoder
+/// count.
 const DEGREE: usize = 6;
 /// Number of iterations in which the encoder's error is subtracted from the reading.
 const ROUNDS: usize = 3;
-/// Speeds are differences of positions this many ticks before and after.
+/// Half length of the window for a speed, ticks: a speed is the difference of positions this many ticks before and after.
 const HALF_WINDOW: usize = 10;
 
 /// The encoder's error from a measurement's coasts; `None` if fewer than two coasts are long and fast enough.

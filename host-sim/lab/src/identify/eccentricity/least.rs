@@ -10,12 +10,12 @@ pub(super) struct Normal {
     rows: usize,
 }
 
-/// Solution of the normal equations.
+/// Least-squares solution with its uncertainties.
 pub(super) struct Solved {
     pub values: DVector<f64>,
     /// Standard uncertainties of the solution, if the errors of the equations are independent.
     pub uncertainties: DVector<f64>,
-    /// Root mean square of the residual.
+    /// Root mean square of the equations' residual.
     pub residual_rms: f64,
 }
 

@@ -81,10 +81,10 @@ pub struct Harmonic {
     pub uncertainty_rad: f64,
 }
 
-/// The known motion from which the value was calculated.
+/// The known motion from which the encoder's error was calculated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Witness {
-    /// The slowly turning field.
+    /// The turning of the motor's field, which is slow and timed by a clock.
     Field,
     /// The shaft's own motion with the motor switched off.
     Coast,
@@ -126,7 +126,7 @@ pub enum NotSeen {
     Incomplete {
         /// Number of ticks whose data arrived.
         heard: usize,
-        /// Number of ticks needed.
+        /// Number of ticks whose data are needed.
         needed: usize,
     },
     /// The rotor did not follow the field.
@@ -137,7 +137,7 @@ pub enum NotSeen {
         /// Deviation of the shaft from the field, root mean square, electrical degrees.
         degrees: f64,
     },
-    /// The two directions give different errors.
+    /// The two directions of turning give different errors of the encoder.
     #[error("the turn there and the turn back disagree about the encoder by {degrees:.2} degrees")]
     DoesNotRepeat {
         /// Difference between the turns in the two directions, degrees.

@@ -17,7 +17,7 @@ fn outcome(holds: bool) -> Outcome {
     }
 }
 
-/// The run with this object, stiffness in N/mm and approach.
+/// Finds the run with this object, stiffness in N/mm and way to calculate the force.
 fn of(runs: &[Record], object: Object, k: f64, approach: Approach) -> Option<&Record> {
     runs.iter().find(|run| {
         let cell = &run.cell;
@@ -35,7 +35,7 @@ pub const AT_REST_MM: f64 = 0.05;
 /// omega.3's.
 ///
 /// # Errors
-/// The law does not accept its settings.
+/// The control law does not accept its settings.
 pub fn check(
     mechanism: Mechanism,
     runs: &[Record],
@@ -63,7 +63,7 @@ pub fn check(
 /// Largest stiffness in N/mm at which a plain spring does not oscillate, by bisection over simulated presses without a hand.
 ///
 /// # Errors
-/// The law does not accept its settings.
+/// The control law does not accept its settings.
 pub fn largest_stable_n_per_mm() -> Result<f64, SettingsError> {
     let (mut stable, mut ringing) = (1.0, 20.0);
     while ringing - stable > 0.01 {
@@ -77,8 +77,8 @@ pub fn largest_stable_n_per_mm() -> Result<f64, SettingsError> {
     Ok(0.5 * (stable + ringing))
 }
 
-/// Whether an oscillation of the bare device on a spring of `k` N/mm grows. 4 N push the device in; it starts 0.4 of that depth
-/// from its rest.
+/// Whether an oscillation of the bare device on a spring of `k` N/mm grows. A force of 4 N presses the device into the spring. The
+/// device starts at 1.4 times the depth at which it would rest.
 fn grows(k: f64) -> Result<bool, SettingsError> {
     const PUSH_N: f64 = 4.0;
     let cell = Cell {

@@ -8,7 +8,7 @@ use crate::report::figure::{Axis, Figure, Range, Shape};
 const ROLES: [&str; 3] = ["law-a", "law-d", "law-g"];
 const AXES: [&str; 3] = ["x1", "x2", "x3"];
 
-/// The thesis' figure that shows the same object and approach; empty for the shipped wall.
+/// Number of the thesis' figure for the same object and way to calculate the force; empty for the shipped wall.
 #[must_use]
 pub fn reference(object: Object, approach: Approach) -> &'static str {
     match (object, approach) {
@@ -23,7 +23,7 @@ pub fn reference(object: Object, approach: Approach) -> &'static str {
     }
 }
 
-/// All figures of a run.
+/// All figures of a run in three axes.
 #[must_use]
 pub fn of(run: &Record) -> Vec<Figure> {
     vec![stiffness(run), forces(run), trajectory(run), view(run)]

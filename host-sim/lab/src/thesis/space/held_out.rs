@@ -126,7 +126,7 @@ impl Drawn {
     }
 }
 
-/// The random walls of a seed.
+/// The random walls that a seed generates.
 #[must_use]
 pub fn drawn(seed: u64, count: usize) -> Vec<Drawn> {
     let mut random = Random::new(seed);
@@ -209,7 +209,7 @@ impl HeldOutCell {
         self.longest_n >= (1.0 - 1e-3) * Mechanism::Cartesian.force_n()
     }
 
-    /// Figures beyond their limits, with the figure divided by its limit.
+    /// Figures that are beyond their limits, each with its value divided by the limit.
     #[must_use]
     pub fn fails(&self) -> Vec<(Measure, f64)> {
         let shares = self.found.figures.shares(&self.limits);
@@ -219,42 +219,42 @@ impl HeldOutCell {
     }
 }
 
-/// Results of a check.
+/// Results of a check of the tuned law on random walls.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldOut {
     /// Seed of the random walls.
     pub seed: u64,
-    /// Results of every wall.
+    /// Results of every random wall.
     pub cells: Vec<HeldOutCell>,
 }
 
 /// The largest value of a figure, with the wall that has it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WorstOfAll {
-    /// The figure.
+    /// The scorecard figure.
     pub measure: Measure,
     /// The largest value; `None` if it is infinite, for example because the run diverged.
     pub value: Option<f64>,
     /// Median of the figure over all walls; `None` if it is infinite.
     pub median: Option<f64>,
-    /// Number of walls on which the figure is beyond its limit.
+    /// Number of random walls on which the figure is beyond its limit.
     pub beyond: usize,
     /// Description of the wall with the largest value.
     pub wall: String,
 }
 
 impl HeldOut {
-    /// Simulates the shipped settings of [`super::tuned`] on the walls of a seed.
+    /// Simulates the shipped settings of [`super::tuned`] on the random walls that a seed generates.
     ///
     /// # Errors
-    /// The law does not accept its settings.
+    /// The control law does not accept its settings.
     pub fn played(seed: u64, count: usize) -> Result<Self, SettingsError> {
         let force_n = Mechanism::Cartesian.force_n();
         let law = OMEGA3_WALL.settings(RATE_HZ, force_n);
         Self::with(seed, count, &law, &OMEGA3_WALL.estimator())
     }
 
-    /// Simulates other settings on the walls of a seed.
+    /// Simulates other law settings on the random walls that a seed generates.
     ///
     /// # Errors
     /// As [`Self::played`].
@@ -273,7 +273,7 @@ impl HeldOut {
         })
     }
 
-    /// The largest value of each figure.
+    /// The largest value of each figure over all walls.
     #[must_use]
     pub fn worst(&self) -> Vec<WorstOfAll> {
         let of = |measure: Measure| {
@@ -338,7 +338,7 @@ impl HeldOut {
             .try_fold(0.0, |most: f64, settle| settle.map(|s| most.max(s)))
     }
 
-    /// The check as a claim, for the list of claims.
+    /// The result of the check as a claim, for the list of claims.
     #[must_use]
     pub fn claim(&self) -> Claim {
         let worst = self.worst();

@@ -11,13 +11,13 @@ use serde::Serialize;
 pub enum HeldOutCause {
     /// The push: the motors were at their limit; with the scorecard's own push the figures are within their limits.
     MotorsLimit,
-    /// The delay: without it the figures are within their limits.
+    /// The delay of the device: without it the figures are within their limits.
     Delay,
     /// The device's damping, which differs from what the law assumes.
     Damping,
     /// The device's inertia, which differs from what the law assumes.
     Inertia,
-    /// No single change brings all figures within their limits.
+    /// No single change brings all figures of the wall within their limits.
     NoneAlone,
 }
 
@@ -37,7 +37,7 @@ impl HeldOutCause {
         }
     }
 
-    /// The wall without this cause.
+    /// The random wall with this cause removed.
     #[must_use]
     pub fn mended(self, drawn: &Drawn) -> Drawn {
         let mut mended = *drawn;

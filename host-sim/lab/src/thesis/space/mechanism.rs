@@ -24,7 +24,7 @@ const FALCON_FORCE_N: f64 = 8.0;
 pub const DELTA_DAMPING: f64 = 0.5;
 
 impl Mechanism {
-    /// All mechanisms.
+    /// All types of mechanisms.
     pub const ALL: [Mechanism; 2] = [Mechanism::Cartesian, Mechanism::Delta];
 
     /// Name of the mechanism on the command line and in scene files.
@@ -105,9 +105,9 @@ impl Mechanism {
 /// How a device differs from its nominal values: factors, and a delay.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Deviation {
-    /// Factor on the inertia.
+    /// Factor on the device's inertia.
     pub inertia: f64,
-    /// Factor on the damping.
+    /// Factor on the device's damping.
     pub damping: f64,
     /// Factor on the position counts.
     pub counts: f64,
@@ -139,7 +139,7 @@ impl Deviation {
     }
 }
 
-/// Result of one tick.
+/// Forces, work and losses of one simulated tick.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Crossed {
     /// Mean force on the effector during the tick, N.

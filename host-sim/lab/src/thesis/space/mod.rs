@@ -75,7 +75,7 @@ pub enum Approach {
     Shipped,
 }
 
-/// One cell of the comparison.
+/// One cell of the comparison: mechanism, object, stiffness and approach.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
     /// The mechanism of the run.
@@ -89,7 +89,7 @@ pub struct Cell {
 }
 
 impl Object {
-    /// All objects.
+    /// All objects that the hand can touch.
     pub const ALL: [Object; 3] = [Object::Horizontal, Object::Inclined, Object::Sphere];
 
     /// Name of the object for readers.
@@ -145,7 +145,7 @@ impl Object {
 }
 
 impl Approach {
-    /// All approaches.
+    /// All ways to calculate the force.
     pub const ALL: [Approach; 6] = [
         Approach::Spring,
         Approach::SpringDamper,
@@ -184,7 +184,7 @@ pub fn shipped_n_per_mm(mechanism: Mechanism) -> f64 {
     1e-3 * TunedWall::of(mechanism, RATE_HZ).k_desired_n_per_m
 }
 
-/// All cells of a mechanism: the thesis' approaches at two stiffnesses, and the shipped wall at its own stiffness.
+/// All cells of a mechanism: the thesis' ways to calculate the force at two stiffnesses, and the shipped wall at its own stiffness.
 #[must_use]
 pub fn cells(mechanism: Mechanism) -> Vec<Cell> {
     let mut cells = Vec::new();
@@ -311,7 +311,7 @@ fn wall(cell: &Cell) -> Result<SpaceWall<N, Shape<N>, AnyLaw<N>>, SettingsError>
 /// Simulates one cell. If the mechanism cannot reach a position, the record ends there.
 ///
 /// # Errors
-/// The law does not accept its settings; it accepts those of [`settings`].
+/// The control law does not accept its settings; it accepts those of [`settings`].
 pub fn run(cell: &Cell) -> Result<Record, SettingsError> {
     let mut wall = wall(cell)?;
     let mut record = Record::new(*cell);
@@ -379,5 +379,5 @@ pub fn run_all(cells: &[Cell], done: impl Fn() + Sync) -> Result<Vec<Record>, Se
         .collect()
 }
 
-/// Checks the unit of length: the smallest step of the number format is `2^-24` cm.
+/// Checks at compile time that the smallest step of the number format is `2^-24` of its unit, which is a centimetre here.
 const _: () = assert!(N::ONE.to_bits() == 1 << 24);

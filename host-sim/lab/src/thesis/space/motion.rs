@@ -42,7 +42,7 @@ fn smooth(t: f64) -> f64 {
 }
 
 impl ProbingMotion {
-    /// Creates the motion at this object.
+    /// Creates the hand's motion at this object.
     #[must_use]
     pub fn of(object: Object) -> Self {
         let n = object.normal();
@@ -84,7 +84,7 @@ impl ProbingMotion {
         (seconds * f64::from(super::RATE_HZ)) as u32
     }
 
-    /// The part of the motion at a time.
+    /// The part of the hand's motion at a time.
     #[must_use]
     pub fn phase(&self, time_s: f64) -> Phase {
         match time_s {

@@ -110,7 +110,7 @@ pub fn guard(mechanism: Mechanism) -> GuardSettings {
 /// A wall with a law along its normal and the energy guard. It uses estimated states if the estimator's settings are given.
 ///
 /// # Errors
-/// Law or guard do not accept their settings.
+/// Control law or energy guard do not accept their settings.
 pub(super) fn guarded(
     shape: Shape<N>,
     law: &Settings,
@@ -147,7 +147,7 @@ impl PressedWall {
         guarded(self.surface.shape(), law, estimator, self.mechanism)
     }
 
-    /// The hand's approach to the wall, for the scorecard.
+    /// Wall and forces of the hand along the surface's normal, for the scorecard.
     #[must_use]
     pub fn approach(&self) -> Approach {
         let count_m = self.mechanism.count_m() / self.deviation.counts;
@@ -165,16 +165,16 @@ impl PressedWall {
     /// Simulates an action of the hand; returns the scorecard's figures.
     ///
     /// # Errors
-    /// Law or guard do not accept their settings.
+    /// Control law or energy guard do not accept their settings.
     pub fn played(&self, deed: Deed) -> Result<DirectionFigures, SettingsError> {
         self.played_with_force(deed).map(|(found, _)| found)
     }
 
-    /// As [`PressedWall::played`], with the largest force that was requested of the motors, N. If the mechanism cannot reach a
-    /// position, all figures are infinite.
+    /// Simulates an action of the hand; returns the scorecard's figures and the largest force that was requested of the motors, N.
+    /// If the mechanism cannot reach a position, all figures are infinite.
     ///
     /// # Errors
-    /// Law or guard do not accept their settings.
+    /// Control law or energy guard do not accept their settings.
     pub fn played_with_force(&self, deed: Deed) -> Result<(DirectionFigures, f64), SettingsError> {
         let mut wall = self.wall()?;
         let lost = DirectionFigures {

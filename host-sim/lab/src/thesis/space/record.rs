@@ -2,18 +2,18 @@
 
 use super::{Cell, Object, Phase, RADIUS_MM};
 
-/// A run, tick by tick.
+/// The record of a run in three axes, tick by tick.
 #[derive(Debug, Clone)]
 pub struct Record {
     /// The cell that was run.
     pub cell: Cell,
-    /// Time, s.
+    /// Time of each tick, s.
     pub time_s: Vec<f64>,
     /// Part of the hand's motion in each tick.
     pub phase: Vec<Phase>,
-    /// True position of the hand's point, mm.
+    /// True position of the hand's point in each tick, mm.
     pub hip_mm: Vec<[f64; 3]>,
-    /// Force on the hand's point, N.
+    /// Force on the hand's point in each tick, N.
     pub force_n: Vec<[f64; 3]>,
     /// Whether the run ended because the mechanism could not reach a position.
     pub stopped: bool,
@@ -22,7 +22,7 @@ pub struct Record {
     pub(super) start_energy_j: Option<f64>,
 }
 
-/// Scalar product.
+/// Scalar product of two vectors.
 #[must_use]
 pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
@@ -91,7 +91,7 @@ impl Record {
         length(std::array::from_fn(|i| self.force_n[tick][i] - out * n[i]))
     }
 
-    /// Ticks of the last part of a phase; `share` is its fraction of the phase.
+    /// Ticks of the last part of a phase of the hand's motion; `share` is the length of that part as a fraction of the phase.
     #[must_use]
     pub fn late(&self, phase: Phase, share: f64) -> std::ops::Range<usize> {
         let all: Vec<usize> = (0..self.phase.len())

@@ -15,7 +15,7 @@ pub struct SpaceScene {
     /// Description of the scene.
     #[serde(default)]
     pub description: String,
-    /// Degrees of freedom: 3.
+    /// Number of degrees of freedom, always 3.
     pub dof: u8,
     /// The object that the hand touches.
     #[serde(default)]

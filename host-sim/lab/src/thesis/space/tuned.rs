@@ -26,7 +26,7 @@ pub const HANDS: [Hand; 3] = [LIGHT_TRANSLATION, MEDIUM_TRANSLATION, FIRM_TRANSL
 pub struct NormalOfWall {
     /// Name of the direction for readers.
     pub name: &'static str,
-    /// Outward unit normal of the object.
+    /// Outward unit normal of the pressed surface.
     pub normal: [f64; 3],
 }
 
@@ -89,7 +89,7 @@ impl Played {
     }
 }
 
-/// A direction, with the results of every device.
+/// Scorecard for one direction: the results of every device.
 #[derive(Debug, Clone)]
 pub struct DirectionCard {
     /// The direction of the wall's normal.
@@ -99,7 +99,7 @@ pub struct DirectionCard {
 }
 
 impl DirectionCard {
-    /// Worst figures over all devices.
+    /// Worst value of each figure over all devices.
     #[must_use]
     pub fn worst(&self) -> DirectionFigures {
         self.cells
@@ -128,7 +128,7 @@ impl DirectionCard {
 /// Simulates the presses and motions in each direction at a control rate.
 ///
 /// # Errors
-/// The law does not accept its settings; it accepts those of a [`TunedWall`].
+/// The control law does not accept its settings; it accepts those of a [`TunedWall`].
 pub fn cards(
     mechanism: Mechanism,
     rate_hz: u32,
@@ -256,7 +256,7 @@ mod tests {
         holds(Mechanism::Cartesian, RATE_HZ, &NORMALS);
     }
 
-    /// Checks that two sets of settings cover the control rates of the device.
+    /// Checks that two sets of settings cover the control rates of the omega.3.
     #[test]
     fn the_tuned_law_is_within_every_limit_at_other_rates() {
         for rate_hz in [1500, 2000, 4000] {

@@ -75,8 +75,8 @@ pub const OMEGA3_WALL: TunedWall = TunedWall {
     estimator_kg: 0.2133,
 };
 
-/// The wall for the same axis at 2 kHz (`touchstone tune --quick`, seed 1, 187 examined settings). It is within every limit from 2
-/// to 4 kHz. At 1.5 kHz a device with a whole tick of delay oscillates in it.
+/// The wall for the omega.3 at 2 kHz (`touchstone tune --quick`, seed 1, 187 examined settings). It is within every limit from 2 to
+/// 4 kHz. At 1.5 kHz a device with a whole tick of delay oscillates in it.
 pub const OMEGA3_FAST_WALL: TunedWall = TunedWall {
     rates_hz: (2000, 4000),
     k_soft: 20570.0,
