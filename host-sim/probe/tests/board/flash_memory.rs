@@ -15,7 +15,7 @@ const LOCK: u32 = 1 << 31;
 const START: u32 = 1 << 16;
 const PROGRAM: u32 = 1;
 const PAGE_ERASE: u32 = 1 << 1;
-/// Error bits: programming a word that is not erased; the next lines: a page that does not exist, a wrong size, a wrong order.
+/// Error bits: programming a word that is not erased. The next lines: a wrong size or page; a wrong order of steps.
 const PROGERR: u32 = 1 << 3;
 const SIZERR: u32 = 1 << 6;
 const PGSERR: u32 = 1 << 7;
