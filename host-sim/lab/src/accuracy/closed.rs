@@ -140,7 +140,8 @@ pub fn k_max(
     }
 }
 
-/// Runs every scene with every method and number of substeps, and with the exact step from a start angle moved by [`NUDGE_RAD`].
+/// Simulates each of the three closed-loop scenes with every integration method and number of substeps, and with the exact step
+/// from a start angle moved by [`NUDGE_RAD`].
 ///
 /// # Errors
 /// A scene cannot be run.

@@ -51,7 +51,7 @@ impl Double {
         self.high
     }
 
-    /// `1 / self`.
+    /// The reciprocal, `1 / self`.
     #[must_use]
     pub fn reciprocal(self) -> Double {
         // Newton's step doubles the digits of the quotient.

@@ -47,8 +47,8 @@ pub struct Diagram {
     pub points: Vec<Point>,
 }
 
-/// Simulates a problem by one method. It writes the angle at each tick's end into the slice and returns the largest gap of the
-/// energy balance where energies are calculated.
+/// A simulation of one test problem by one integration method. It writes the angle at each tick's end into the slice. It returns
+/// the largest gap of the energy balance, or `None` if it calculates no energies.
 type March<'a> = Box<dyn Fn(&mut [f64]) -> Option<f64> + 'a>;
 
 fn march<'a, S, const N: usize>(plant: S, problem: &'a Problem) -> (March<'a>, March<'a>)

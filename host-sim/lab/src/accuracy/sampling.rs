@@ -41,7 +41,7 @@ pub struct SamplingPoint {
 /// Laws and their requested stiffnesses in N·m/rad: a spring that is stable even at the slowest rate, and laws for stiffer walls.
 const LAWS: [(&str, f64); 3] = [("spring", 0.4), ("enhanced-sfa", 5.0), ("shipped", 5.0)];
 
-/// Runs every law at every control rate and encoder resolution.
+/// Simulates a press with every control law at every control rate and encoder resolution.
 ///
 /// # Errors
 /// A scene cannot be run.

@@ -16,7 +16,7 @@ fn nullable(mut object: Value) -> Value {
     object
 }
 
-/// The JSON schema of the results.
+/// The JSON schema of the results of `touchstone accuracy`.
 #[must_use]
 pub fn schema() -> Value {
     let time = object(TIME, &[]);

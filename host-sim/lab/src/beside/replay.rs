@@ -1,4 +1,4 @@
-//! Simulates a scene with the hand of a recording.
+//! Simulates a scene with the motion of the hand in a recording.
 
 use super::held::rest_point_rad;
 use super::told::Told;

@@ -83,7 +83,7 @@ pub enum TunedEnding {
 }
 
 impl TunedEnding {
-    /// All endings, from good to bad.
+    /// All ways in which a tuned wall may behave, from good to bad.
     pub const ALL: [TunedEnding; 5] = [
         TunedEnding::Holds,
         TunedEnding::Rests,

@@ -193,7 +193,8 @@ pub struct Row {
     pub bounce: f64,
     /// Energy that the enhanced law gives out in the press beyond what it took, as a fraction of the most that it may (its loan).
     pub loan_used: Option<f64>,
-    /// Largest magnitude of an eigenvalue while the measured penetration is scaled as rounding to counts may scale it.
+    /// Largest magnitude of an eigenvalue of the loop, if measured penetrations are scaled by as much as rounding to counts may
+    /// scale them.
     pub radius_rounded: f64,
     /// Motion that rounding to counts causes at rest, root mean square, counts.
     pub rounding_rms_counts: Option<f64>,

@@ -21,13 +21,13 @@ pub const ROUNDING_GAIN: f64 = 1.05;
 /// Largest motion from rounding that is called stable, root mean square, counts. The threshold of a limit cycle, four counts peak
 /// to peak, is nine times as much.
 pub const ROUNDING_RMS_COUNTS: f64 = 0.45;
-/// Largest ratio of a bounce's return speed to the speed of its touch that is called stable, over all moments of touch within a
-/// tick. Up to this ratio bounces die away.
+/// Limit for calling a wall stable: the largest ratio of a bounce's return speed to the speed of its touch, over all moments of
+/// touch within a tick. Up to this ratio bounces die away.
 pub const BOUNCE: f64 = 1.0;
-/// Ratio of a bounce's return speed to the speed of its touch above which a wall is called unstable.
+/// Limit for calling a wall unstable: ratio of a bounce's return speed to the speed of its touch.
 pub const BOUNCE_GROWS: f64 = 1.7;
-/// Largest `T sqrt(k_de/J)` of a wall that is called stable; the validation runs go up to it. Beyond it, a device may rest after
-/// every simulated touch and yet keep bouncing after a harder one.
+/// Largest `T sqrt(k_de/J)` (angle in rad that the oscillation advances per tick) of a wall that is called stable. The validation
+/// runs go up to it. Beyond it, a device may rest after every simulated touch and yet keep bouncing after a harder one.
 pub const STIFFEST_PER_TICK: f64 = 1.0;
 /// Amplitude of a motion below which the knob counts as at rest, encoder counts.
 pub const LEFT_COUNTS: f64 = 1.5;

@@ -13,11 +13,11 @@ pub struct Margins {
     pub delay_s: f64,
     /// Whether the loop was still stable at the longest delay that was examined.
     pub delay_beyond: bool,
-    /// Smallest factor on the inertia with which the loop is stable; `None` if the loop is unstable as it is. `1/64` is the end of
-    /// the search.
+    /// Smallest factor on the inertia with which the loop is stable, at least `1/64`, where the search ends. `None` if the loop is
+    /// unstable as it is.
     pub inertia_down: Option<f64>,
-    /// Largest factor on the inertia with which the loop is stable; `None` if the loop is unstable as it is. 64 is the end of the
-    /// search.
+    /// Largest factor on the inertia with which the loop is stable, at most 64, where the search ends. `None` if the loop is
+    /// unstable as it is.
     pub inertia_up: Option<f64>,
     /// Ranges of `k_de` in N·m/rad in which the loop is stable, between a hundredth and a hundred times the scene's. The law's
     /// other settings are unchanged.
@@ -39,7 +39,7 @@ fn radius(contact: &Contact, hands: &[Hand]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The stability limit between a stable and an unstable value, by bisection; on a logarithmic scale if both are positive.
+/// Finds the limit between a stable and an unstable value by bisection; on a logarithmic scale if both values are positive.
 fn edge(mut stable: f64, mut unstable: f64, is_stable: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..24 {
         let middle = if stable > 0.0 && unstable > 0.0 {

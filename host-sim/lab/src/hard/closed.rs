@@ -76,7 +76,7 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-/// Whether a motion grows in the loop of the bare device and a sampled spring of this stiffness in N·m/rad.
+/// Whether a motion grows in the loop of the bare device and a sampled spring of this stiffness in N·m/rad, with this delay in s.
 fn grows(device: &Device, stiffness: f64, delay_s: f64) -> bool {
     let whole = (delay_s / PERIOD_S).floor();
     let fraction = delay_s - whole * PERIOD_S;

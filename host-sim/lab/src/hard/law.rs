@@ -91,7 +91,7 @@ macro_rules! every_law {
     }};
 }
 
-/// Runs the check on one law in one number format. The check counts violations of the expected behaviour; the bound is 0.
+/// Runs a check on one control law in one number format. The check counts violations of the expected behaviour; the bound is 0.
 fn subject<N: Reported>(
     stages: &str,
     settings: &Settings,
@@ -136,7 +136,7 @@ impl<N: Reported> Subject<N> {
         CountScale::new(40_000, Si::ZERO)
     }
 
-    /// Whether the law runs on measured states and without a guard. Only then it must forget everything outside the wall; estimator
+    /// Whether the law runs on measured states and without a guard. Such a law must forget everything outside the wall; estimator
     /// and guard keep their states there.
     fn is_alone(&self) -> bool {
         self.settings.states == StatesKind::Measured && !self.settings.guard.on
@@ -165,7 +165,7 @@ impl<N: Reported> Subject<N> {
             .collect()
     }
 
-    /// Number of ticks in which a law that has left the wall gives another force than a law that was never used.
+    /// Number of ticks in which a law that was used, and then left the wall, gives another force than a law that was never used.
     fn remembers(&self, law: &Controller<N>) -> f64 {
         if !self.is_alone() {
             return 0.0;

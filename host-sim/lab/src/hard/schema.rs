@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::report::plain_schema::{array, document, object, program};
 
-/// The JSON schema of the results.
+/// The JSON schema of the results of `touchstone hard`.
 #[must_use]
 pub fn schema() -> Value {
     let finding = object(

@@ -28,7 +28,7 @@ pub struct Search {
 /// One step of the bisection: a press with one assumed damping.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trial {
-    /// Damping that FBA assumed, N·m·s/rad.
+    /// Damping that the law (force bounding approach, FBA) assumed, N·m·s/rad.
     pub damping: f64,
     /// Motion in the second quarter of the hold, peak to peak, rad.
     pub early_rad: f64,
@@ -103,7 +103,8 @@ pub enum Bracket {
 /// Result of the identification: the device's damping with its uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identified {
-    /// Largest damping that FBA may assume, N·m·s/rad: the mean over the presses.
+    /// Damping of the device, N·m·s/rad: the largest that the force bounding approach (FBA) may assume in its law, as the mean over
+    /// the presses.
     pub damping: f64,
     /// Uncertainty of the damping, N·m·s/rad: the largest of half the last interval, the spread between the presses, and the
     /// damping that dry friction adds.
@@ -111,7 +112,7 @@ pub struct Identified {
     /// Damping that dry friction adds at the amplitude of the last trial, N·m·s/rad. By its describing function it is `4 F_k/(π A
     /// ω)`.
     pub friction_share: f64,
-    /// Half the width of the last interval, N·m·s/rad.
+    /// Resolution of the bisection, N·m·s/rad: half the width of the last interval of damping.
     pub resolution: f64,
     /// Results of the presses: the torque as a fraction of the scene's, and the damping in N·m·s/rad.
     pub presses: Vec<(f64, f64)>,
@@ -124,8 +125,8 @@ pub struct Identified {
 /// Torques of the presses, as fractions of the scene's push.
 pub const PRESSES: [f64; 3] = [1.0, 0.6, 1.4];
 
-/// Runs the bisection for every press. The scene's law is replaced by FBA, its wall by one of four times the stiffness that FBA can
-/// render.
+/// Runs the bisection for every press. The scene's law is replaced by the force bounding approach (FBA), its wall by one of four
+/// times the stiffness that FBA can render.
 ///
 /// If `mechanics` from [`super::swing`] is given, the damping that dry friction adds is calculated. `Ok(Err(bracket))`: the limit
 /// is outside the searched interval, so there is no result.
@@ -198,7 +199,7 @@ pub fn identify(
     }))
 }
 
-/// Simulates one press with FBA that assumes this damping.
+/// Simulates one press with the force bounding approach (FBA) that assumes this damping of the device.
 fn try_out(scene: &Scene, damping: f64) -> Result<Trial> {
     let mut scene = scene.clone();
     scene.law.kind = LawKind::Fba;

@@ -27,7 +27,7 @@ pub struct SweepTick {
     pub current_a: f64,
 }
 
-/// Properties of the knob that have to be known.
+/// Properties of the knob that the caller has to give.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownKnob {
     /// Control rate, Hz.
@@ -60,9 +60,9 @@ pub struct Swept {
 /// A cogging map and its quality.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredCogging {
-    /// The map that the device stores.
+    /// The cogging map, in the form that the device stores.
     pub map: CoggingMap,
-    /// Torque of the map, root mean square, N·m.
+    /// Torque of the cogging map, root mean square, N·m.
     pub rms_n_m: f64,
     /// Largest torque of the map, N·m.
     pub peak_n_m: f64,
@@ -112,7 +112,7 @@ const LOST_MOST: u32 = 50;
 /// A harmonic is kept in the map if it exceeds the median difference between turns by this factor. With noise alone, one sweep in
 /// twenty would have such a harmonic: `255 · 2^-(3.5²)`.
 const OUTSTANDING: f64 = 3.5;
-/// A harmonic is kept only if it also exceeds its own difference between the two pairs of turns by this factor.
+/// A harmonic is kept in the map only if its amplitude also exceeds its own difference between two pairs of turns by this factor.
 const ITS_OWN: f64 = 2.0;
 /// Harmonics up to this order count as slow; a hand at the knob or a loose part shows in them.
 const SLOW: usize = 12;

@@ -15,7 +15,7 @@ pub struct Lever {
     pub length_m: f64,
 }
 
-/// Properties of a translational axis that have to be known, SI units.
+/// Properties of a translational axis that the caller has to give, SI units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisOfDevice {
     /// Name of the axis, for people.

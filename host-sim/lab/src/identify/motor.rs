@@ -26,7 +26,7 @@ pub struct MotorTick {
     pub voltage_v: Complex<f64>,
 }
 
-/// Properties of the motor that have to be known.
+/// Properties of the motor that the caller has to give.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownMotor {
     /// Control rate, Hz.
@@ -80,7 +80,7 @@ pub enum NotMeasured {
     Absurd {
         /// Name of the quantity whose value is not possible.
         what: &'static str,
-        /// The value that is not possible, SI unit.
+        /// The value that is not possible, in its SI unit.
         value: f64,
     },
     /// The motion does not fit a free knob.

@@ -70,7 +70,7 @@ pub struct Planned {
     pub states: Vec<String>,
     /// Eigenvalues of the linear part of device and hand.
     pub eigenvalues: Vec<Eigenvalue>,
-    /// How the plant is integrated over a tick, in words.
+    /// How the plant (device and hand) is integrated over a tick, in words.
     pub tier: String,
     /// Substeps per tick; 1 for an exact step.
     pub substeps: u32,

@@ -1,10 +1,10 @@
-//! JSON schema of the results of this module. The file `docs/schema/plan.schema.json` holds its text.
+//! JSON schema of the description of how a scene is simulated. The file `docs/schema/plan.schema.json` holds its text.
 
 use serde_json::{Value, json};
 
 use crate::report::plain_schema::{array, document, object, program};
 
-/// The JSON schema of the results.
+/// The JSON schema of the description of how a scene is simulated.
 #[must_use]
 pub fn schema() -> Value {
     let eigenvalue = object(

@@ -4,7 +4,7 @@ use touchstone_sim::run::record::Trace;
 
 /// One column of a trace file.
 pub struct Column {
-    /// Name in CSV and Parquet: the name of the field in [`Trace`], whose ending is the unit.
+    /// Name of the column in CSV and Parquet: the name of the field in [`Trace`], whose ending is the unit.
     pub name: &'static str,
     /// Unit of the column, in the form used in metadata.
     pub unit: &'static str,

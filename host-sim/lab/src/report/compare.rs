@@ -109,7 +109,8 @@ fn embedded(trace: &Trace, k_desired: f64) -> serde_json::Value {
     })
 }
 
-/// Indices of the ticks that are embedded: all, or of a long trace the lowest and highest value of each stretch.
+/// Indices of the ticks that are embedded in the page. A long trace is divided into stretches, of which only the ticks with the
+/// lowest and the highest value are embedded.
 fn kept(values: &[f64]) -> Vec<usize> {
     if values.len() <= MOST {
         return (0..values.len()).collect();

@@ -24,9 +24,9 @@ pub struct Figure {
 /// The part of a figure that is inside the wall.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub enum Wall {
-    /// The wall is to the right of this coordinate.
+    /// The wall is to the right of this coordinate of the horizontal axis.
     RightOf(f64),
-    /// The wall is above this coordinate.
+    /// The wall is above this coordinate of the vertical axis.
     Above(f64),
 }
 

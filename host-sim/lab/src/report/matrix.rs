@@ -4,7 +4,7 @@ use super::label::{self, Condition};
 use touchstone_control::LawKind;
 use touchstone_sim::run::record::{Run, Summary};
 
-/// A column of a table: a control law, or a setting of a law that the report names itself.
+/// A column of a table: a control law, or one set of its settings to which the report gives a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Column {
     /// Name of the column in place of the law's own. It is the first field, so that columns with such a name are sorted last.

@@ -5,7 +5,7 @@ use touchstone_sim::run::record::Summary;
 
 /// A measure of a run.
 pub struct Measure {
-    /// Name in `results.json`: the name of the field in [`Summary`].
+    /// Name of the measure in `results.json`: the name of the field in [`Summary`].
     pub field: &'static str,
     /// Name of the measure for readers.
     pub words: &'static str,

@@ -86,7 +86,7 @@ pub struct ReportInput<'a> {
     pub notes: &'a [String],
     /// References for one requested stiffness: `k_de` in N·m/rad, and a text such as a figure number of the thesis.
     pub row_notes: &'a [(f64, String)],
-    /// Further sections between the tables and the plots; they are folded.
+    /// Further sections between the tables and the plots; they are folded if there are several sections or runs.
     pub sections: &'a [Section],
     /// Text of the interactive page. If given, every run whose scene is written out can be tried in the report.
     pub live_page: Option<&'a str>,
@@ -99,7 +99,8 @@ pub struct Section {
     pub title: String,
     /// Parts of the section, from top to bottom.
     pub body: Vec<Block>,
-    /// Whether the section starts folded, on a page of sections alone. A report of runs folds all sections.
+    /// Whether the section starts folded, on a page of sections alone. A report of runs folds its sections if it has several runs
+    /// or sections.
     pub folded: bool,
 }
 

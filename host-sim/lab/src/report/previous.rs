@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 use serde_json::Value;
 use touchstone_sim::error::{Error, Result};
 
-/// Results that a folder holds.
+/// Description of the results that a folder holds.
 struct Previous {
     command: Option<String>,
     files: Vec<String>,

@@ -17,9 +17,9 @@ pub const FINE: f64 = 10.0;
 /// Nominal size of a plot with its labels, pixels. The page scales it to the available width.
 #[derive(Debug, Clone, Copy)]
 pub struct Size {
-    /// Width, pixels.
+    /// Width of the plot, pixels.
     pub width: u32,
-    /// Height, pixels.
+    /// Height of the plot, pixels.
     pub height: u32,
 }
 

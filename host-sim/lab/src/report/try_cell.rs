@@ -32,7 +32,7 @@ pub fn button(input: &ReportInput, origin: &Origin, index: usize) -> String {
     }
 }
 
-/// A scene's text without name and description.
+/// Text of a scene file without comments and empty lines.
 fn bare(text: &str) -> String {
     let mut bare = String::with_capacity(text.len() / 2);
     for line in text.lines() {

@@ -16,7 +16,7 @@ pub const DEEDS: [Deed; 4] = [
 const OUT_S: f64 = 0.5;
 const REST_S: f64 = 1.5;
 
-/// A simulated hand that does all actions in their order.
+/// A simulated hand that does all actions of the scorecard one after the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeedsInTurn {
     /// The wall and the forces of the hand.

@@ -172,12 +172,12 @@ pub struct BoardCard {
     pub places: usize,
     /// The scorecard's figures: first the worst of the grips, then those of each grip.
     pub figures: Vec<FigureBeside>,
-    /// Dynamic stiffness of an oscillating hand, grip by grip.
+    /// Magnitude and phase of force over penetration for an oscillating hand, grip by grip.
     pub moved: Vec<FigureBeside>,
 }
 
 impl BoardCard {
-    /// All figures, dynamic stiffness included, in which board and simulator differ by more than the fraction `share`.
+    /// All figures, those of an oscillating hand included, in which board and simulator differ by more than the fraction `share`.
     pub fn apart(&self, share: f64) -> impl Iterator<Item = &FigureBeside> {
         let own = self.figures.iter().filter(|it| it.grip.is_none());
         own.chain(&self.moved).filter(move |it| !it.holds(share))

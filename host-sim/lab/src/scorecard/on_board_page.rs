@@ -1,4 +1,4 @@
-//! The comparison of a board's scorecard with the desktop's for readers: on a terminal, and as a section of a page.
+//! The comparison of a board's scorecard with the simulator's for readers: on a terminal, and as a section of a page.
 
 use super::on_board::{BoardCard, FigureBeside, SAME};
 use crate::report::{Block, Section};

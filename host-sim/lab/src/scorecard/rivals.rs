@@ -185,8 +185,8 @@ pub fn delay_ticks(scene: &Scene) -> f64 {
     (guard.delay_s.max(scene.timing.computational_delay_s) + guard.lag_s) / scene.timing.period_s()
 }
 
-/// Sets estimator and guard to the device's values and torque. The guard's capacity and refill power are what the device needs, and
-/// at least the scene's; a coarse encoder at a stiff wall needs much.
+/// Sets a scene's estimator and guard to the device's values and torque. The guard's capacity and refill power are what the device
+/// needs, and at least the scene's; a coarse encoder at a stiff wall needs much.
 fn told(scene: &mut Scene) {
     let (period_s, rate_hz) = (scene.timing.period_s(), f64::from(scene.timing.rate_hz));
     let count = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());

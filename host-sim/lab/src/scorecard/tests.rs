@@ -1,4 +1,4 @@
-//! Tests that a scorecard finds the known properties of known walls.
+//! Tests that scorecards of walls whose properties are known show these properties.
 
 use super::cases::{CASES, Case, Change, Deed, GRIPS, Programme};
 use super::measure::{Figures, Limits, Measure};

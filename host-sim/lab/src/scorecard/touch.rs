@@ -88,7 +88,7 @@ impl IdealTouch {
         })
     }
 
-    /// The figures of a touch with the grip of this index in [`GRIPS`], divided by the ideal wall's.
+    /// The figures `own` of a touch, divided by those of the ideal wall; `grip` is the index in [`GRIPS`].
     #[must_use]
     pub fn ratios(&self, grip: usize, own: &Beside) -> TouchRatios {
         TouchRatios::new(own, &self.touches[grip], self.k_desired)

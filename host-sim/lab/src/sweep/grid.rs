@@ -119,7 +119,7 @@ fn words(axis: &Axis) -> usize {
     }
 }
 
-/// Indices of the axis' values to try: three values of an axis of numbers, else the given word.
+/// Indices of an axis' values that are tried in the base scene: three of an axis of numbers, else that of the given word.
 fn trials(axis: &Axis, word: usize) -> Vec<usize> {
     match axis.numbers() {
         Some(_) => {

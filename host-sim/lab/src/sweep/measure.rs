@@ -115,7 +115,7 @@ pub fn verdicts() -> Vec<&'static str> {
 /// A row of the table: the stored results of one cell.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Row(
-    /// Number of the cell.
+    /// Number of the cell in the map.
     pub u64,
     /// Value of the horizontal axis, as text.
     pub String,

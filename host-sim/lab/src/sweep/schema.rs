@@ -4,7 +4,7 @@ use super::measure::verdicts;
 use crate::report::plain_schema::{Field, array, document, object, program};
 use serde_json::{Value, json};
 
-/// The JSON schema of the results.
+/// The JSON schema of a map's `results.json`.
 #[must_use]
 pub fn schema() -> Value {
     let texts = || array(json!({"type": "string"}));

@@ -104,7 +104,8 @@ fn shaky(run: &Summary) -> bool {
     run.verdict >= Verdict::LimitCycle
 }
 
-/// Largest change of the force from one tick to the next while the hand withdraws, N·m. TDPA's force is discontinuous there.
+/// Largest change of the force from one tick to the next while the hand withdraws, N·m. The force of the time-domain passivity
+/// approach (TDPA) is discontinuous there.
 fn largest_step_on_the_way_out(trace: &Trace, from_s: f64) -> f64 {
     let out = trace
         .time_s

@@ -40,7 +40,7 @@ pub const REPLACED: [(&str, &str); 5] = [
     ("encoder", "encoders"),
 ];
 
-/// A note for readers that TDPA always runs with the thesis' observer, whatever the scene sets.
+/// A note for readers: the time-domain passivity approach (TDPA) always runs with the thesis' observer, whatever the scene sets.
 pub const TDPA_OBSERVES: &str = "TDPA runs with the thesis' observer, as it was published, whatever law.observer says; \
                                  the enhanced law runs with law.observer";
 
@@ -53,7 +53,8 @@ pub struct Cell {
     pub plotted: bool,
 }
 
-/// The scene of one cell: `base` with this stiffness, law, grip and encoder.
+/// The scene of one cell: `base` with this stiffness, law, grip and encoder. The time-domain passivity approach (TDPA) gets the
+/// thesis' observer, see [`TDPA_OBSERVES`]; all other settings are those of `base`.
 ///
 /// TDPA gets the thesis' observer, see [`TDPA_OBSERVES`]; all other settings are those of `base`.
 ///

@@ -269,7 +269,7 @@ pub fn certificate(scene: &Scene) -> Result<Certificate> {
     certify::certify(&pressed, &asked)
 }
 
-/// The best of the results for one device, one per law. A user would choose this law.
+/// The best of the results for one device, which has one result per law; a user would choose that law.
 #[must_use]
 pub fn best<'a>(rows: &[&'a Row]) -> Option<&'a Row> {
     rows.iter().copied().max_by_key(|row| row.rank())

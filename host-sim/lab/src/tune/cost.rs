@@ -1,4 +1,4 @@
-//! The cost that a search minimises: the scorecard of a setting as one number.
+//! The cost of law settings, which a search minimises: their scorecard as one number.
 
 use super::outcome;
 use crate::scorecard::cases::{CASES, Case, Deed, GRIPS, Programme};
@@ -16,9 +16,9 @@ use touchstone_sim::scene::{Grip, Scene, SensorNoise};
 const WORST_SHARE: f64 = 20.0;
 /// A figure costs nothing up to this fraction of its limit. It is below 1, so that tuned settings have a margin.
 const NEAR: f64 = 0.95;
-/// Sum of costs above which a setting is so bad that no further device is simulated.
+/// Sum of costs above which settings are so bad that no further device is simulated.
 const HOPELESS: f64 = 60.0;
-/// Cost of a setting that cannot be run at all.
+/// Cost of settings that cannot be run at all.
 pub const REFUSED: f64 = 1e6;
 
 /// Depth of a touch, as a multiple of the ideal damped wall's, up to which a touch hardly adds to the cost of settings.
@@ -105,7 +105,7 @@ impl Judgement {
         }
     }
 
-    /// Simulated ticks for one judgement of a setting on all devices.
+    /// Simulated ticks for judging one set of law settings on all devices.
     #[must_use]
     pub fn ticks(&self, scene: &Scene) -> f64 {
         self.programme.seconds(scene)

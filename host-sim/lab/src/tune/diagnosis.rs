@@ -23,26 +23,26 @@ pub enum FailureCause {
     Refused,
     /// The linear loop is unstable according to the certificate.
     UnstableLoop,
-    /// The wall holds without the energy guard.
+    /// The wall fails by the energy guard: it holds without the guard.
     Guard,
-    /// The wall holds with a hundred times the torque.
+    /// The wall fails by the torque limit: it holds with a hundred times the torque.
     TorqueLimit,
-    /// The wall holds if the law calculates in `f64`.
+    /// The wall fails by rounding in the law: it holds if the law calculates in `f64`.
     LawRounding,
-    /// The wall holds without the sensor's noise.
+    /// The wall fails by the sensor's noise: it holds without the noise.
     Noise,
-    /// The wall holds with the exact angle. It oscillates by encoder counts, or a press is too few counts deep.
+    /// The wall fails by encoder counts: it holds with the exact angle. It oscillates by counts, or a press is too few counts deep.
     Counts,
-    /// The wall holds without dry friction, which keeps the device stuck where the hand should move it.
+    /// The wall fails by dry friction, which keeps the device stuck where the hand should move it: it holds without friction.
     Friction,
-    /// The wall holds if the light touch before the press is as strong as the press. So the touch, some counts deep, does not come
-    /// to rest.
+    /// The wall fails in the light touch before the press, which is some counts deep: it holds if the touch is as strong as the
+    /// press.
     LightTouch,
-    /// The wall holds if touch and hold last ten times as long.
+    /// The wall comes to rest too slowly: it holds if touch and hold last ten times as long.
     Slow,
-    /// The wall holds if touch and press come slowly. So it fails by the impact of a fast touch.
+    /// The wall fails by the impact of a fast touch: it holds if touch and press come slowly.
     Contact,
-    /// The wall holds with the exact angle and without dry friction, but with neither change alone.
+    /// The wall fails by encoder counts and dry friction together: it holds without both, but not without one alone.
     CountsAndFriction,
     /// The wall comes to rest at another stiffness, and none of the other causes explains it.
     Stiffness,

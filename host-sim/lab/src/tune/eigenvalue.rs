@@ -1,11 +1,11 @@
-//! The largest eigenvalue of the loop, as a criterion for a search.
+//! The largest eigenvalue of the loop of law, device and hand, as a criterion for a search of settings.
 
 use crate::certify::contact::Contact;
 use crate::certify::hands::GRIPS;
 use touchstone_sim::scene::Scene;
 
-/// Factors on the loop's gain with which it should be stable. Encoder counts, friction and a touch that is lost at times act like
-/// such factors.
+/// Factors on the loop's gain at which the loop should be stable. Encoder counts, friction and a touch that is lost at times act
+/// like changes of the gain.
 const GAINS: [f64; 3] = [0.7, 1.0, 1.3];
 
 /// Largest magnitude of an eigenvalue over grips, phases of the law and `GAINS`; infinite if the law refuses its settings.

@@ -10,7 +10,7 @@ const PLACES: u32 = 720;
 /// (`touchstone_drive::calibration`) has a limit of 20 degrees, of which it allows 15 for this error. Beyond that it would refuse a
 /// correct alignment at some angles.
 pub const ELECTRICAL_MOST_DEG: f64 = 15.0;
-/// Largest acceptable relative error of the stiffness: the scorecard's limit for a wall under a hand at rest.
+/// Largest acceptable relative error of a wall's stiffness by the encoder's error. It is the scorecard's limit for a hand at rest.
 pub const STIFFNESS_MOST: f64 = 0.05;
 
 /// Effects of an eccentric encoder on a wall.

@@ -93,9 +93,9 @@ pub enum Witness {
 /// The encoder's error from one type of motion: the phasor `A e^(jφ)` of each order and its uncertainty, rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Said {
-    /// Phasors by order, from order 1, rad.
+    /// Phasors of the encoder's error by order, from order 1, rad.
     pub parts: [Complex<f64>; ORDERS],
-    /// Uncertainty by order, from the difference between the directions or from noise, rad.
+    /// Uncertainty of the phasors by order, from the difference between the directions or from noise, rad.
     pub uncertainty_rad: [f64; ORDERS],
     /// Residual of the fit, root mean square, rad.
     pub residual_rms_rad: f64,
@@ -140,7 +140,7 @@ pub enum NotSeen {
     /// The two directions of turning give different errors of the encoder.
     #[error("the turn there and the turn back disagree about the encoder by {degrees:.2} degrees")]
     DoesNotRepeat {
-        /// Difference between the turns in the two directions, degrees.
+        /// Difference between the encoder errors from the two directions, degrees.
         degrees: f64,
     },
 }

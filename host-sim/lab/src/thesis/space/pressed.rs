@@ -74,7 +74,7 @@ impl PressedSurface {
     }
 }
 
-/// A surface with a law, on a device in a hand.
+/// A surface that a control law renders, on a device in a hand.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PressedWall {
     /// The surface that the hand presses.

@@ -110,7 +110,7 @@ impl SpaceScene {
     }
 }
 
-/// JSON schema of such scenes; the file `docs/schema/space-scene.schema.json` holds its text.
+/// JSON schema of scene files for three axes; the file `docs/schema/space-scene.schema.json` holds its text.
 #[must_use]
 pub fn schema() -> Value {
     let table = |about: &str, properties: Value| {

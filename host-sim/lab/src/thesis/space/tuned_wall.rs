@@ -24,27 +24,27 @@ pub struct TunedWall {
     pub damping_n_s_per_m: f64,
     /// Largest damping of an axis that may use the wall, N·s/m.
     pub most_damping_n_s_per_m: f64,
-    /// Value of [`Settings::k_soft`], N/m.
+    /// Soft stiffness of the enhanced law, [`Settings::k_soft`], N/m.
     pub k_soft: f64,
-    /// Value of [`Settings::step_of_ideal`].
+    /// Fraction of the ideal step by which the law's offset moves per millisecond, [`Settings::step_of_ideal`].
     pub step_of_ideal: f64,
-    /// Value of [`Settings::limit_of_force`].
+    /// Largest step of the law's offset per force, per millisecond, [`Settings::limit_of_force`].
     pub limit_of_force: f64,
-    /// Value of [`Settings::limit_of_penetration`].
+    /// Largest step of the law's offset per penetration, per millisecond, [`Settings::limit_of_penetration`].
     pub limit_of_penetration: f64,
-    /// Value of [`FilterSettings::mass`], kg.
+    /// Virtual mass of the enhanced law, [`FilterSettings::mass`], kg.
     pub filter_kg: f64,
-    /// Value of [`FilterSettings::stiffness`], N/m.
+    /// Stiffness of the coupling between device and virtual mass, [`FilterSettings::stiffness`], N/m.
     pub filter_stiffness: f64,
-    /// Value of [`FilterSettings::damping`], N·s/m.
+    /// Damping of the coupling between device and virtual mass, [`FilterSettings::damping`], N·s/m.
     pub filter_damping: f64,
-    /// Value of [`FilterSettings::ground_damping`], N·s/m.
+    /// Damping of the virtual mass against the ground, [`FilterSettings::ground_damping`], N·s/m.
     pub ground_damping: f64,
-    /// Value of [`EstimatorSettings::bandwidth_hz`], Hz.
+    /// Bandwidth of the state estimator, [`EstimatorSettings::bandwidth_hz`], Hz.
     pub bandwidth_hz: f64,
-    /// Value of [`EstimatorSettings::delay_s`], s.
+    /// Delay that the state estimator predicts over, [`EstimatorSettings::delay_s`], s.
     pub delay_s: f64,
-    /// Value of [`EstimatorSettings::inertia`], kg.
+    /// Mass that the state estimator assumes, [`EstimatorSettings::inertia`], kg.
     pub estimator_kg: f64,
 }
 
