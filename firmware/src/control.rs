@@ -86,7 +86,7 @@ fn tick_of(device: &mut Device, input: &ControlInput) -> ControlOutput {
     device.tick_around(input, unsafe { AROUND.mine() })
 }
 
-/// The control tick's state, in a static; `None` before the start.
+/// The state of the control tick; `None` before the start.
 pub static CONTROL: Guarded<Option<&'static mut Control>> = Guarded::new(None);
 /// The environment (further walls, end stops, detents) and the cogging map's table. It is large and must not be moved, like
 /// [`RING`].

@@ -33,7 +33,7 @@ const SAMPLE_LEAD: u16 = 20;
 pub struct Bridge {
     /// Dead time between switching one transistor of a phase off and the other on, ns.
     pub dead_time_ns: u32,
-    /// How the gate drivers use the complementary outputs.
+    /// How the gate drivers use the timer's complementary outputs.
     pub complement: Complement,
     /// The hardware signal that switches the outputs off without the processor.
     pub break_input: BreakInput,

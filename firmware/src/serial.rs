@@ -39,7 +39,7 @@ static DECODER: ConstStaticCell<Decoder> = ConstStaticCell::new(Decoder::new());
 /// Whether the link's task has run since the supervisor last checked.
 pub static LINK_LIVES: AtomicBool = AtomicBool::new(false);
 
-/// The port's settings.
+/// Settings of the serial port.
 pub fn config() -> usart::Config {
     let mut config = usart::Config::default();
     config.baudrate = BAUD;
@@ -94,7 +94,7 @@ enum Taken {
     Nothing,
     /// A request; the value is the length of its answer's frame in bytes.
     Answer(usize),
-    /// A command for the next control tick.
+    /// A command, which the next control tick will handle.
     Command,
 }
 

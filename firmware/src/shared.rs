@@ -96,7 +96,7 @@ pub struct Latest<T> {
 unsafe impl<T: Send> Sync for Latest<T> {}
 
 impl<T: Copy> Latest<T> {
-    /// An empty box.
+    /// A box without a value.
     pub const fn new() -> Self {
         Self {
             places: [const { UnsafeCell::new(None) }; 2],
@@ -147,7 +147,7 @@ pub struct Owned<T>(UnsafeCell<Option<T>>);
 unsafe impl<T: Send> Sync for Owned<T> {}
 
 impl<T> Owned<T> {
-    /// An empty cell.
+    /// A cell without a value.
     pub const fn empty() -> Self {
         Self(UnsafeCell::new(None))
     }

@@ -38,7 +38,7 @@ pub static READING: AtomicBool = AtomicBool::new(false);
 /// The flash pages of the settings.
 pub struct Storage(Option<Flash<'static, Blocking>>);
 
-/// Errors of the flash.
+/// Why the flash of the settings cannot be accessed.
 #[derive(Debug, Clone, Copy)]
 pub enum StorageError {
     /// By the option bytes the chip's pages have another size than [`PAGE`].

@@ -17,7 +17,7 @@ pub enum Board {
 }
 
 impl Board {
-    /// All boards.
+    /// All boards for which there is firmware.
     pub const ALL: [Self; 5] = [
         Self::NucleoG474re,
         Self::BG431bEsc1,
@@ -38,7 +38,7 @@ impl Board {
         }
     }
 
-    /// The board's microcontroller, as `probe-rs` calls it.
+    /// Name of the board's microcontroller in `probe-rs`.
     #[must_use]
     pub const fn chip(self) -> &'static str {
         match self {

@@ -32,7 +32,7 @@ struct Slot<'b> {
     image: &'b [u8],
 }
 
-/// The contents of a page.
+/// The content of a flash page, which is the slot for one image of the settings.
 enum Page<'b> {
     Erased,
     Damaged,

@@ -48,7 +48,7 @@ impl Limit {
 pub struct Limits(u8);
 
 impl Limits {
-    /// No limit acts.
+    /// The empty set: no limit acts.
     pub const NONE: Self = Self(0);
 
     /// The set with these bits from the wire; unknown bits are kept.

@@ -75,7 +75,7 @@ pub enum FaultCode {
 }
 
 impl FaultCode {
-    /// All fault codes.
+    /// All fault codes, in the order of their numbers.
     pub const ALL: [Self; 25] = [
         Self::OverCurrent,
         Self::OverVoltage,
@@ -110,7 +110,7 @@ impl FaultCode {
         Self::ALL.get(usize::from(number).checked_sub(1)?).copied()
     }
 
-    /// The number on the wire.
+    /// The fault's number on the wire.
     #[must_use]
     pub const fn to_wire(self) -> u8 {
         self as u8
@@ -128,7 +128,7 @@ pub struct Context {
     pub value: i32,
 }
 
-/// State of the device.
+/// State of the device, which decides whether its outputs may be on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum State {
     /// Power is on and no calibration has started yet.
@@ -136,7 +136,7 @@ pub enum State {
     Boot,
     /// The calibration is finding the encoder's alignment and the current sensors' offsets; the outputs move the shaft.
     Calibrating,
-    /// Calibrated, outputs off.
+    /// The device is calibrated and its outputs are off.
     Ready,
     /// The control law drives the outputs.
     Armed,
@@ -171,13 +171,13 @@ pub enum Command {
 /// An event for the state machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Event {
-    /// A tick without an event.
+    /// A control tick without any other event.
     Tick,
     /// A fault was detected.
     Fault(Context),
     /// The calibration succeeded.
     Calibrated,
-    /// A command came in.
+    /// A person or the desktop sent a command.
     Command(Command),
 }
 

@@ -28,30 +28,30 @@ pub enum FromDevice {
 pub enum Reply {
     /// Reply to `Hello`. It must stay the first variant, with the protocol version as its first field: see [`version_of_hello`].
     Identity(Identity),
-    /// Answer to `Status`.
+    /// Answer to `Status`: the device's state.
     Status(Status),
     /// Answer to `Get`: the setting's value in postcard's encoding.
     Value(Vec<u8, VALUE_MAX>),
-    /// Answer to `GetAll`.
+    /// Answer to `GetAll`: all settings of the device.
     Settings(DeviceSettings),
     /// The device carried out the request; there are no data to return.
     Done,
-    /// Answer to `Fault`.
+    /// Answer to `Fault`: the stored fault, if there is one.
     Fault(Option<Fault>),
-    /// Answer to `Ring`.
+    /// Answer to `Ring`: records of the ring buffer of the last second.
     Ring(RingChunk),
-    /// Answer to `Counters`.
+    /// Answer to `Counters`: the counters since the reset.
     Counters(Counters),
-    /// Answer to `Environment`.
+    /// Answer to `Environment`: the walls, end stops and detents that the knob renders.
     #[cfg(feature = "large")]
     Environment(crate::settings::environment::Surround),
     /// Answer to `SetEnvironment`: the environment was accepted and applies from this time.
     #[cfg(feature = "large")]
     Taken(crate::settings::environment::CountsFrom),
-    /// Answer to `Start`.
+    /// Answer to `Start`: the data stored for the next start, and how the automatic start went.
     #[cfg(feature = "large")]
     Start(crate::settings::kept::StartReport),
-    /// Answer to `Cogging`.
+    /// Answer to `Cogging`: the stored map of the motor's cogging.
     #[cfg(feature = "large")]
     Cogging(crate::settings::cogging::CoggingReport),
 }
@@ -63,7 +63,7 @@ pub enum Refusal {
     NotNow(Phase),
     /// The path names no setting, or the value is not valid for the setting.
     Key(KeyError),
-    /// The settings would not be valid with the new value.
+    /// The settings with the new value would not be valid; holds the refused setting.
     Invalid(Invalid),
     /// The flash could not be written.
     Flash,
@@ -76,12 +76,12 @@ pub enum Refusal {
     Unkept(crate::settings::kept::Unkept),
 }
 
-/// The identity of the device.
+/// The identity of the device: versions, board, unique number.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
-    /// [`crate::PROTOCOL_VERSION`] of the device.
+    /// Version of the device's protocol: its [`crate::PROTOCOL_VERSION`].
     pub protocol_version: u16,
-    /// [`crate::stored::LAYOUT_VERSION`] of the device.
+    /// Version of the layout of the device's settings in flash: its [`crate::stored::LAYOUT_VERSION`].
     pub settings_version: u16,
     /// Version of the firmware, e.g. `0.1.0`.
     pub firmware_version: String<16>,
@@ -98,7 +98,7 @@ pub struct Identity {
 /// Why the processor last started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ResetReason {
-    /// Power came on.
+    /// The supply was switched on.
     PowerOn,
     /// The supply dipped below what the processor needs, and recovered before the memory lost its content.
     BrownOut,
@@ -136,7 +136,7 @@ impl ResetReason {
     }
 }
 
-/// State of the device.
+/// The device's state with its stored fault and the number of the tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Status {
     /// State of the state machine.

@@ -11,12 +11,12 @@ pub const PROTOCOL_VERSION: u16 = 7;
 pub struct ToDevice<'a> {
     /// Number that the desktop chooses; the answer repeats it.
     pub id: u8,
-    /// The request.
+    /// The request itself.
     #[serde(borrow)]
     pub request: Request<'a>,
 }
 
-/// The requests of the desktop.
+/// What the desktop can request of the device.
 // One request is held at a time: the whole of the settings needs no place of its own.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

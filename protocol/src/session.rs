@@ -103,7 +103,7 @@ pub struct Session {
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answered {
-    /// The answer is ready.
+    /// The answer is ready to be sent.
     Now(FromDevice),
     /// The device has not carried out the command yet; [`Session::commanded`] will return the answer. Until that call the caller
     /// must pass no other request.

@@ -66,7 +66,7 @@ pub enum Refused {
     Invalid(SettingsError),
 }
 
-/// The data with which a device starts.
+/// The data with which a device starts: settings, environment, alignment and cogging map.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Start {
     /// The settings to use.
@@ -74,7 +74,7 @@ pub struct Start {
     /// The environment to render: walls, end stops and detents.
     #[cfg(feature = "large")]
     pub environment: Surround,
-    /// The data that are kept for the next start.
+    /// The data stored for the next start: the encoder's alignment and whether the board starts by itself.
     #[cfg(feature = "large")]
     pub kept: KeptStart,
     /// The cogging map, if one is stored.

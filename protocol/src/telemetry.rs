@@ -30,7 +30,7 @@ pub struct Telemetry {
     pub offset_rad: I8F24,
     /// Energy in joules that the control law's observer has summed.
     pub energy_j: Decimal,
-    /// State of the device.
+    /// State of the device in this tick.
     pub phase: Phase,
     /// Number of the stored fault ([`FaultCode::to_wire`]); 0 for none.
     pub fault: u8,
@@ -56,7 +56,7 @@ pub enum Phase {
     Boot,
     /// The calibration moves the shaft.
     Calibrating,
-    /// Calibrated, outputs off.
+    /// The device is calibrated and its outputs are off.
     Ready,
     /// The control law drives the outputs.
     Armed,

@@ -51,7 +51,7 @@ pub struct Port {
     pub name: String,
     /// Whether the port is the virtual serial port of an ST-LINK debug probe.
     pub st_link: bool,
-    /// A description for people.
+    /// Description of the port, for people.
     pub about: String,
 }
 

@@ -47,7 +47,7 @@ pub struct MovedAbout {
     past: [[f64; 3]; WINDOW],
     tick: u64,
     at: [f64; 3],
-    /// The record of each axis.
+    /// The recorded positions and forces of each axis.
     pub axes: [AxisRecord; 3],
 }
 
@@ -73,7 +73,7 @@ impl MovedAbout {
         (self.motions.axis_s * f64::from(self.motions.rate_hz)).ceil() as u64
     }
 
-    /// Number of ticks of all motions.
+    /// Number of control ticks that all motions take.
     #[must_use]
     pub fn ticks(&self) -> u64 {
         self.quiet_ticks() + 3 * self.axis_ticks()

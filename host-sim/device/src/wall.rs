@@ -27,7 +27,7 @@ fn place(position_m: [f64; 3]) -> Vector<Position<N>> {
 pub struct WallSettings {
     /// Settings of the control law in SI units. Its rate is that of the servo loop.
     pub law: Settings,
-    /// Uses one law per axis instead of one along the normal.
+    /// Whether each axis has a law of its own, instead of one law along the surface's normal.
     pub per_axis: bool,
     /// Settings of the energy guard in SI units; `None` for no guard.
     pub guard: Option<GuardSettings>,

@@ -25,9 +25,9 @@ pub const WARM: u16 = 1_300;
 
 /// Falsifies readings between the simulated motor and the firmware's code, for tests of faults.
 pub trait Tamper {
-    /// Changes the current loop's samples.
+    /// Changes the current loop's samples (currents, bus voltage, temperature).
     fn sample(&mut self, _tick: u32, _sample: &mut CurrentSample) {}
-    /// Changes the control tick's readings; returns whether the tick runs at all.
+    /// Changes the control tick's readings. Returns whether the tick runs; false simulates a tick that is left out.
     fn input(&mut self, _tick: u32, _input: &mut ControlInput) -> bool {
         true
     }
@@ -35,7 +35,7 @@ pub trait Tamper {
     fn change(&mut self, _tick: u32, reading: EncoderReading) -> Option<EncoderReading> {
         Some(reading)
     }
-    /// The bus voltage, V.
+    /// The bus voltage in this tick, V.
     fn bus_v(&mut self, _tick: u32) -> f64 {
         24.0
     }

@@ -1,11 +1,11 @@
-//! Telemetry records as rows of numbers, which the page draws.
+//! Telemetry records as rows of numbers, which a browser's page draws.
 
 use crate::counted::Counted;
 use touchstone_drive::twin::Twin;
 use touchstone_protocol::{DeviceSettings, Telemetry};
 
-/// Names of the numbers in a row, in their order. Numbers that the page for simulations also has get the same names, so that the
-/// same code draws them.
+/// Names of the numbers in a row, in their order. Numbers that the browser's page for simulations also draws have the same names
+/// there, so that the same code draws them.
 pub const COLUMNS: [&str; 16] = [
     "clock",
     "tick",
@@ -47,7 +47,7 @@ pub fn decimation(settings: &DeviceSettings) -> u16 {
     u16::try_from(line.div_ceil(LINE_BYTES)).unwrap_or(u16::MAX)
 }
 
-/// The rows since the last batch.
+/// The rows since the page last fetched them.
 #[derive(Default)]
 pub struct RecordRows {
     twin: Option<Twin>,
@@ -56,7 +56,7 @@ pub struct RecordRows {
     period_s: f64,
     surface_rad: f64,
     count_rad: f64,
-    /// Number of control ticks since the page's clock began, including those of missing records.
+    /// Number of control ticks since the first record, including those of missing records.
     ticks: u64,
     numbers: Vec<f64>,
 }

@@ -53,7 +53,7 @@ impl Mesh {
 pub struct MeshSurface<'m>(&'m Mesh);
 
 impl<'m> MeshSurface<'m> {
-    /// The surface of a mesh; without the feature it is never called.
+    /// The surface of a mesh. Without the feature `geometry` it is never called.
     #[must_use]
     pub const fn new(mesh: &'m Mesh, _: LengthUnit) -> Self {
         Self(mesh)

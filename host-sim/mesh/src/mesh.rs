@@ -31,7 +31,7 @@ impl std::fmt::Display for MeshError {
 
 impl std::error::Error for MeshError {}
 
-/// A triangle with the data that a proxy needs.
+/// A triangle with its normal and the directions of its edges, as a proxy needs them.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Face {
     /// The corners, counter-clockwise from outside, m.

@@ -41,14 +41,14 @@ pub struct CoggingMap {
 /// A cogging map with the hardware with which it was measured.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KeptCogging {
-    /// The hardware with which it was measured.
+    /// The hardware with which the map was measured.
     pub with: MeasuredWith,
     /// The cogging map.
     pub map: CoggingMap,
 }
 
 impl KeptCogging {
-    /// The map, if it was measured with the present settings.
+    /// The cogging map, if it was measured with the present settings.
     ///
     /// # Errors
     /// Why the map cannot be used.

@@ -1,5 +1,6 @@
-//! The environment: what the knob renders beside the settings' wall, on boards with room for it. It can have further walls, end
-//! stops and detents; the control law's one energy guard limits their sum. Its fields are those of a scene file's `[environment]`.
+//! The environment: what the knob renders beside the wall in the device's settings, on boards with room for it. It can have further
+//! walls, end stops and detents; one energy guard limits the sum of their forces. Its fields are those of a scene file's
+//! `[environment]`.
 //!
 //! The environment is not a part of [`DeviceSettings`], because it may change while the knob is armed and because small boards have
 //! none.
@@ -16,10 +17,10 @@ use touchstone_control::{Fixed32, Force, Si};
 /// Longest environment on the wire, in bytes (a test checks it).
 pub const ENVIRONMENT_MAX: usize = 160;
 
-/// The environment: whether the settings' wall is rendered, and what is rendered beside it.
+/// The environment: whether the wall in the device's settings is rendered, and what is rendered beside it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Surround {
-    /// Whether the wall of the settings is rendered.
+    /// Whether the wall of the device's settings is rendered.
     pub first_wall: bool,
     /// The second, third and fourth wall, as far as there are any.
     pub further: [Option<WallBeside>; 3],
@@ -31,14 +32,14 @@ pub struct Surround {
     pub change_n_m_per_s: Decimal,
 }
 
-/// A further wall beside that of the settings.
+/// A further wall, beside the one in the device's settings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WallBeside {
     /// Position of the wall's surface, rad.
     pub at_rad: Decimal,
     /// Whether the wall is solid below its surface; otherwise it is solid above.
     pub below: bool,
-    /// The wall's stiffness, N·m/rad; `None` means that of the settings' wall.
+    /// The wall's stiffness, N·m/rad; `None` means that of the wall in the device's settings.
     pub stiffness_n_m_per_rad: Option<Decimal>,
 }
 
@@ -49,11 +50,11 @@ pub struct TravelEnds {
     pub lower_rad: Decimal,
     /// Position of the upper end, rad; the wall is solid above it.
     pub upper_rad: Decimal,
-    /// Stiffness of the walls at both ends, N·m/rad; `None` means that of the settings' wall.
+    /// Stiffness of the walls at both ends, N·m/rad; `None` means that of the wall in the device's settings.
     pub stiffness_n_m_per_rad: Option<Decimal>,
 }
 
-/// Detents, evenly around a turn.
+/// Detents: positions, evenly around a turn, to which a torque draws the knob.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DetentsBeside {
     /// Number of detents in a turn.
@@ -67,11 +68,11 @@ pub struct DetentsBeside {
 /// The time from which an accepted environment applies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CountsFrom {
-    /// The device is armed: from its next tick on.
+    /// The device is armed, so it applies from the next control tick.
     NextTick,
-    /// It applies from the next time the device is armed.
+    /// The environment applies from the next time the device is armed.
     Arming,
-    /// It applies from the next calibration on, together with the changed settings against which it was checked.
+    /// The environment applies from the next calibration on. It was checked against changed settings, which apply from then on too.
     Calibration,
 }
 
@@ -106,7 +107,7 @@ const STRENGTH: &str = "environment.detents.strength_n_m";
 const CHANGE: (Si, Si) = (Si::lit("0.01"), Si::lit("100"));
 
 impl Default for Surround {
-    /// An environment with the settings' wall and nothing else.
+    /// An environment with the wall in the device's settings and nothing else.
     fn default() -> Self {
         Self {
             first_wall: true,
@@ -119,7 +120,7 @@ impl Default for Surround {
 }
 
 impl Surround {
-    /// Whether the environment differs from the settings' wall alone.
+    /// Whether the environment differs from the single wall in the device's settings.
     #[must_use]
     pub fn is_more_than_the_wall(&self) -> bool {
         !self.first_wall
@@ -128,7 +129,7 @@ impl Surround {
             || self.further.iter().any(Option::is_some)
     }
 
-    /// The wall of the settings, which is solid above its surface.
+    /// The wall in the device's settings, which is solid above its surface.
     #[must_use]
     pub const fn first(settings: &DeviceSettings) -> WallSettings {
         WallSettings {
@@ -140,8 +141,8 @@ impl Surround {
         }
     }
 
-    /// The six possible walls in a fixed order (settings' wall, three further ones, lower and upper end); `None` for those that do
-    /// not exist.
+    /// The six possible walls in a fixed order: the wall in the device's settings, three further ones, lower and upper end. `None`
+    /// for a wall that does not exist.
     fn placed(&self, settings: &DeviceSettings) -> [Option<WallSettings>; MOST_WALLS] {
         let own = &settings.wall;
         let wall = |surface, below, stiffness: Option<Decimal>| WallSettings {
@@ -167,7 +168,7 @@ impl Surround {
         [first, second, third, fourth, end(true), end(false)]
     }
 
-    /// All walls that exist; the settings' wall, if rendered, comes first.
+    /// All walls that exist. The wall in the device's settings, if rendered, comes first.
     #[must_use]
     pub fn walls(&self, settings: &DeviceSettings) -> Vec<WallSettings, MOST_WALLS> {
         self.placed(settings).into_iter().flatten().collect()

@@ -53,7 +53,7 @@ pub struct Field {
     pub kind: Kind,
     /// Unit of the setting; empty for a number without a unit or a text.
     pub unit: &'static str,
-    /// The meaning of the setting.
+    /// The meaning of the setting, for people.
     pub about: &'static str,
 }
 

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// Most bytes that a [`KeptStart`] takes in flash (a test checks it).
 pub const KEPT_MAX: usize = 24;
 
-/// The data that are kept for the next start.
+/// The data that a board stores for its next start: the encoder's alignment and whether the board starts by itself.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KeptStart {
     /// The alignment, if one is stored.
@@ -23,11 +23,11 @@ pub struct KeptStart {
 /// An alignment with the hardware with which it was measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KeptAlignment {
-    /// Electrical angle at the encoder's own zero, turns/65,536.
+    /// Electrical angle of the motor at the encoder's own zero, in units of a turn/65,536.
     pub offset: u16,
     /// Whether the electrical angle falls when the count rises.
     pub against: bool,
-    /// The hardware with which it was measured.
+    /// The hardware with which the alignment was measured.
     pub with: MeasuredWith,
 }
 

@@ -13,7 +13,7 @@ use touchstone_control::{Choice, Si};
 pub trait Leaf: Copy + 'static {
     /// The type that goes over the wire.
     type Wire: Serialize + DeserializeOwned;
-    /// Converts the value for the wire.
+    /// Converts the value to the type that goes over the wire.
     fn to_wire(self) -> Self::Wire;
     /// Converts the value back from the wire; `None` if it is not valid.
     fn of_wire(wire: Self::Wire) -> Option<Self>;

@@ -45,7 +45,7 @@ macro_rules! device_settings {
                     "where the surface is, from the zero of the calibration (inside is beyond it)";
             }
             own {
-                /// The timing of the control interrupt.
+                /// The rate of the control interrupt.
                 timing TimingSettings {
                     rate_hz: u32(500, 10_000) = 1000, "Hz",
                         "the control rate, a whole fraction of 20000 Hz";

@@ -143,7 +143,7 @@ impl Client {
         self.telemetry.clear();
     }
 
-    /// Waits for the answer with this number.
+    /// Waits for the answer to the request with this number; `None` if it does not arrive in time.
     fn answer(&mut self, id: u8) -> Result<Option<std::result::Result<Reply, Refusal>>> {
         let until = Instant::now() + self.answer_limit;
         let mut wanted = Some((id, None));

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 use timed::Timed;
 use tungstenite::{Message, WebSocket, client::client};
 
-/// Default address of the service.
+/// Default TCP address of the maker's service.
 pub const SERVICE: &str = "localhost:10001";
 /// Longest time for a connection, and longest wait for a state.
 const PATIENCE: Duration = Duration::from_millis(300);

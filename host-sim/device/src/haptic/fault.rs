@@ -6,11 +6,11 @@ use touchstone_sim::error::Error;
 /// Why a device switched its own motors off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SwitchOff {
-    /// The button was pressed or released.
+    /// The device's button was pressed or released.
     Button,
     /// The device was moved faster than its own limit.
     Velocity,
-    /// No command came in time.
+    /// The device's watchdog received no command in time.
     Watchdog,
     /// A program switched the motors off.
     Software,
@@ -47,7 +47,7 @@ pub enum HapticFault {
     Unusable(String, String),
     /// The device switched its motors off by itself.
     SwitchedOff(SwitchOff),
-    /// No new position came for this time, s.
+    /// No new position arrived for this time, s.
     Stale(f64),
     /// A position or a force is not a finite number.
     NotFinite(&'static str),

@@ -6,19 +6,19 @@ use std::time::Duration;
 /// The calls of a device into which a fault can be injected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DeviceCall {
-    /// [`HapticDevice::engage`].
+    /// The call [`HapticDevice::engage`], which switches the motors on.
     Engage,
-    /// [`HapticDevice::sense`].
+    /// The call [`HapticDevice::sense`], which reads the position.
     Sense,
-    /// [`HapticDevice::command`].
+    /// The call [`HapticDevice::command`], which commands a force.
     Command,
-    /// [`HapticDevice::standing`].
+    /// The call [`HapticDevice::standing`], which requests the device's state.
     Standing,
-    /// [`HapticDevice::release`].
+    /// The call [`HapticDevice::release`], which switches the motors off and closes the device.
     Release,
 }
 
-/// The kind of fault.
+/// The fault that is injected into a call.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FaultKind {
     /// The device is disconnected: this call and every later one fail, and no force acts.

@@ -48,7 +48,7 @@ pub struct DataSheet {
 pub struct Workspace {
     /// Radius of the workspace, m.
     pub radius_m: f64,
-    /// Half of its height, m.
+    /// Half of the workspace's height, m.
     pub half_height_m: f64,
 }
 
@@ -74,7 +74,7 @@ pub struct Sensed {
 /// How much of a commanded force acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Applied {
-    /// The whole force acts.
+    /// The whole commanded force acts.
     Whole,
     /// The motors give less force in the same direction. Holds the acting force, N, if the device reports it.
     Saturated(Option<[f64; 3]>),
@@ -83,11 +83,11 @@ pub enum Applied {
 /// The state of a device: supply, calibration, motors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DeviceStanding {
-    /// The device has its supply.
+    /// Whether the device has its supply.
     pub powered: bool,
-    /// The device is calibrated.
+    /// Whether the device is calibrated.
     pub calibrated: bool,
-    /// The motors are on.
+    /// Whether the motors are on.
     pub motors_on: bool,
     /// Why the device switched its motors off by itself; `None` if it did not.
     pub switched_off: Option<SwitchOff>,

@@ -12,7 +12,7 @@ pub struct TickLateness {
     worst_s: f64,
 }
 
-/// A class of the histogram.
+/// A class of the histogram: the ticks whose lateness is within its limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LatenessClass {
     /// Largest lateness of the class, µs; `None` for the last class, which has no upper limit.

@@ -98,7 +98,7 @@ pub struct ServoReport {
     pub outside_ticks: u64,
     /// Largest force that acted, N.
     pub force_max_n: f64,
-    /// Highest speed, by the loop's own estimate, m/s.
+    /// Highest speed of the end effector by the loop's own estimate, m/s.
     pub speed_max_m_per_s: f64,
     /// How the loop ended.
     pub ending: Ending,

@@ -11,7 +11,7 @@ pub struct Waited {
     pub missed_ticks: u64,
 }
 
-/// Decides when ticks begin.
+/// Decides when the ticks of the servo loop begin.
 pub trait Pace {
     /// Starts the pace: the first tick is due now.
     fn start(&mut self);

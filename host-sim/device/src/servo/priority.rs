@@ -1,4 +1,4 @@
-//! Real-time priority and locked memory, where the system permits them.
+//! Real-time priority and locked memory for the servo loop, if the operating system permits them.
 
 /// The priority that the loop's thread obtained, or why it did not.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,9 +7,9 @@ use std::io::{self, ErrorKind};
 /// A problem with a probe or with the chip behind it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// The probe, the chip, or the option that names a probe.
+    /// What the problem concerns: the probe, the chip, or the option that names a probe.
     pub place: String,
-    /// The problem.
+    /// The problem in words.
     pub problem: String,
     /// Advice how to solve the problem.
     pub fix: String,

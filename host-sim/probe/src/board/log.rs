@@ -22,7 +22,7 @@ const COMPARED_BYTES: usize = 1024;
 /// An event while a log is read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Event {
-    /// A message.
+    /// A log message.
     Line(Line),
     /// A message was damaged: the ring buffer overflowed before it was read, or reading began in the middle of the message.
     Damaged,

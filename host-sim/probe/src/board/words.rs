@@ -75,7 +75,7 @@ impl Stream<'_> {
     }
 }
 
-/// Makes a board's text printable on one line.
+/// Replaces characters of a board's text that cannot be printed on one line.
 fn printable(text: &str) -> String {
     let shown = |letter: char| if letter.is_control() { ' ' } else { letter };
     text.chars().map(shown).collect()

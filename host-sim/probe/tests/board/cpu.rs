@@ -6,7 +6,7 @@ use crate::memory::Memory;
 /// Why the processor stopped.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Stop {
-    /// It executed the breakpoint instruction BKPT.
+    /// The processor executed the breakpoint instruction BKPT.
     Breakpoint,
     /// A fault without a handler, which would lock a real processor up.
     Fault(String),
@@ -71,7 +71,7 @@ impl Cpu {
         result
     }
 
-    /// The manual's `AddWithCarry`; sets all flags.
+    /// The function `AddWithCarry` of the Armv7-M manual; sets all flags.
     fn add(&mut self, a: u32, b: u32, carry: bool) -> u32 {
         let whole = u64::from(a) + u64::from(b) + u64::from(carry);
         let result = whole as u32;
@@ -84,7 +84,7 @@ impl Cpu {
         self.add(a, !b, true)
     }
 
-    /// The manual's `Shift_C` by an immediate value. `kind`: 0 LSL, 1 LSR, 2 ASR.
+    /// The function `Shift_C` of the Armv7-M manual, by an immediate value. `kind`: 0 LSL, 1 LSR, 2 ASR.
     fn shift(&mut self, kind: u32, value: u32, by: u32) -> u32 {
         let (result, carry) = match (kind, by) {
             (0, 0) => return value,
@@ -106,7 +106,7 @@ impl Cpu {
         }
     }
 
-    /// The manual's `BXWritePC`; only Thumb code is supported.
+    /// The function `BXWritePC` of the Armv7-M manual; only Thumb code is supported.
     fn jump(&mut self, to: u32) -> Result<(), Stop> {
         self.r[PC] = to & !1;
         match to & 1 {
@@ -348,7 +348,7 @@ impl Cpu {
         Ok(())
     }
 
-    /// The manual's `ThumbExpandImm_C`.
+    /// The function `ThumbExpandImm_C` of the Armv7-M manual.
     fn expanded(&mut self, imm12: u32, flags: bool) -> u32 {
         let byte = imm12 & 0xff;
         match imm12 >> 8 {

@@ -27,7 +27,7 @@ pub use substepped::Substepped;
 
 use crate::plant::{Coulomb, Invalid, Loss};
 
-/// A one-step method, prepared for substeps of one length.
+/// A one-step integration method, prepared for substeps of one length.
 pub trait Method<const N: usize>: Sized {
     /// Order of the method's error over a fixed time, for smooth motion.
     const ORDER: u32;

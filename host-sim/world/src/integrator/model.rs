@@ -1,4 +1,4 @@
-//! The equations that the integrators step over.
+//! The equations of motion that the integration methods solve.
 
 use nalgebra::SMatrix;
 
@@ -101,7 +101,7 @@ impl<const N: usize> Model<N> {
         self.device.inertia
     }
 
-    /// `A z + B [u, r]`: the derivative without dry friction.
+    /// The time derivative `A z + B [u, r]` of the state without dry friction.
     #[inline(always)]
     pub(super) fn rate(&self, state: &[f64; N], held: [f64; 2]) -> [f64; N] {
         let (free, driven) = (apply(&self.rates, state), apply(&self.input, &held));

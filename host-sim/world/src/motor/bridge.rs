@@ -3,7 +3,7 @@
 /// State of the bridge in a PWM period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Drive {
-    /// All six switches open.
+    /// All six switches are open.
     Off,
     /// Compare values of phases A, B, C. A phase's voltage rises with its compare value.
     On([u16; 3]),

@@ -25,7 +25,7 @@ pub struct MotorParameters {
     pub flux_linkage_wb: f64,
     /// Number of pole pairs `p`.
     pub pole_pairs: u32,
-    /// Electrical angle at shaft angle 0, rad.
+    /// Electrical angle of the rotor at shaft angle 0, rad.
     pub electrical_zero_rad: f64,
     /// Whether two phases are swapped: the electrical angle then falls when the shaft's angle rises.
     pub reversed: bool,
@@ -49,7 +49,7 @@ impl MotorParameters {
         1.5 * f64::from(self.pole_pairs) * self.flux_linkage_wb
     }
 
-    /// Electrical angle for a shaft angle, rad.
+    /// Electrical angle of the rotor at a shaft angle, rad.
     #[must_use]
     pub fn electrical_rad(&self, angle_rad: f64) -> f64 {
         self.ratio() * angle_rad + self.electrical_zero_rad

@@ -1,4 +1,4 @@
-//! A device without a hand and without dry friction.
+//! A plant of a device without a hand and without dry friction.
 
 use nalgebra::{SMatrix, matrix};
 

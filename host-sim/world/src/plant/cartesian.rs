@@ -153,7 +153,7 @@ impl<S: Stepper> Cartesian<S> {
         loss
     }
 
-    /// Kinetic and spring energy of device and hand, J.
+    /// Kinetic energy and energy of the springs of device and hand, J.
     #[must_use]
     pub fn stored_energy_j(&self, state: &[S::State; 3], rest: [f64; 3]) -> f64 {
         (0..3)

@@ -23,9 +23,10 @@ use events::Mode;
 ///
 /// So each tick first evaluates a bound that holds in every case: on an interval of length `h` a function stays within `h²/8
 /// max|f''|` of the straight line between its end values. If that leaves no room for an event (a stop or a start), which is nearly
-/// always, the precomputed matrix gives the step. The bound is evaluated twice: first from the magnitudes of the drive, which is
-/// cheapest, then from the magnitudes of the drive's rate of change, which are small while a press of the hand is in balance.
-/// Otherwise the events are found one after the other, to rounding, on the power series of the exact solution.
+/// always, the precomputed matrix gives the step. The bound is evaluated twice: first from the drive's magnitudes (velocities,
+/// strains, torque), which is cheapest. The second time it uses the magnitudes of the drive's rate of change, which are small while
+/// a press of the hand is in balance. Otherwise the events are found one after the other, to rounding, on the power series of the
+/// exact solution.
 ///
 /// A tick without an event gives the same bits as [`HeldLinear`] under the torque `w`. If both levels of friction are zero, ticks
 /// in which the velocity changes sign agree with [`HeldLinear`] to rounding only.
@@ -34,21 +35,24 @@ pub struct HeldCoulomb {
     sliding: HeldLinear,
     kinetic: f64,
     breakaway: f64,
-    /// Bound of `h²/8 · |d²v/dt²|` while sliding, as a factor for the magnitude of each entry of the drive.
+    /// Bound of `h²/8 · |d²v/dt²|` while the device slides: one factor for the magnitude of each entry of the drive `[v, d, v_h, g,
+    /// u]`.
     slide_guard: [f64; 5],
-    /// The bound of `slide_guard`, as a factor for the magnitude of each entry of the drive's rate of change.
+    /// A second bound of `h²/8 · |d²v/dt²|` while the device slides: one factor for the magnitude of each entry of the drive's rate
+    /// of change.
     slide_rate_guard: [f64; 5],
-    /// Rate of change of the drive for each entry of the drive.
+    /// Matrix `M` of the rate of change `M y` of the drive `y` while the device slides, by columns.
     rates: [[f64; 5]; 5],
-    /// Increment of `[x_h, v_h]` in an interval for each entry of the stuck drive `[d, v_h, g]`.
+    /// Increment of the hand's `[x_h, v_h]` in an interval while the device is stuck, for each entry of the drive `[d, v_h, g]`.
     stuck: [[f64; 2]; 3],
     stuck_loss: [[f64; 3]; 3],
-    /// Bound of `h²/8` times the second derivative of the pad's torque while stuck, as a factor for the magnitude of each entry of
-    /// the stuck drive.
+    /// Bound of `h²/8` times the second derivative of the pad's torque while the device is stuck: one factor for the magnitude of
+    /// each entry of the stuck drive `[d, v_h, g]`.
     stick_guard: [f64; 3],
-    /// The bound of `stick_guard`, as a factor for the magnitude of each entry of the stuck drive's rate of change.
+    /// A second bound of `h²/8` times the second derivative of the pad's torque while the device is stuck: one factor for the
+    /// magnitude of each entry of the stuck drive's rate of change.
     stick_rate_guard: [f64; 3],
-    /// Rate of change of the stuck drive for each entry of it.
+    /// Matrix `M` of the rate of change `M y` of the drive `y = [d, v_h, g]` while the device is stuck, by columns.
     stuck_rates: [[f64; 3]; 3],
     /// Longest interval that one power series covers, s.
     piece_s: f64,

@@ -175,7 +175,7 @@ pub struct DeltaPlant {
     substeps: u32,
 }
 
-/// Longest substep, s.
+/// Longest substep of the Runge–Kutta method, s.
 const SUBSTEP_S: f64 = 1.25e-4;
 
 impl DeltaPlant {

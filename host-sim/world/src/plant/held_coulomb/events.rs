@@ -9,7 +9,7 @@ use crate::plant::taylor::{RECIPROCAL, Series, TERMS};
 /// Largest number of stops and starts that are followed in one tick. A plant with usual values has one or two.
 const MAX_EVENTS: u32 = 8;
 
-/// The device's motion between two events.
+/// The device's motion between two events (stops or starts).
 #[derive(Clone, Copy)]
 pub(super) enum Mode {
     /// The device turns in the direction of this sign.

@@ -36,7 +36,7 @@ pub enum Friction {
     /// Set-valued friction at rest. In motion its torque is `kinetic + (breakaway - kinetic) exp(-(v/stribeck)^2)`, or `kinetic`
     /// without a Stribeck velocity.
     Dry {
-        /// Levels for positive and for negative motion.
+        /// Friction levels for positive and for negative motion.
         directions: [Sliding; 2],
         /// Stribeck velocity, rad/s; `None`: the break-away torque applies at rest only.
         stribeck: Option<f64>,
