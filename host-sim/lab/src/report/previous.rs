@@ -57,7 +57,7 @@ pub fn stale(folder: &Path, command: &str, force: bool, names: &[String]) -> Res
         .into_iter()
         .filter(|file| !names.contains(file))
         .map(PathBuf::from)
-        // What a file says must not lead out of its folder.
+        // File names in an old `results.json` must not lead out of its folder.
         .filter(|file| file.components().all(|c| matches!(c, Component::Normal(_))))
         .collect())
 }

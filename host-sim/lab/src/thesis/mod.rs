@@ -85,7 +85,7 @@ pub fn cells(base: &Scene) -> Result<Vec<Cell>> {
             let plotted = counts == COUNTS[0] && grip == GRIPS[0];
             for k_desired in STIFFNESSES.into_iter().chain([BEYOND]) {
                 for law in LAWS {
-                    // Beyond the thesis only the enhanced law has something to show.
+                    // At the stiffness beyond the thesis only the enhanced law is simulated.
                     if k_desired != BEYOND || law == LawKind::EnhancedSfa {
                         cells.push(Cell {
                             scene: cell(base, k_desired, law, grip, counts)?,
