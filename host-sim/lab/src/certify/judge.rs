@@ -72,8 +72,8 @@ pub struct HandReport {
     pub radius: f64,
     /// Rate at which the loop's slowest motion decays, 1/s; negative if it grows.
     pub decay_per_s: f64,
-    /// As `decay_per_s`, with dry friction counted as damping for an oscillation of [`SWING`](super::contact::SWING) times the
-    /// press' depth. `None` without dry friction or a press.
+    /// Rate at which the loop's slowest motion decays, 1/s, with dry friction counted as damping for an oscillation of
+    /// [`SWING`](super::contact::SWING) times the press' depth. `None` without dry friction or a press.
     pub decay_with_friction_per_s: Option<f64>,
     /// Frequency of the loop's slowest motion, Hz.
     pub frequency_hz: f64,

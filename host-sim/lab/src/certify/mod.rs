@@ -105,7 +105,7 @@ pub struct Certificate {
     pub scene: String,
     /// Worst verdict over the scene's hand and the three grips; without any hand, the verdict for the free device.
     pub verdict: Verdict,
-    /// Verdict for the worst hand within the ranges of hands; `None` if it was not searched.
+    /// Verdict for the worst hand whose parameters are within [`hands::RANGES`]; `None` if it was not searched.
     pub every_hand: Option<Verdict>,
     /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,

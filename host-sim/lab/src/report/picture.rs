@@ -249,7 +249,7 @@ pub fn standalone(title: &str, figures: &[Figure]) -> String {
     drawn(title, figures, SIZE)
 }
 
-/// As [`standalone`], with each figure of the given size.
+/// Figures side by side as a separate SVG file, each with the given size. The file follows the reader's light or dark theme.
 pub fn drawn(title: &str, figures: &[Figure], size: Size) -> String {
     let css = include_str!("page.css");
     let variables = css.split("* {").next().unwrap_or_default();

@@ -23,7 +23,7 @@ pub fn check(folder: &Path, command: &str, force: bool) -> Result<()> {
 /// Files of the earlier report that are not among `names`, relative to `folder`.
 ///
 /// # Errors
-/// As [`check`]; also if a file of `names` exists that no earlier report lists.
+/// The errors of [`check`]; also if a file of `names` exists that no earlier report lists.
 pub fn stale(folder: &Path, command: &str, force: bool, names: &[String]) -> Result<Vec<PathBuf>> {
     let previous = read(folder);
     if !force {

@@ -1,5 +1,5 @@
-//! The picture at the top of the report on three axes: how much of the requested stiffness each approach displays, and a spring
-//! compared with the shipped wall.
+//! The picture at the top of the report on three axes: how much of the requested stiffness each law displays, and a spring compared
+//! with the shipped wall.
 
 use super::figure::{Axis, Figure, Range, Shape, Sign, Wall};
 use super::quantity::plain;
@@ -20,7 +20,7 @@ fn class(approach: Approach) -> &'static str {
     }
 }
 
-/// The runs to compare: the shipped wall, and the other approaches at their highest stiffness.
+/// The runs to compare: the shipped wall, and the other laws at their highest stiffness.
 fn compared(runs: &[Record]) -> Vec<&Record> {
     let stiffness = |run: &Record| run.cell.k_desired_n_per_mm;
     let ships = |run: &Record| run.cell.approach == Approach::Shipped;
@@ -41,7 +41,7 @@ pub fn figures(runs: &[Record]) -> Vec<Figure> {
     figures
 }
 
-/// Displayed stiffness at rest in percent of the requested one, by object and approach.
+/// Figure of the displayed stiffness at rest in percent of the requested one, by object and law.
 fn displayed(runs: &[&Record]) -> Figure {
     let range = Range {
         min: -0.5,

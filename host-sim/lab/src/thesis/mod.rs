@@ -77,7 +77,7 @@ pub fn cell(base: &Scene, k_desired: f64, law: LawKind, grip: Grip, counts: u32)
 /// the stiffness beyond the thesis.
 ///
 /// # Errors
-/// As [`cell`].
+/// The errors of [`cell`].
 pub fn cells(base: &Scene) -> Result<Vec<Cell>> {
     let mut cells = Vec::new();
     for counts in COUNTS {
@@ -105,7 +105,7 @@ pub const SHIPPED: &str = "Shipped";
 /// Cells of the shipped wall: `base` with its own law and settings, at every stiffness, grip and encoder of [`cells`].
 ///
 /// # Errors
-/// As [`cell`].
+/// The errors of [`cell`].
 pub fn shipped_cells(base: &Scene) -> Result<Vec<Cell>> {
     let mut cells = Vec::new();
     for counts in COUNTS {

@@ -257,7 +257,7 @@ impl HeldOut {
     /// Simulates other law settings on the random walls that a seed generates.
     ///
     /// # Errors
-    /// As [`Self::played`].
+    /// The errors of [`Self::played`].
     pub fn with(
         seed: u64,
         count: usize,

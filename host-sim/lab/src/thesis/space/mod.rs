@@ -75,7 +75,7 @@ pub enum Approach {
     Shipped,
 }
 
-/// One cell of the comparison: mechanism, object, stiffness and approach.
+/// One cell of the comparison: mechanism, object, stiffness and way to calculate the force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
     /// The mechanism of the run.
@@ -155,7 +155,7 @@ impl Approach {
         Approach::Shipped,
     ];
 
-    /// Name of the approach for readers.
+    /// Name of this way to calculate the force, for readers.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -367,7 +367,7 @@ fn played(
 /// Simulates all cells on all cores; returns the records in the order of the cells. `done` is called after each.
 ///
 /// # Errors
-/// As [`run`].
+/// The errors of [`run`].
 pub fn run_all(cells: &[Cell], done: impl Fn() + Sync) -> Result<Vec<Record>, SettingsError> {
     cells
         .par_iter()
