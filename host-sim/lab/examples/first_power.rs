@@ -266,7 +266,7 @@ fn press(folder: &Path) -> Drawn {
         ["penetration_rad", "force_n_m", "current_q_a"].map(|name| table.course(name));
     let (depth, force, current) = (depth?, force?, current?);
     let end = force.last().ok_or("an empty table")?.0;
-    // What is held before the hand lets go: the last force, and the tenth of a second before that begins to fall.
+    // The force before the hand lets go: from the last force, the tenth of a second before it begins to fall.
     let falls = force.iter().rposition(|(_, newton)| *newton > 0.0);
     let falls = falls.ok_or("no force")?;
     let held = falls.saturating_sub(150)..falls.saturating_sub(50);

@@ -59,9 +59,9 @@ impl Press {
             })
         };
         match name {
-            // Never at rest for long: a jolt every 32 ticks.
+            // A jolt every 32 ticks, so that the hinge never rests for long.
             "moving" => press(2e-3, 32),
-            // Comes to rest within a second, and stays.
+            // The hinge comes to rest within a second, and stays.
             "stuck" => press(0.0, 1),
             _ => None,
         }

@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let (mut journal, mut rows) = Journal::open::<Row>(Path::new(file))?;
     println!("seed {seed}: {} rows are done", rows.len());
-    // Stiffness by stiffness within a number, so that a campaign that was cut has as many of each.
+    // All stiffnesses of one device number in turn, so that an interrupted campaign has equally many of each.
     for number in 0..devices {
         for class in Class::ALL {
             for rival in &laws {

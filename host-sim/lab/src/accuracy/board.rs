@@ -1,7 +1,7 @@
 //! Instruction counts of the control laws on the board, a Cortex-M4F at 170 MHz. The counts come from an emulator and are stored in
 //! `board.txt`.
 
-// Of the one list of budgets, those of the laws are for the tests here.
+// The shared list of budgets also has those of the laws, which only the tests here use.
 #[allow(dead_code)]
 #[path = "../../../../firmware/budgets.rs"]
 mod budgets;
@@ -72,7 +72,7 @@ mod tests {
 
     #[test]
     fn the_load_grows_with_the_rate_and_ends_with_the_board() {
-        // 3,500 instructions a thousand times and 900 twenty thousand times, of 170 million.
+        // 3,500 instructions 1,000 times per second and 900 instructions 20,000 times per second, of 170 million.
         assert!((load_at_most(1_000).unwrap() - 0.1265).abs() < 1e-4);
         assert!(load_at_most(10_000).unwrap() < 0.8);
         assert_eq!(load_at_most(20_000), None);

@@ -111,7 +111,7 @@ pub fn k_max(
         if !stable(1e-3 * expected) {
             return Ok(None);
         }
-        // From below in steps of a tenth, then halved.
+        // Raised from below in steps of a tenth, then bisected.
         let mut low = 1e-3 * expected;
         while stable(1.1 * low) && low < 1e6 * expected {
             low *= 1.1;

@@ -117,7 +117,7 @@ mod tests {
         let tenth = Double::from(10.0).reciprocal();
         let sum = (0..10).fold(Double::ZERO, |sum, _| sum + tenth);
         assert!((sum - Double::from(1.0)).to_f64().abs() < 1e-31);
-        // What a plain sum loses is kept.
+        // A small part that a plain sum loses is kept.
         let kept = Double::from(1.0) + Double::from(1e-25) - Double::from(1.0);
         assert_eq!(kept.to_f64(), 1e-25);
     }

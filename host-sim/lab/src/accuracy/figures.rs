@@ -74,7 +74,7 @@ fn plant(diagram: &Diagram) -> Figure {
     let errors = diagram.points.iter().filter_map(|point| point.error_rad);
     let marks = [COUNT_RAD, FORCE_QUANTUM_N_M / WALL_N_M_PER_RAD, 1e-15];
     let mut x = axis("largest error of the angle, rad", errors.chain(marks));
-    // Room for what diverged, at the right edge.
+    // Space at the right edge for methods that diverged.
     x.range.max += 0.5;
     let times = diagram
         .points
@@ -173,7 +173,7 @@ fn law(found: &Accuracy) -> Figure {
                 ))
             })
             .collect();
-        // A stroke of no length for the legend.
+        // A stroke of zero length for the legend.
         let stroke = signs
             .iter()
             .map(|&(x, y, _)| vec![(x, y), (x, y)])

@@ -56,7 +56,7 @@ impl Options {
     /// Number of progress reports during a run.
     #[must_use]
     pub fn rounds(self) -> u64 {
-        // Four problems and the laws, each so many times; sampling and closed loop.
+        // Four problems and the laws, each with this many repeats; then sampling and closed loop.
         u64::from(5 * self.repeats()) + 2
     }
 }

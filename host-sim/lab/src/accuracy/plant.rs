@@ -141,7 +141,7 @@ fn error(angles: &[f64], known: &Known) -> Option<(f64, f64)> {
     let (mut largest, mut squares) = (0.0_f64, 0.0);
     for (angle, known) in angles.iter().zip(&known.angle_rad) {
         let off = (angle - known).abs();
-        // A turn off is not an error but another motion.
+        // A deviation of a whole turn is no error but another motion.
         if off.is_nan() || off >= std::f64::consts::TAU {
             return None;
         }
@@ -190,7 +190,7 @@ pub fn diagram(
     for (_, _, (fast, audit)) in &named {
         fast(&mut angles);
         let error = error(&angles, &known);
-        // Three states have a current loop, whose supply is no part of the books.
+        // A plant with three states has a current loop, whose electrical energy is not calculated.
         let gap = if problem.states() == 3 {
             None
         } else {

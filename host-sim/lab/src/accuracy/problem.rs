@@ -119,7 +119,7 @@ impl Problem {
     /// Solves the problem with the reference method; returns the angles and their error.
     #[must_use]
     pub fn solve(&self) -> Known {
-        // A pole of a few thousand hertz wants short steps; the motion of a knob does not.
+        // A pole of a few thousand hertz needs short steps; the motion of a knob does not.
         let steps = if self.current_loop_hz.is_some() {
             64
         } else {
@@ -177,7 +177,7 @@ fn contact(ticks: u32) -> Result<Problem> {
     let motion = touchstone_sim::scene::RestPath::from_scene(&scene)?;
     let start = scene.start_rad(&motion);
     let mut held = run::watch(&scene, Torques(Vec::new()))?.0;
-    // From shortly before the first force: what is before it is a knob that hangs on a hand.
+    // The problem begins shortly before the first force; before it the knob only hangs on the hand.
     let touch = held
         .iter()
         .position(|[torque, _]| *torque != 0.0)

@@ -1,9 +1,9 @@
 //! Reference solution for the integration methods: extrapolation in numbers with twice the digits, with every stop and start
 //! located in time.
 //!
-//! It shares nothing with the plant's code. Its equations use absolute angles, its method is Gragg's modified midpoint rule with
-//! extrapolation of order 16 (Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, II.9), and its numbers are
-//! [`Double`]. A second solution with twice as many steps gives its error.
+//! It shares nothing with the plant's code. Its equations use absolute angles, and its numbers are of the type `Double`. Its method
+//! is Gragg's modified midpoint rule with extrapolation of order 16 (Hairer, Nørsett and Wanner, Solving Ordinary Differential
+//! Equations I, II.9). A second solution with twice as many steps gives its error.
 
 use super::double::Double;
 use touchstone_world::plant::{Device, Hand};

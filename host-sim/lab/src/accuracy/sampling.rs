@@ -83,7 +83,7 @@ fn point(
     };
     let k_max_n_m_per_rad =
         critical_stiffness(&device, None, f64::from(rate_hz), 0.0).unwrap_or(f64::NAN);
-    // Settings that were tuned for one rate need not exist at another: that is a finding, not the end of all others.
+    // Settings that were tuned for one rate may be impossible at another. That is a result; the other runs continue.
     let Ok(run) = run::run(&scene, false) else {
         return Ok(SamplingPoint {
             law,

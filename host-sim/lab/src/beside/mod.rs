@@ -147,7 +147,7 @@ fn difference(
         worst: off(worst),
         worst_at_s: time_s[worst],
         span,
-        // Where nothing was recorded any difference is all of it.
+        // If the recording does not change, any difference counts as infinite.
         share: if rms == 0.0 { 0.0 } else { rms / span },
         parts_at_s: (0..time_s.len())
             .find(|index| off(*index) > PARTS * span)

@@ -136,7 +136,7 @@ impl<'a> Replay<'a> {
             .map(|angle| angle - scene.wall.surface_rad)
             .collect();
         let mut force_n_m = trace.force_n_m;
-        // A duration that rounds to a tick more or less.
+        // The run's duration may round to one tick more or less.
         let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
         let (at, with) = (last(&penetration_rad), last(&force_n_m));
         penetration_rad.resize(ticks, at);
@@ -226,7 +226,7 @@ fn middle(penetration_rad: &[f64], period_s: f64) -> (f64, f64) {
     let rows = penetration_rad.len();
     let powers = DMatrix::from_fn(rows, 3, |row, power| time(row).powi(power as i32));
     let values = DVector::from_column_slice(penetration_rad);
-    // A matrix of three different powers has three singular values.
+    // A matrix of three different powers has full rank.
     let found = powers.svd(true, true).solve(&values, 1e-12);
     let found = found.unwrap_or_else(|_| DVector::zeros(3));
     (found[0], found[1] / (half * period_s))
@@ -243,7 +243,7 @@ fn kept(scene: &Scene, told: &Told, surface_rad: f64, folder: &Path) -> Result<P
         let _ = writeln!(text, "{}", row.join(","));
     }
     let file = folder.join(HAND_FILE);
-    // Of a folder with results it was listed, or asked for; in any other it is somebody's.
+    // In a folder with results the file belongs to them; in any other folder an existing file is not overwritten.
     let written = std::fs::create_dir_all(folder).and_then(|()| {
         match folder.join("results.json").is_file() {
             true => output::write(&file, text),

@@ -59,7 +59,7 @@ impl Told {
             lost_ticks: 0,
         };
         let wanted = |row: &Row| row.armed && (from_s..=to_s).contains(&row.numbers[0]);
-        // The stretch that goes on here, and the longest so far.
+        // The current stretch without a gap, and the longest one so far.
         let (mut stretch, mut longest) = (0..0, 0..0);
         for (index, row) in rows.iter().enumerate() {
             let before = index.checked_sub(1).map(|before| rows[before].tick);

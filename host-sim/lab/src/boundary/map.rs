@@ -93,10 +93,10 @@ pub fn figures(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<Figure> {
             })
             .collect();
         figure.line("law-g", "certified stable", Shape::Signs(certified));
-        // b/(T/2 + t_d) over J/T².
+        // The bound b/(T/2 + t_d), divided by J/T².
         for (role, name, times) in [("kc", "k_c", 1.0), ("law-b", "20 k_c", 20.0_f64)] {
             let at = |damping: f64| 0.5 * (times * damping / (0.5 + delay)).log10();
-            // Where it crosses the panel.
+            // The part of the line that is inside the panel.
             let points: Vec<(f64, f64)> = (0..=200)
                 .map(|step| across.min + (across.max - across.min) * f64::from(step) / 200.0)
                 .map(|x| (x, at(10.0_f64.powf(x))))

@@ -327,7 +327,7 @@ impl BoundaryPlan {
             cells.extend(done);
             told(before + (index * CELLS_A_WRITE + piece.len()) as u64);
         }
-        // Those of this plane, in its own order: a file may hold a finer one.
+        // Returns the cells of this map in its own order, because the file may hold a finer map.
         Ok(places
             .iter()
             .filter_map(|place| cells.iter().find(|cell| is_at(cell, place)).cloned())

@@ -58,7 +58,7 @@ pub fn scene(seed: u64, index: u64, states: StatesKind) -> Scene {
     scene.wall.k_desired_n_m_per_rad = stiffness;
     law(&mut scene, &mut random, c_i, k_c, stiffness);
     if scene.law.kind == LawKind::EnhancedSfa {
-        // Four times what the coupling stores under the press, as in the shipped settings, and more.
+        // Four times the energy that the coupling stores under the press, as in the shipped settings, or more.
         let stored = 0.5 * push * push / scene.law.filter.stiffness_n_m_per_rad;
         scene.law.energy_credit_j = stored * random.between(4.0, 32.0);
     }
@@ -67,10 +67,10 @@ pub fn scene(seed: u64, index: u64, states: StatesKind) -> Scene {
     if states == StatesKind::Estimated {
         let own_hz = (stiffness / inertia).sqrt() / std::f64::consts::TAU;
         let estimator = &mut scene.law.estimator;
-        // Its settings take a 500th of the rate to a fifth, and two ticks.
+        // The estimator's settings accept a 500th to a fifth of the rate, and up to two ticks.
         estimator.bandwidth_hz =
             (own_hz * random.between(0.3, 4.0)).clamp(0.0021 * rate, 0.19 * rate);
-        // Not below what its arithmetic takes at this force.
+        // Not below the least inertia that the estimator's arithmetic accepts at this force.
         let lightest = 1.01 * scene.law.force_limit_n_m.max(0.76) / (rate * rate);
         estimator.inertia_kg_m2 = (inertia * random.between(0.5, 2.0)).max(lightest);
         estimator.damping_n_m_s_per_rad = damping * random.between(0.5, 2.0);
@@ -93,7 +93,7 @@ pub fn scene(seed: u64, index: u64, states: StatesKind) -> Scene {
 fn law(scene: &mut Scene, random: &mut Random, c_i: f64, k_c: f64, stiffness: f64) {
     let inertia = scene.device.inertia_kg_m2;
     let law = &mut scene.law;
-    // The law's own arithmetic is not what is looked at.
+    // The campaign is not about the law's own arithmetic.
     law.number = Number::F64;
     law.guard.on = false;
     law.device_damping_n_m_s_per_rad = c_i;
@@ -107,7 +107,7 @@ fn law(scene: &mut Scene, random: &mut Random, c_i: f64, k_c: f64, stiffness: f6
             law.virtual_damping_n_m_s_per_rad = 2.0 * critical * random.between(0.05, 1.0);
         }
         3 => {
-            // The shipped settings in proportion: times in seconds, stiffnesses in k_c.
+            // The shipped settings in proportion: times in seconds, stiffnesses in units of k_c.
             law.kind = LawKind::EnhancedSfa;
             law.step_of_ideal_per_ms = 0.012;
             law.limit_of_penetration_per_ms = 0.03;
@@ -148,7 +148,7 @@ pub enum Ended {
 impl Ended {
     fn of(verdict: Outcome) -> Self {
         match verdict {
-            // Nothing moved for lack of a wall either.
+            // A knob that did not move for lack of a wall is at rest too.
             Outcome::Passive | Outcome::Active | Outcome::NotJudged | Outcome::NoContact => {
                 Ended::Rest
             }

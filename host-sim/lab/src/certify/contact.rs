@@ -225,7 +225,7 @@ fn impulse(plant: &StateSpace, law: &StateSpace, matrix: &DMatrix<f64>) -> Optio
     if radius >= 1.0 {
         return None;
     }
-    // To a thousandth of what it was.
+    // Until the response has decayed to a thousandth.
     let ticks = (7.0 / -radius.ln()).ceil();
     if ticks > LONGEST as f64 {
         return None;

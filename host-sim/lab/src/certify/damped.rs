@@ -77,7 +77,7 @@ mod tests {
             };
             settings.velocity.from = from;
             let phases = Phases::of(&AnyLaw::<f64>::new(&settings).unwrap()).lasting;
-            // A ramp's window is the longest one.
+            // During a ramp the adaptive window has its largest length.
             let model = phases.last().unwrap().law.on_measured();
             let mut law = Controller::<f64>::new(&settings).unwrap();
             let deep = 0.05;
@@ -95,7 +95,7 @@ mod tests {
                     model.c.iter().zip(&state).map(|(c, s)| c * s).sum::<f64>() + model.d * moved;
                 let next = &model.a * nalgebra::DVector::from_vec(state.clone()) + &model.b * moved;
                 state = next.iter().copied().collect();
-                // The window fills up over its first ticks, in which it is a shorter one.
+                // During its first ticks the window is still shorter.
                 if from != VelocityKind::Foaw || n > 20 {
                     assert!(
                         (force - expected).abs() < 1e-9,

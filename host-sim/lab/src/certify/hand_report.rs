@@ -27,7 +27,7 @@ pub fn report(contact: &Contact, name: &str, hand: Option<&Hand>, played: Played
     let decay_with_friction_per_s = damped
         .as_ref()
         .map(|damped| damped.worst(hand).0.decay_per_s(rate_hz));
-    // What rounding and gains between the phases do, they do against dry friction too.
+    // Rounding and gains between phases act against dry friction too.
     let undamped = contact;
     let contact = damped.as_ref().unwrap_or(contact);
     let mut phases: Vec<_> = contact

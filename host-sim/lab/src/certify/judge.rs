@@ -72,8 +72,8 @@ pub struct HandReport {
     pub radius: f64,
     /// Rate at which the loop's slowest motion decays, 1/s; negative if it grows.
     pub decay_per_s: f64,
-    /// As `decay_per_s`, with dry friction counted as damping for an oscillation of [`SWING`](super::contact::SWING) times the
-    /// press' depth. `None` without dry friction or a press.
+    /// Rate at which the loop's slowest motion decays, 1/s, with dry friction counted as damping for an oscillation of
+    /// [`SWING`](super::contact::SWING) times the press' depth. `None` without dry friction or a press.
     pub decay_with_friction_per_s: Option<f64>,
     /// Frequency of the loop's slowest motion, Hz.
     pub frequency_hz: f64,
@@ -110,22 +110,23 @@ pub struct HandReport {
 pub(super) fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
     let mut found: Vec<(Verdict, String)> = Vec::new();
     let mut say = |verdict, cause| found.push((verdict, cause));
-    // In a hold that is known: to less than what is seen.
+    // In a known hold the motion has to decay below the threshold for rest.
     let dies = |decay_per_s: f64| match (contact.swing_counts(), contact.hold_s) {
         (Some(swing), Some(hold_s)) => {
             decay_per_s > 0.0 && swing * (-decay_per_s * DECAYS_WITHIN * hold_s).exp() < LEFT_COUNTS
         }
         _ => decay_per_s >= SLOWEST_PER_S,
     };
-    // Dry friction may end what decays. What grows without it ends only if it never swings further than was reckoned with.
+    // Dry friction may end a motion that decays slowly. A motion that grows without friction ends only if it never exceeds the
+    // assumed amplitude.
     let dies_out = dies(report.decay_per_s)
         || report.decay_per_s > 0.0 && report.decay_with_friction_per_s.is_some_and(dies);
     if dies_out {
-        // By itself, or by dry friction.
+        // The motion decays, by itself or by dry friction.
     } else if report.decay_per_s < -FASTEST_GROWTH_PER_S {
         let what = format!("{phase}: grows at {:.3} Hz", report.frequency_hz);
         let held = report.friction_holds_rad;
-        // Without a press that is known, anything beyond two counts.
+        // If there is no press, an amplitude of two counts.
         let enough = contact.press_n_m.map_or_else(
             || 2.0 * contact.count_rad.unwrap_or(0.0),
             |press| 0.8 * press / contact.k_desired,
@@ -235,7 +236,7 @@ pub(super) fn settle(report: &mut HandReport, touches: [f64; 2], presses: Option
     }
     let said = report.verdict == Verdict::Stable;
     let rests = if said { RESTS_AS_SAID } else { RESTS };
-    // A few presses do not speak for all where the law by itself grows, and dry friction alone holds it.
+    // If the law alone grows and only dry friction holds it, a few simulated presses do not prove that all presses come to rest.
     let shown = presses.is_some() && report.decay_per_s > 0.0;
     if most <= rests && (shown || !asks_for_presses(report)) {
         if said {

@@ -69,9 +69,9 @@ pub struct Phases {
 /// How a law reduces its force to keep an energy bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Clamp {
-    /// Time-domain passivity approach.
+    /// Time-domain passivity approach: the force is reduced where the wall would give out more energy than it took.
     Tdpa,
-    /// Force bounding approach.
+    /// Force bounding approach: the force is limited to what the device's damping can absorb.
     Fba,
 }
 

@@ -90,7 +90,7 @@ fn delay(contact: &Contact, hands: &[Hand], stable_now: bool) -> (f64, bool) {
     let is_stable = |more_s: f64| radius(&contact.with_delay(more_s), hands) < 1.0;
     let mut last = 0.0;
     let mut step = period / 8.0;
-    // The first edge from below: a longer delay may be stable again, and is of no use.
+    // The first limit from below counts. A longer delay may be stable again, which is of no use.
     while last < LONGEST_TICKS * period {
         let next = last + step;
         if !is_stable(next) {
@@ -106,7 +106,7 @@ fn stiffnesses(scene: &Scene, contact: &Contact, hands: &[Hand]) -> Vec<[f64; 2]
     let is_stable = |stiffness: f64| {
         let mut other = scene.clone();
         other.wall.k_desired_n_m_per_rad = stiffness;
-        // A stiffness that the law cannot take is not in its range.
+        // A stiffness that the law does not accept is not in its range.
         Contact::of(&other).is_ok_and(|mut other| {
             other.current_loop_hz = contact.current_loop_hz;
             other.estimator = contact.estimator;

@@ -14,8 +14,8 @@
 //!   depends on the direction of the motion, (16) must hold.
 //! - Bounces die away, and the press uses no more energy than the enhanced law's loan.
 //!
-//! It is called **unstable** if a phase in which the law stays grows faster than [`judge::FASTEST_GROWTH_PER_S`] and dry friction
-//! could not stop it within most of the press' depth, or if bounces grow.
+//! It is called **unstable** if bounces grow, or if a phase in which the law stays grows faster than
+//! [`judge::FASTEST_GROWTH_PER_S`] and dry friction could not stop it within most of the press' depth.
 //!
 //! Matrices do not describe the change between phases, nor a device that leaves the wall and returns. So touches are simulated to
 //! their end unless the matrices say unstable. The verdict is **stable** if all come to rest, **unstable** if none does,
@@ -105,7 +105,7 @@ pub struct Certificate {
     pub scene: String,
     /// Worst verdict over the scene's hand and the three grips; without any hand, the verdict for the free device.
     pub verdict: Verdict,
-    /// Verdict for the worst hand within the ranges of hands; `None` if it was not searched.
+    /// Verdict for the worst hand whose parameters are within [`hands::RANGES`]; `None` if it was not searched.
     pub every_hand: Option<Verdict>,
     /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
@@ -157,13 +157,13 @@ pub fn certify(scene: &Scene, options: &Options) -> Result<Certificate> {
                 loan_used: touch::loan_used(scene, &contact, hand.as_ref())?,
             };
             let mut report = report(&contact, name, hand.as_ref(), played);
-            // A law that clamps or switches by direction may yet do what no touch here has shown.
+            // A law that reduces its force by energy, or changes its gain by direction, may do what no simulated touch has shown.
             let shown = contact.phases.clamps.is_none() && !contact.phases.by_direction;
-            // Nor do matrices say what happens between phases, or where a device leaves the wall and comes back.
+            // Matrices do not describe what happens between phases, or when a device leaves the wall and comes back.
             let alone = report.verdict == Verdict::Unstable;
             if let (Some(hand), true, false) = (hand, shown, alone) {
                 let touches = touch::ends(scene, &contact, hand)?;
-                // Where a touch does not rest, a press does not change that.
+                // If a touch does not come to rest, presses need not be simulated.
                 let presses = (asks_for_presses(&report) && touches[1] <= RESTS)
                     .then(|| press::ends(scene, &contact, hand))
                     .transpose()?;
@@ -177,7 +177,7 @@ pub fn certify(scene: &Scene, options: &Options) -> Result<Certificate> {
         .iter()
         .find(|report| report.name == hands::HYPOTHETICAL)
         .map(|report| report.verdict);
-    // A device that nobody holds is only pushed out.
+    // Without a hand the wall only pushes the device out.
     let counts =
         |report: &HandReport| report.name != hands::HYPOTHETICAL && report.parameters.is_some();
     let worst = (0..hands.len())

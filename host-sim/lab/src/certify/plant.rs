@@ -39,7 +39,7 @@ impl Clock {
     #[must_use]
     pub fn ticks(&self) -> (usize, f64) {
         let ticks = self.delay_s / self.period_s;
-        // A delay that was meant as whole ticks stays one.
+        // A delay that is a whole number of ticks except for rounding stays whole.
         let nearest = ticks.round();
         if (ticks - nearest).abs() < 1e-9 {
             return (nearest as usize, 0.0);
@@ -130,7 +130,7 @@ pub fn sampled(mechanics: &Mechanics, clock: Clock) -> Result<StateSpace, Invali
         .a
         .view_mut((0, 0), (plant, plant))
         .copy_from(&(&phi_new * &phi_old));
-    // The command of an age in ticks: the one of this sample is the input, older ones are states.
+    // The command of this age in ticks: that of this sample is the input, older ones are states.
     let mut acts = |age: usize, effect: &DVector<f64>| {
         for (row, entry) in effect.iter().enumerate() {
             match age {

@@ -13,9 +13,9 @@ use touchstone_world::plant::Hand;
 /// Times from rest outside the wall to the full push, s: one brisk, two slow. The validation campaign presses in 0.3 s.
 pub(super) const RAMPS_S: [f64; 3] = [0.12, 0.5, 1.5];
 
-/// Least and largest motion at the end of the hold over presses with the ramps of `RAMPS_S`, peak to peak, as multiples of a
-/// limit cycle's threshold (four encoder counts). It is infinite if the wall throws the device out. The simulation includes encoder
-/// counts, dry friction and the law's loan of energy, but not the guard.
+/// Least and largest motion at the end of the hold, peak to peak, over presses with the ramps of `RAMPS_S`. Both are multiples of a
+/// limit cycle's threshold (four encoder counts). They are infinite if the wall throws the device out. The simulation includes
+/// encoder counts, dry friction and the law's loan of energy, but not the guard.
 ///
 /// # Errors
 /// The control law does not accept the scene's settings.

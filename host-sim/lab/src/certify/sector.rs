@@ -33,7 +33,7 @@ pub fn least_cosine(from: &DMatrix<f64>, to: &DMatrix<f64>) -> Option<f64> {
     let spread = (0..=ANGLES).map(|index| {
         std::f64::consts::PI * 10f64.powf(-6.0 * (1.0 - f64::from(index) / f64::from(ANGLES)))
     });
-    // A resonance is narrow: as narrow as its eigenvalue is near the circle.
+    // A resonance is narrow: the nearer its eigenvalue is to the unit circle, the narrower.
     let near = zero.iter().chain(&one).flat_map(|value| {
         let (angle, width) = (value.arg().abs(), 1.0 - value.norm());
         (-8..=8).map(move |step| angle + 0.4 * f64::from(step) * width)
@@ -62,15 +62,16 @@ mod tests {
     fn a_gain_that_may_only_shrink_a_first_order_lag_is_safe() {
         // x' = (0.9 - 0.5 g) x.
         assert!(least_cosine(&dmatrix![0.9], &dmatrix![0.4]).unwrap() > 0.0);
-        // An integrator that is pulled back or left alone.
+        // An integrator with and without feedback.
         assert!(least_cosine(&dmatrix![1.0], &dmatrix![0.7]).unwrap() > 0.0);
-        // The far end is unstable.
+        // The loop at a gain of 1 is unstable.
         assert_eq!(least_cosine(&dmatrix![0.9], &dmatrix![-1.2]), None);
     }
 
     #[test]
     fn an_undamped_spring_that_may_switch_between_two_stiffnesses_is_not() {
-        // Both ends decay slowly; switched by the sign of x v, stiff outward and soft inward, such an oscillator grows.
+        // Both ends decay slowly. If the gain changes with the sign of x v, stiff outward and soft inward, such an oscillator
+        // grows.
         let swing = |stiffness: f64| {
             let t: f64 = 0.01;
             dmatrix![1.0 - 0.5 * stiffness * t * t, t; -stiffness * t, 1.0 - 0.0005]

@@ -123,7 +123,7 @@ impl Mode {
                 },
             ),
             None if matrix.iter().all(|entry| entry.is_finite()) => Self {
-                // Needs no eigenvalue iteration, and cannot fail.
+                // The spectral radius needs no eigenvalue iteration, so it cannot fail.
                 radius: spectral_radius(matrix),
                 angle_rad: f64::NAN,
             },

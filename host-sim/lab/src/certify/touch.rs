@@ -55,7 +55,7 @@ impl Recorder for Rest {
         if self.ticks >= self.from {
             let angle = tick.angle_after_rad;
             let [least, most] = self.ends_rad;
-            // `min` and `max` pass over what is no number.
+            // `min` and `max` ignore NaN.
             self.ends_rad = if angle.is_nan() {
                 [f64::NAN; 2]
             } else {
@@ -115,7 +115,7 @@ impl Touched {
         bare.operator.motion = MotionSpec::None;
         bare.law.number = Number::F64;
         bare.law.guard.on = false;
-        // The pad pressed together by the push, and the hand held where it is by its own rest point.
+        // The push compresses the pad, and the hand's spring, stretched to its rest point, holds the hand.
         let by = |stiffness: fn(&Hand) -> f64| {
             hand.map(stiffness)
                 .filter(|stiffness| *stiffness > 0.0)

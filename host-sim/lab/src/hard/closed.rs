@@ -93,7 +93,7 @@ fn grows(device: &Device, stiffness: f64, delay_s: f64) -> bool {
     for tick in 0..2 * HALF {
         let command = -stiffness * state.position();
         crossing.cross(&mut state, command, 0.0);
-        // The second half of each half: what dies out at once is gone by then.
+        // Only the second half of each half counts; motions that decay quickly are over by then.
         if tick % HALF >= HALF / 2 {
             largest[tick / HALF] = largest[tick / HALF].max(state.position().abs());
         }
@@ -126,7 +126,7 @@ fn k_max(_: Effort) -> Result<Vec<Finding>> {
             off(eigenvalue),
             1e-6,
         ));
-        // Its first correction is a share of b T/J (1/2 + delay).
+        // The first correction is a fraction of b T/J (1/2 + delay).
         let share = KNOB.damping * PERIOD_S / KNOB.inertia * (0.5 + ticks);
         found.push(Finding::new(
             format!("{ticks} ticks, formula"),
@@ -164,7 +164,7 @@ fn critical(scene: &Scene) -> f64 {
 }
 
 fn wall(_: Effort) -> Result<Vec<Finding>> {
-    // Held long enough for a decay of a third in a second to end.
+    // Held long enough for a motion that decays by a third per second.
     let scene = Scene::load("press-hold")?
         .with_preset(Preset::Thesis)?
         .with_overrides(&["operator.motion.hold_s=40", "timing.duration_s=45"])?;
@@ -347,7 +347,7 @@ fn one_count(_: Effort) -> Result<Vec<Finding>> {
             if ran.is_some() {
                 let name = format!("{share} k_c, friction {times} k res/2");
                 found.push(Finding::new(format!("{name}, moves"), moved, 0.0));
-                // Friction bears the rest of the torque, rounding half a count of it; the gain's step is 2^-12.
+                // Friction bears the rest of the torque; rounding adds half a count of it. The step of the gain is 2^-12.
                 let bound = (friction.breakaway + press * 0.000_244_140_625 / stiffness)
                     / stiffness
                     + 0.5 * count_rad;
@@ -379,7 +379,7 @@ fn intervals(_: Effort) -> Result<Vec<Finding>> {
             let force = stiffness * state.position();
             let from = state.position();
             let loss = plant.step_with_loss(&mut state, -force, 0.0).device_j;
-            // What the wall took, the damper took, and what is stored in the spring that the wall stands for.
+            // Energy balance: what the wall took, what the damper took, and what a spring in place of the wall stores.
             let taken = force * (state.position() - from);
             let stored = 0.5 * stiffness * (state.position().powi(2) - from * from);
             energy += taken + loss - stored;

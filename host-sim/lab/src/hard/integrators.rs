@@ -65,7 +65,7 @@ fn stiff_pole(_: Effort) -> Result<Vec<Finding>> {
                 1e-12,
             ));
         }
-        // A tenth of a step's way is lost or won in the first and last step: far more than any of them is off when stable.
+        // In the first and last step a tenth of a step's way is lost or won: far more than the error of any stable method.
         let coarse = 2.0 * PERIOD_S / t;
         let stiffness = w * PERIOD_S / 16.0;
         let implicit = [
@@ -131,7 +131,7 @@ fn stick(_: Effort) -> Result<Vec<Finding>> {
         Finding::new("runge-kutta-4", held::<RungeKutta4<2>>(torque), 0.0).failing(format!(
             "smoothed friction creeps: {creep:.3e} rad by the closed form"
         )),
-        // The device's own damping takes b v of the torque, and it takes a few ticks to get going.
+        // The device's own damping takes b v of the torque, and the device needs a few ticks to reach its speed.
         Finding::new(
             "runge-kutta-4 less its creep, share",
             (held::<RungeKutta4<2>>(torque) / creep - 1.0).abs(),

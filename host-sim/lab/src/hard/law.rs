@@ -190,7 +190,7 @@ fn zero_and_one_count(_: Effort) -> Result<Vec<Finding>> {
             let e = scale.penetration::<N>(count);
             let force = law.tick(e);
             let ideal = stiffness * e.to_f64();
-            // A force step of the format, and half of it for the product.
+            // One step of force of the format, and half a step for the product.
             let step = 1.5 * Position::<N>::quantum().to_f64();
             let wrong = !subject.is_within(force)
                 || (count <= 0 && subject.is_alone() && force != Force::zero())
@@ -207,7 +207,7 @@ fn bounces(_: Effort) -> Result<Vec<Finding>> {
         let mut law = subject.fresh;
         let mut broken = 0.0;
         for bounce in 0..1000 {
-            // From deep presses to a graze.
+            // From deep presses to slight touches.
             let counts = 500.0 * (-f64::from(bounce) / 120.0).exp();
             let mut fresh = subject.fresh;
             let (a, b) = (
@@ -237,7 +237,7 @@ fn saturation(_: Effort) -> Result<Vec<Finding>> {
         };
         let mut broken = 0.0;
         for tick in 0..120_000_u32 {
-            // A turn's quarter inside: fifteen times the limit at 5 N·m/rad.
+            // A quarter of a turn inside: fifteen times the force limit at 5 N·m/rad.
             let count = i64::from(tick.min(10_000)) + (2.0 * random.uniform()).round() as i64;
             let force = law.tick(scale.penetration(count));
             broken += f64::from(u8::from(!subject.is_within(force)));
@@ -264,7 +264,7 @@ fn windup(_: Effort) -> Result<Vec<Finding>> {
             let count = i64::from(tick.min(depth)) + (2.0 * random.uniform()).round() as i64;
             law.tick(scale.penetration(count));
         }
-        // Out again, as fast as a hand pulls, until nothing pushes any more.
+        // The knob goes out as fast as a hand pulls, until the wall no longer pushes.
         for tick in 0..100_000_u32 {
             let count = i64::from(depth) - 10 * i64::from(tick);
             let e = scale.penetration::<N>(count);
@@ -286,7 +286,7 @@ fn windup(_: Effort) -> Result<Vec<Finding>> {
                 ..Settings::thesis()
             };
             let mut finding = subject::<Fixed32>("", &settings, more::<Fixed32>);
-            // Ten counts a tick, and as much again for the surface itself.
+            // Ten counts per tick, and as much again for the position of the surface.
             finding.bound = 20.0 * std::f64::consts::TAU / 40_000.0;
             finding.value = finding.value.max(0.0);
             finding
@@ -374,7 +374,7 @@ fn switching(_: Effort) -> Result<Vec<Finding>> {
         for tick in 0..20_000_u32 {
             if tick % 20 == 10 {
                 let kind = LawKind::ALL[tick as usize / 20 % LawKind::ALL.len()];
-                // Every other change is one of this law's stiffness, the rest are of the law.
+                // Every other change is one of the law's stiffness; the rest change the law itself.
                 let other = Settings {
                     law: if tick % 40 == 10 {
                         kind
@@ -384,7 +384,7 @@ fn switching(_: Effort) -> Result<Vec<Finding>> {
                     k_desired: Si::saturating_from_num(random.decades(0.5, 50.0)),
                     ..subject.settings
                 };
-                // A format that does not hold the other settings keeps the law that it has.
+                // If the format cannot hold the other settings, the law stays as it is.
                 if let Ok(next) = Controller::<N>::new(&other) {
                     law.resume(&next);
                     last = (next, other);
@@ -442,8 +442,8 @@ fn drift(effort: Effort) -> Result<Vec<Finding>> {
                     }
                 }
             }
-            // These go on adjusting a bound or an offset; the force of one count at the desired stiffness is the least that they
-            // can be told of.
+            // These laws keep adjusting a bound or an offset. The force of one count at the requested stiffness is the least change
+            // that they can react to.
             let adjusts = matches!(law, LawKind::Fba | LawKind::Sfa | LawKind::SfaContinuous);
             let count_n_m = settings.k_desired.to_num::<f64>() * std::f64::consts::TAU / 40_000.0;
             let bound = if adjusts { count_n_m } else { 0.0 };

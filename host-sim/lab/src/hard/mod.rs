@@ -185,7 +185,7 @@ pub fn run(
                 about: case.about,
                 oracle: case.oracle,
                 unit: case.unit,
-                // A case that looked at nothing has shown nothing.
+                // A case without findings has not passed.
                 passed: !findings.is_empty() && findings.iter().all(Finding::is_as_expected),
                 findings,
                 seconds: start.elapsed().as_secs_f64(),

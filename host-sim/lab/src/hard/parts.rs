@@ -44,7 +44,7 @@ fn wrap(_: Effort) -> Result<Vec<Finding>> {
         Finding::new("16 bits", off_short as f64, 0.0),
         Finding::new("32 bits", off_long as f64, 0.0),
     ];
-    // A wall in another turn: the scale is exact to 1.4e-10 rad a turn, and a position to its step.
+    // A wall in another turn: the scale is exact to 1.4e-10 rad per turn, and a position to its step.
     for turns in [-100_i64, -1, 1, 100] {
         let surface = Si::saturating_from_num(std::f64::consts::TAU * turns as f64);
         let (Some(near), Some(far)) = (
@@ -86,7 +86,7 @@ fn shaken(inertia: f64, stiffness: f64, damping: f64, ground: f64) -> f64 {
         } else {
             0.0
         };
-        // Kept near where it began, or sums of large numbers would hide what is looked for.
+        // The position stays near its start, because sums of large numbers would hide the effect.
         let moved = moved - 0.01 * e;
         e += moved;
         let (position, change) = (Position::<f64>::from_f64(e), Position::from_f64(moved));
@@ -115,7 +115,7 @@ fn virtual_mass(_: Effort) -> Result<Vec<Finding>> {
                 1e-12,
             ));
         }
-        // z² + (k/M - 2) z + 1 for a mass without damping: on the circle up to k/M = 4.
+        // z² + (k/M - 2) z + 1 for a mass without damping: eigenvalues on the unit circle up to k/M = 4.
         let ratio = stiffness / inertia;
         let half = 1.0 - 0.5 * ratio;
         let radius = if half.abs() <= 1.0 {
@@ -125,7 +125,7 @@ fn virtual_mass(_: Effort) -> Result<Vec<Finding>> {
         };
         let grown = semi_implicit_growth(ratio);
         let name = format!("semi-implicit Euler, m = 1e{decade} k T²");
-        // Bounded by the ratio of the axes of its ellipse.
+        // The bound is the ratio of the axes of the motion's ellipse.
         let bound = 4.0 / (1.0 - half * half).abs().sqrt().max(1e-3);
         let finding = Finding::new(name, grown, bound);
         found.push(if radius > 1.0 {

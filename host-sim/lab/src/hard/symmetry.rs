@@ -55,7 +55,7 @@ fn half_steps(_: Effort) -> Result<Vec<Finding>> {
                     .zip(&once)
                     .map(|(a, b)| (a - b).abs())
                     .fold(0.0, f64::max);
-                // 1000 ticks of states of order 1, each rounded a few times.
+                // 1000 ticks with states of order 1, each rounded a few times.
                 found.push(Finding::new(format!("{kind}, {name}"), off, 1e-11));
             }
         }
@@ -103,7 +103,7 @@ fn jitter(_: Effort) -> Result<Vec<Finding>> {
                     a.step(&mut parts, u, r);
                     b.step(&mut parts, u, r);
                     all.step(&mut once, u, r);
-                    // What decays within the interval decays to the rounding of what it was.
+                    // A state that decays within the interval keeps the rounding error of its initial size.
                     let scale = State::from_array(begin);
                     worst[$index] = worst[$index].max(relative(&parts, &once, &scale));
                 }
@@ -151,7 +151,7 @@ fn scaled<const N: usize, S: Stepper<State = State<N>>>(plant: &S, scaled: &S, f
     let mut differ = 0.0;
     for tick in 0..5000 {
         let [u, r] = torque(&mut random);
-        // Some ticks of rest for the device to stop in.
+        // Some ticks without torque, so that the device can stop.
         let u = if tick % 64 < 32 { u } else { 0.0 };
         plant.step(&mut state, u, r);
         scaled.step(&mut other, factor * u, factor * r);

@@ -99,7 +99,7 @@ pub fn mechanics(
     }
     let direction = |tick: usize| {
         let moved = position_m[tick + around] - position_m[tick - around];
-        // Less than a count is no motion.
+        // A displacement below half a count does not show a direction.
         if moved.abs() < 0.5 * count_m {
             0.0
         } else {
@@ -110,7 +110,7 @@ pub fn mechanics(
     let mut start = around;
     while start + length + around < ticks {
         let (mut row, mut right) = (Vector4::zeros(), 0.0);
-        // Places count from the bump's first, so that no digits are lost to where the device is.
+        // Positions are relative to the bump's first one, so that the device's position costs no digits.
         let home = position_m[start];
         for i in 0..length {
             let s = i as f64 / length as f64;
@@ -122,7 +122,7 @@ pub fn mechanics(
                 value * direction(start + i),
                 value,
             );
-            // A force is held for a tick, whose middle is here.
+            // A force acts for a whole tick, so the bump is taken in the middle of the tick.
             let middle = bump((i as f64 + 0.5) / length as f64)[0];
             right += middle * force_n[start + i];
         }
@@ -135,7 +135,7 @@ pub fn mechanics(
         normal += row * row.transpose();
         sides += row * *right;
     }
-    // By the size of each column, so that their units do not matter for what can be told.
+    // Columns are scaled to equal size, so that their units do not matter for the condition of the matrix.
     let scale = normal
         .diagonal()
         .map(|x| 1.0 / x.max(f64::MIN_POSITIVE).sqrt());
@@ -150,7 +150,7 @@ pub fn mechanics(
         left += (right - row.dot(&found)).powi(2);
         all += right * right;
     }
-    // Bumps overlap: as many equations as there are bumps side by side are independent.
+    // Bumps overlap. Only as many equations are independent as bumps fit side by side into the record.
     let independent = (ticks as f64 / length as f64).max(5.0);
     let variance = left / equations.len() as f64 * (equations.len() as f64 / (independent - 4.0));
     let of = |i: usize| Estimate {
@@ -158,7 +158,7 @@ pub fn mechanics(
         uncertainty: (variance * inverse[(i, i)]).sqrt() * scale[i],
     };
     let mass = of(0);
-    // A mass that may as well be none is no measurement; what is no number is none either.
+    // A mass that may be zero within its uncertainty is no result, nor is NaN.
     let told = mass.value - 2.0 * mass.uncertainty;
     if told.is_nan() || told <= 0.0 {
         return Err(Unidentified::Unexplained {
@@ -274,7 +274,7 @@ mod tests {
         let stepper = BareLinear::new(&device, 1.0 / f64::from(RATE_HZ)).expect("plant");
         let (positions, forces) = moved(&stepper, 0.0);
         assert!(mechanics(&positions, &forces, RATE_HZ, COUNT_M).is_ok());
-        // As where a hand pushes: what is known of the force is some other motion's.
+        // The forces are those of another motion, as if a hand pushed too.
         let others: Vec<f64> = (0..forces.len())
             .map(|i| (31.0 * i as f64 / f64::from(RATE_HZ)).sin())
             .collect();

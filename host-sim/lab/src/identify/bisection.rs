@@ -42,7 +42,7 @@ impl Trial {
     /// Whether the press comes to rest.
     #[must_use]
     pub fn settles(&self) -> bool {
-        // An oscillation that throws the HIP out of the wall has stopped growing for another reason.
+        // A knob that the oscillation has thrown out of the wall is no evidence for an oscillation that stops growing.
         self.held && (self.late_rad < self.early_rad || self.late_rad < REST_RAD)
     }
 }
@@ -58,7 +58,7 @@ struct Windows {
 
 impl Windows {
     fn new(scene: &Scene) -> Self {
-        // The hold's second half, as the scene gives it, and the quarter before.
+        // The second half of the hold as the scene gives it, and the quarter before.
         let (middle, end) = scene
             .hold_window_s()
             .unwrap_or((0.0, scene.timing.duration_s));
@@ -151,7 +151,7 @@ pub fn identify(
             Ok(trial.settles())
         };
         let (mut low, mut high) = (search.low, search.high);
-        // Without any damping to count on FBA shows nothing, and that settles.
+        // If FBA assumes no damping, it renders no force, and the press comes to rest.
         if low > 0.0 && !settles(low)? {
             return Ok(Err(Bracket::TooHigh));
         }
@@ -203,7 +203,7 @@ pub fn identify(
 fn try_out(scene: &Scene, damping: f64) -> Result<Trial> {
     let mut scene = scene.clone();
     scene.law.kind = LawKind::Fba;
-    // The algorithm asks what FBA makes of what is measured.
+    // The algorithm examines FBA on measured states.
     scene.law.states = StatesKind::Measured;
     scene.law.guard.on = false;
     scene.law.device_damping_n_m_s_per_rad = damping;
@@ -256,7 +256,7 @@ mod tests {
 
     #[test]
     fn dry_friction_shows_as_uncertainty() {
-        // A quarter of a thousandth of a N·m makes half of the damping that FBA finds: that must be said.
+        // Dry friction of 0.25 mN·m accounts for half of the damping that FBA finds, so the uncertainty must include it.
         let found = found("thesis-knob", 0.0, 2e-3).unwrap();
         assert!(found.uncertainty > 10.0 * found.resolution, "{found:?}");
         assert!(

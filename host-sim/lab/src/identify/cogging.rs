@@ -1,5 +1,5 @@
-//! Measures the cogging of a real knob from the current that a slow, even turn needs at each angle, and what remains of it when the
-//! device compensates it by a map.
+//! Measures the cogging of a real knob from the current that a slow, even turn needs at each angle. Also measures what remains of
+//! the cogging when the device compensates it by a map.
 //!
 //! The data are those that the device sends during a sweep (`touchstone_drive::sweep`): two turns in each direction, with positions
 //! from the encoder's own zero. Forward `J a = k_t i + T(x) - F`, backward `J a = k_t i + T(x) + F`. The mean of both does not
@@ -179,7 +179,7 @@ impl Swept {
                 n_m: floor * constant,
             });
         }
-        // What noise does is alike at all orders; what a hand or a loose part does is slow, and is not the same in the next turn.
+        // Noise is equal in all orders. A hand or a loose part shows in slow orders and differs from turn to turn.
         let slow = rms(&self.apart_a[..SLOW]) / (0.5 * SLOW as f64).sqrt();
         let unrepeated = slow / rms_a;
         if slow > SLOW_MOST * noise && unrepeated > UNREPEATED_MOST {
@@ -206,7 +206,7 @@ impl Swept {
                 most: known.most_a,
             });
         }
-        // Within 4 A: the check above and the largest current limit leave less.
+        // The value is below 4 A because of the check above and the largest current limit, so it fits into 16 bits.
         let bits = |ampere: f64| (ampere * f64::from(1 << CURRENT_BITS)).round() as i16;
         let harmonics = found.iter().map(|(order, it)| CoggingHarmonic {
             order: *order as u8,
@@ -258,7 +258,7 @@ impl Turn {
         };
         let sign = f64::from((last.count - first.count).signum());
         let turn = known.counts_per_rev;
-        // How far it is still to the end, counts.
+        // Distance to the end of the turns, encoder counts.
         let left = |it: &SweepTick| sign * f64::from(last.count - it.count);
         let (from, to) = (turn * (back_by + 1) as f64, turn * back_by as f64);
         let inside = |it: &&&SweepTick| left(it) < from && left(it) >= to;
@@ -283,7 +283,8 @@ impl Turn {
             false => it.current_a,
         };
         let time = |it: &SweepTick| f64::from(it.tick.wrapping_sub(ticks[0].tick)) / known.rate_hz;
-        // Time by place, as the motion is even but for its ripple: a straight line through all of it, and what is left of the place.
+        // Time over position: a straight line is fitted, because the motion is even except for its ripple. The residual of the
+        // position is the ripple.
         let count = ticks.len() as f64;
         let sum =
             |of: &dyn Fn(&SweepTick) -> f64| ticks.iter().map(|it| of(it)).sum::<f64>() / count;
@@ -291,7 +292,7 @@ impl Turn {
         let speed = sum(&|it| (time(it) - t) * (angle(it) - x)) / sum(&|it| (time(it) - t).powi(2));
         let ripple = |it: &SweepTick| angle(it) - x - speed * (time(it) - t);
         let direction = speed.signum();
-        // How much of the turn a record stands for: half of the way to its neighbours, around the turn.
+        // Angle that a record stands for: half of the distance to each neighbour, across the ends of the turn too.
         let whole = TAU * direction;
         let share = |index: usize| {
             let at = |index: usize, turns: f64| angle(ticks[index]) + turns * whole;

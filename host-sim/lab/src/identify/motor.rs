@@ -125,7 +125,7 @@ pub fn motor(
 
     let pushes: Vec<Range<usize>> = of(MeasuringPart::Push).map(|(_, it)| it.clone()).collect();
     let coasts: Vec<Range<usize>> = of(MeasuringPart::Coast).map(|(_, it)| it.clone()).collect();
-    // Fast there and back, slow there and back.
+    // The pushes in order: fast forward and backward, slow forward and backward.
     let [there, back, _, _] = pushes.as_slice() else {
         return Err(NotMeasured::Incomplete { part: "a push" });
     };
@@ -133,7 +133,7 @@ pub fn motor(
         return Err(NotMeasured::Incomplete { part: "a coast" });
     }
     let flux = |pushes: &[&Range<usize>]| flux(&ticks, pushes, resistance.value, known);
-    // Each way by itself: what differs between them is what the model does not know.
+    // Each direction is also fitted alone; the difference between the two shows what the model does not contain.
     let (both, ways) = (flux(&[there, back])?, [flux(&[there])?, flux(&[back])?]);
     let linkage = positive("flux", [both.abs(), ways[0].abs(), ways[1].abs()])?;
     let constant = 1.5 * known.pole_pairs;
@@ -145,19 +145,19 @@ pub fn motor(
             of_swing(&ticks, whole, constant * both, known)
         })
         .collect();
-    // A tick tells the current at its end, and in the first tick of a push, one of the slow ones' thirty-five, that is a third more than
-    // its mean: less than a percent, which a fit that believed it would make good by friction.
+    // A tick reports the current at its end. In the first of a slow push's 35 ticks it is a third more than the mean current, an
+    // error of less than a percent. A fit that took the torques as exact would attribute it to friction.
     let mechanics = swing::mechanics(&swings, 1.0 / known.rate_hz, Torques::Unsure)?;
     let inertia = mechanics.inertia_kg_m2;
     let disagreement = 4.0 * inertia.uncertainty / inertia.value;
-    // What is no number is refused, too.
+    // NaN is refused too.
     if disagreement.is_nan() || disagreement > DISAGREEMENT_MOST {
         return Err(NotMeasured::Disagree {
             percent: 100.0 * disagreement,
         });
     }
-    // The rotor is not held: in the fast field it swings by `k_t I/(J ω²)`, and its back-EMF, half of which turns with the field, looks
-    // like a capacitor in the way.
+    // The rotor is not held. In the fast field it oscillates by `k_t I/(J ω²)`. Half of its back-EMF turns with the field and looks
+    // like a capacitor in series.
     let reaction =
         constant * known.pole_pairs * linkage.value.powi(2) / (2.0 * inertia.value * omega.powi(2));
     let inductance = impedance.map(|z| z.im / omega + reaction);
@@ -243,7 +243,7 @@ fn impedance(
             });
         (sum.0 / count, sum.1 / count)
     };
-    // Less the last two: their readings may belong to what came next.
+    // The last two ticks are left out, because their readings may belong to the next part.
     let last = |range: &Range<usize>, from: usize, to: usize| {
         let end = range.end.saturating_sub(2);
         let at = |back: usize| end.saturating_sub(back).max(range.start);

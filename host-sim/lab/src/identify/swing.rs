@@ -133,7 +133,7 @@ pub fn swing(scene: &Scene, swings: &Swings) -> Result<std::result::Result<Vec<S
             tick(&plant, &mut state, 0.0, read, &mut swing);
         }
         done.push(swing);
-        // A hand would stop it; the next swing is one from rest.
+        // A hand would stop the device here; the next swing starts from rest.
         state = State::at_rest(state.position());
     }
     Ok(Ok(done))
@@ -228,7 +228,7 @@ fn fit(swings: &[Swing], period_s: f64, start: Vector3<f64>, torques: Torques) -
     let mut at = whole(start, 1.0);
     let mut r = residuals(&at)?;
     let mut normal = DMatrix::identity(3 + own, 3 + own);
-    // Quadratic near the end; forty steps are far more than any device has needed.
+    // Convergence is quadratic near the end; forty steps are far more than any device has needed.
     for _ in 0..40 {
         let scale = at.abs().sup(&smallest);
         let mut columns = Vec::with_capacity(3 + own);
@@ -243,7 +243,7 @@ fn fit(swings: &[Swing], period_s: f64, start: Vector3<f64>, torques: Torques) -
                 .map(|(m, r)| (r - m) / step * scale[index]);
             columns.push(slopes.collect::<Vec<_>>());
         }
-        // In parameters of size one, so that kg·m² and N·m weigh the same.
+        // The parameters are scaled to size one, so that kg·m² and N·m have equal weight.
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         normal = DMatrix::from_fn(3 + own, 3 + own, |i, j| product(&columns[i], &columns[j]));
         let gradient = DVector::from_fn(3 + own, |i, _| product(&columns[i], &r));
@@ -309,7 +309,7 @@ pub fn mechanics(
     };
     let start = guess(swings, period_s).ok_or(none.clone())?;
     let all = fit(swings, period_s, start, torques).ok_or(none.clone())?;
-    // Each speed with its way back: what differs between them is what the model does not know.
+    // Each speed is also fitted alone, with both directions. The difference between speeds shows what the model does not contain.
     let half = swings.len() / 2;
     let parts: Vec<Vector3<f64>> = (0..half)
         .filter_map(|index| {
@@ -325,7 +325,7 @@ pub fn mechanics(
             .map(|part| (part[index] - value).powi(2))
             .sum::<f64>()
             / (count * (count - 1.0)).max(1.0);
-        // What the torques differ by is not known of their mean, either: the scale of all three.
+        // The mean of the torques is as uncertain as their differences show; it scales all three parameters.
         let scale = (value * all.torques_apart).powi(2) / swings.len() as f64;
         Estimate {
             value,
@@ -336,7 +336,7 @@ pub fn mechanics(
         .iter()
         .flat_map(|swing| &swing.angle_rad)
         .fold(0.0_f64, |most, angle| most.max(angle.abs()));
-    // A twentieth of the whole way is no noise of an encoder.
+    // A residual of a twentieth of the whole motion cannot be encoder noise.
     if !all.residual_rms.is_finite() || all.residual_rms > 0.05 * furthest {
         return Err(NotFound::NoFit {
             residual_rad: all.residual_rms,
@@ -386,7 +386,7 @@ mod tests {
     fn within(estimate: Estimate, truth: f64, share: f64, floor: f64) {
         let error = (estimate.value - truth).abs();
         assert!(error <= share * truth + floor, "{estimate:?} for {truth}");
-        // Four standard uncertainties cover what is wrong.
+        // The errors are within four standard uncertainties.
         assert!(
             error <= 4.0 * estimate.uncertainty + floor,
             "{estimate:?} for {truth}"
@@ -433,7 +433,7 @@ mod tests {
 
     #[test]
     fn a_lie_about_the_torque_shows_in_the_inertia() {
-        // The fit can say no: with twice the torque told, everything doubles, and nothing hides it.
+        // With torques twice as large as the true ones, all parameters double; the fit must show that.
         let scene = Scene::load("thesis-knob").unwrap();
         let mut swings = swing(&scene, &Swings::default()).unwrap().unwrap();
         for swing in &mut swings {

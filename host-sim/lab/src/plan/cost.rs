@@ -62,7 +62,7 @@ impl Ladder {
             let alone = self.alone(name)?;
             sum += alone;
             for other in &names[at + 1..] {
-                // A pair that no scene can have adds nothing.
+                // A pair of effects that exclude each other adds nothing.
                 if let Some(both) = self.together(name, other) {
                     sum += both - alone - self.alone(other)?;
                 }
@@ -90,7 +90,7 @@ pub fn times(scene: &Scene, named: &[&Effect]) -> Result<(Spread, Vec<Option<f64
     let mut work: Vec<Work<'_>> = scenes
         .iter()
         .map(|scene| -> Work<'_> {
-            // Each has been run once: it is not refused.
+            // Each scene has been run once before, so it is not refused.
             Box::new(move || f64::from(u8::from(run::simulate(scene, None).is_ok())))
         })
         .collect();

@@ -77,7 +77,7 @@ pub fn eigenvalues(scene: &Scene) -> Result<Vec<Eigenvalue>> {
     let mut found: Vec<Eigenvalue> = matrix
         .complex_eigenvalues()
         .iter()
-        // One of a pair; a hair below the axis is rounding.
+        // One value of each conjugate pair. A tiny negative imaginary part would be rounding.
         .filter(|value| value.im >= 0.0)
         .map(|value| Eigenvalue {
             re_per_s: value.re,

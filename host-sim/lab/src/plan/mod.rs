@@ -94,7 +94,7 @@ pub struct Planned {
 /// # Errors
 /// The scene cannot be run.
 pub fn plan(scene: &Scene, asked: Asked, program: ProgramVersion) -> Result<Planned> {
-    // What a run would be refused for is refused here.
+    // A scene that could not be run is refused here.
     Plan::of(scene)?;
     let (tier, substeps, reasons) = tier(scene);
     let named: Vec<_> = EFFECTS

@@ -191,6 +191,6 @@ fn moved(
     let least = (tolerance * a.abs().max(b.abs()))
         .max((output.floor)(count))
         .max(3.0 * by_itself);
-    // A run that left all numbers has moved.
+    // A result that became infinite or NaN counts as changed.
     ((b - a).abs() > least || !(b - a).is_finite()).then_some(told)
 }

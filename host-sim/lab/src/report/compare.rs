@@ -36,7 +36,7 @@ pub fn section(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     let (a, b) = first
         .and_then(|table| picture::pair(input.runs, table))
         .unwrap_or((traced[0].0, traced[1].0));
-    // What all runs share is not repeated in their names.
+    // Conditions that all runs share are left out of their names.
     let conditions: Vec<Condition> = traced
         .iter()
         .map(|(index, _)| Condition::of(&input.runs[*index].summary))
@@ -148,7 +148,7 @@ mod tests {
             let mut sum = 0;
             for (difference, value) in data[key][2].as_array().unwrap().iter().zip(values) {
                 sum += difference.as_i64().unwrap();
-                // Half a step, and the step's own rounding over all of them.
+                // Half a step, plus the rounding of the step over all steps.
                 let off = (low + step * sum as f64 - value).abs();
                 assert!(off <= step * (0.5 + 1e-7 * STEPS), "{key}: {off} {step}");
             }

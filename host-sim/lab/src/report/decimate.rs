@@ -197,7 +197,7 @@ mod tests {
         });
         let lines = series(wave);
         assert!(lines[0].len() <= 4 * 2401 / 5, "{}", lines[0].len());
-        // Every column reaches both edges, whatever its samples hit.
+        // Every column reaches both edges, whichever samples it contains.
         for columns in lines[0].chunks(8) {
             assert!(columns.iter().any(|p| p.1 < 110) && columns.iter().any(|p| p.1 > 890));
         }

@@ -72,7 +72,7 @@ impl Axis {
             .filter(|power| power % every == 0)
             .flat_map(|power| {
                 steps.iter().map(move |step| {
-                    // By its digits: a product would carry rounding into the label.
+                    // The label is parsed from its digits, because a product would carry rounding into it.
                     let label = match format!("{step}e{power}") {
                         far if !(-3..=4).contains(&power) => far,
                         near => near.parse().map_or(near, |value: f64| value.to_string()),
@@ -219,7 +219,7 @@ impl Range {
     /// The interval itself, or one that can be drawn if it is empty or has zero width.
     pub fn or_unit(self) -> Self {
         if self.min < self.max && (self.max - self.min).is_finite() {
-            // Narrower than an f64 can divide, ticks and places would be NaN.
+            // In a range narrower than `f64` can divide, ticks and positions would be NaN.
             let least = self.min.abs().max(self.max.abs()) * 1e-9;
             if self.max - self.min > least {
                 self

@@ -190,7 +190,8 @@ impl View<'_> {
     fn trajectory(&self, ranges: &Ranges, detail: bool) -> Figure {
         let trace = self.trace;
         let mut range = ranges.angle;
-        // The offset is zero for most laws and the mass is the device for most: a line on top of another only confuses.
+        // For most laws the offset is zero, and the virtual mass is at the device's position. A line that coincides with another is
+        // left out.
         let far = |a: &[f64], b: &[f64]| self.contact.clone().any(|i| (a[i] - b[i]).abs() > 1e-9);
         let shifted = detail && far(&trace.surface_shifted_rad, &trace.surface_rad);
         let mass = detail && far(&trace.mass_rad, &trace.angle_rad);
@@ -219,7 +220,7 @@ impl View<'_> {
 
     fn hand(&self, ranges: &Ranges) -> Figure {
         let trace = self.trace;
-        // A rest point deep in the wall is how a hand presses; it would squeeze device and hand into a line.
+        // The rest point of a pressing hand is deep in the wall; a range with it would squeeze device and hand into one line.
         let near = Range::of(trace.hand_rad.iter().chain(&trace.angle_rad).copied());
         let wide = near.padded(0.5, 0.5);
         let rest = Range::of(trace.rest_rad.iter().copied());

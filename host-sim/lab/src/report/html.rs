@@ -22,7 +22,7 @@ pub fn render(input: &ReportInput, origin: &Origin) -> String {
         .flat_map(|(m, matrix)| (0..matrix.stiffnesses.len()).map(move |r| (m, r)))
         .collect();
     let several = input.runs.len() > 1;
-    // A row of figures needs no other row: draw them on all cores, and put them together in order.
+    // Rows of figures do not depend on each other, so all cores draw them; they are joined in order.
     let rows: Vec<String> = if several {
         rows.into_par_iter()
             .map(|(m, r)| runs::row(input, origin, &matrices[m], m, r))
@@ -75,7 +75,7 @@ fn head(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     if !input.intro.is_empty() {
         let _ = writeln!(page, "<p>{}</p>", escape(input.intro));
     }
-    // The first screen is a picture, also on a phone: words and notes come after it.
+    // The picture is on the first screen, also on a phone; text and notes follow.
     summary::picture(page, input);
     let _ = writeln!(
         page,
@@ -302,7 +302,7 @@ mod tests {
         for label in values(&page, "aria-labelledby=\"").flat_map(str::split_whitespace) {
             assert!(distinct.contains(label), "{label}");
         }
-        // Two in the picture; three laws: four kinds side by side, and six for each run.
+        // Two plots in the picture; with three laws four types side by side, and six for each run.
         assert_eq!(page.matches("class=\"plot\"").count(), 2 + 12 + 18);
         for tag in [
             "svg", "figure", "article", "section", "details", "summary", "table", "tr", "ul", "dl",
@@ -347,7 +347,7 @@ mod tests {
         }
         let bare = page(&runs);
         assert_eq!(bare.matches("<li id=\"run-").count(), 3);
-        // What the laws show needs no trace.
+        // The displayed stiffness of the laws needs no trace.
         assert_eq!(bare.matches("class=\"plot\"").count(), 1);
         assert!(page(&runs[..1]).contains("No trace was kept"));
         assert!(page(&[]).contains("Nothing was run"));

@@ -137,7 +137,7 @@ pub fn tabular(csv: &str, columns: &[[&str; 4]], origin: &[(&'static str, String
     let notes: serde_json::Map<String, Value> = origin
         .iter()
         .map(|(key, value)| {
-            // What is JSON already, and only that, is not quoted once more.
+            // Values that are JSON already are not quoted again.
             let value = match *key {
                 "schema_version" | "program" | "inputs" | "trace_every" | "sweep" => {
                     serde_json::from_str(value).unwrap_or_default()

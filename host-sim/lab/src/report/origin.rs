@@ -109,7 +109,7 @@ impl Origin {
         for path in input.inputs {
             inputs.push(read(path, None)?);
         }
-        // Recordings go into the folder: a scene that names a file elsewhere could not be run again.
+        // Recordings are copied into the folder, because a scene that names a file elsewhere could not be run again.
         let mut copies: HashMap<PathBuf, String> = HashMap::new();
         for scene in input.scenes {
             if let MotionSpec::Recorded(spec) = &scene.operator.motion
@@ -138,13 +138,13 @@ impl Origin {
         let name = |(index, run): (usize, &touchstone_sim::run::record::Run)| {
             let text = texts.get(index);
             let sha256 = text.map(|text| self::sha256(text.as_bytes()));
-            // The first digits of the scene's hash: whatever differs, a trace of another scene has another name.
+            // The first digits of the scene's hash. So traces of different scenes have different names.
             let stem = match &sha256 {
                 Some(sha256) => format!("{}_{}", stems[index], &sha256[..8]),
                 None => stems[index].clone(),
             };
             let mut name = stem.clone();
-            // Compared without case: some file systems do.
+            // Names are compared without case, because some file systems do so.
             for repeat in 2.. {
                 if taken.insert(name.to_lowercase()) {
                     break;

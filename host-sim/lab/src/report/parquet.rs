@@ -36,7 +36,7 @@ pub fn write(
     more: &[(&str, String)],
 ) -> io::Result<()> {
     write_file(out, run, trace, every.max(1), more).map_err(|error| match error {
-        // The system's own error is wrapped; its kind is what decides on the advice given to the user.
+        // The operating system's error is wrapped; its kind decides about the advice to the user.
         ParquetError::External(inner) => match inner.downcast::<io::Error>() {
             Ok(error) => *error,
             Err(other) => io::Error::other(other),

@@ -85,7 +85,7 @@ fn shown(runs: &[Run], table: &Matrix) -> Option<Figure> {
     let mut x = Axis::new("desired stiffness k_de, N·m/rad", "", range);
     let mark = |(index, k): (usize, &f64)| (index as f64, plain(*k));
     x.marks = Some(table.stiffnesses.iter().enumerate().map(mark).collect());
-    // Below zero is room for the signs of walls that were lost.
+    // The space below zero is for the signs of walls that were lost.
     let range = Range {
         min: -12.0,
         max: (1.1 * top.max).min(250.0),
@@ -161,7 +161,7 @@ pub fn pair(runs: &[Run], table: &Matrix) -> Option<(usize, usize)> {
         s.k_displayed
             .map_or(f64::INFINITY, |k| (k / s.k_desired - 1.0).abs())
     };
-    // Of those that show what was asked for, the one with the best verdict.
+    // Of the laws that display the requested stiffness, the one with the best verdict.
     let rank = |i: usize| (off(i) > 0.05, runs[i].summary.verdict);
     let best = members
         .iter()
@@ -181,7 +181,7 @@ fn over_each_other(input: &ReportInput, table: &Matrix) -> Option<Figure> {
     let other = View::new(&input.runs[worst], input.k_critical)?;
     let ranges = view.ranges();
     let whole = other.ranges().angle.union(ranges.angle);
-    // The better run is what the axis is for; what the other does beyond is told, not drawn.
+    // The axes are those of the better run. The other run may leave them; the description says so.
     let wide = ranges.angle.padded(0.6, 0.6);
     let angle = whole.within(wide);
     let words = |run: &Run| {
@@ -249,7 +249,7 @@ pub fn standalone(title: &str, figures: &[Figure]) -> String {
     drawn(title, figures, SIZE)
 }
 
-/// As [`standalone`], with each figure of the given size.
+/// Figures side by side as a separate SVG file, each with the given size. The file follows the reader's light or dark theme.
 pub fn drawn(title: &str, figures: &[Figure], size: Size) -> String {
     let css = include_str!("page.css");
     let variables = css.split("* {").next().unwrap_or_default();

@@ -23,7 +23,7 @@ pub fn check(folder: &Path, command: &str, force: bool) -> Result<()> {
 /// Files of the earlier report that are not among `names`, relative to `folder`.
 ///
 /// # Errors
-/// As [`check`]; also if a file of `names` exists that no earlier report lists.
+/// The errors of [`check`]; also if a file of `names` exists that no earlier report lists.
 pub fn stale(folder: &Path, command: &str, force: bool, names: &[String]) -> Result<Vec<PathBuf>> {
     let previous = read(folder);
     if !force {
@@ -57,7 +57,7 @@ pub fn stale(folder: &Path, command: &str, force: bool, names: &[String]) -> Res
         .into_iter()
         .filter(|file| !names.contains(file))
         .map(PathBuf::from)
-        // What a file says must not lead out of its folder.
+        // File names in an old `results.json` must not lead out of its folder.
         .filter(|file| file.components().all(|c| matches!(c, Component::Normal(_))))
         .collect())
 }

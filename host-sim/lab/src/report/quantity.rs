@@ -28,7 +28,7 @@ pub fn scale_for(largest: f64, unit: &str) -> Scale {
     let (factor, prefix) = if plain {
         (1.0, "")
     } else {
-        // A hair of slack, so that 0.001 written as 1e-3 minus one bit is still 1 m and not 1000 µ.
+        // A small tolerance, so that 1e-3 minus one bit is still 1 m and not 1000 µ.
         PREFIXES
             .iter()
             .rev()
@@ -69,7 +69,7 @@ pub fn significant(value: f64, digits: usize) -> String {
 pub fn with_unit(value: f64, unit: &str, digits: usize) -> String {
     let scale = scale_for(value, unit);
     let shown = value / scale.factor;
-    // Below a femto-unit stands the rounding of a sum, not a quantity.
+    // Less than a femto-unit is the rounding of a sum, not a quantity.
     if value != 0.0 && shown.abs() < 1e-3 {
         return format!("{value:.0e} {unit}");
     }

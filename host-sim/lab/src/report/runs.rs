@@ -166,7 +166,7 @@ fn side_by_side(page: &mut String, views: &[(usize, View)]) {
         .copied()
         .reduce(Ranges::union)
         .expect("called with runs");
-    // An unstable run gives away hundreds of times what the others exchange, and would make flat lines of them.
+    // An unstable run exchanges hundreds of times more energy than others, which would become flat lines.
     let whole = shared.energy;
     let calm = views
         .iter()
@@ -186,7 +186,7 @@ fn side_by_side(page: &mut String, views: &[(usize, View)]) {
             let summary = &view.run.summary;
             let figure = view.figure(kind, &shared, false);
             let this = svg::legend(&figure);
-            // A law without an observer has a line less.
+            // A law without an observer has one line less.
             if this.len() > legend.len() {
                 legend = this;
             }

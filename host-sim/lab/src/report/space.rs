@@ -114,7 +114,7 @@ pub fn held_out_text(found: &HeldOut) -> String {
 /// Writes the page and `results.json` into a folder: either both or none.
 ///
 /// # Errors
-/// As [`super::write::write`].
+/// The errors of [`super::write::write`].
 pub fn write(input: &Input, folder: &Path) -> Result<Written> {
     let names = FILES.map(str::to_owned);
     let stale = previous::stale(folder, input.command, input.files.force, &names)?;
@@ -216,7 +216,7 @@ const ABOUT_ALL: &str = "Each object is probed, held, slid along and let go. The
     \"Shipped\" is the wall that touchstone device run plays on such a device: tuned for it, on estimated states, behind the energy guard.";
 const ABOUT_ONE: &str = "The object is probed, held, slid along and let go.";
 
-/// Displayed stiffness at rest as text for a terminal: one row per approach and stiffness, one column per object.
+/// Displayed stiffness at rest as text for a terminal: one row per law and stiffness, one column per object.
 #[must_use]
 pub fn runs_text(runs: &[Record]) -> String {
     let mut text = String::from(

@@ -1,5 +1,5 @@
-//! The picture at the top of the report on three axes: how much of the requested stiffness each approach displays, and a spring
-//! compared with the shipped wall.
+//! The picture at the top of the report on three axes: how much of the requested stiffness each law displays, and a spring compared
+//! with the shipped wall.
 
 use super::figure::{Axis, Figure, Range, Shape, Sign, Wall};
 use super::quantity::plain;
@@ -20,7 +20,7 @@ fn class(approach: Approach) -> &'static str {
     }
 }
 
-/// The runs to compare: the shipped wall, and the other approaches at their highest stiffness.
+/// The runs to compare: the shipped wall, and the other laws at their highest stiffness.
 fn compared(runs: &[Record]) -> Vec<&Record> {
     let stiffness = |run: &Record| run.cell.k_desired_n_per_mm;
     let ships = |run: &Record| run.cell.approach == Approach::Shipped;
@@ -41,7 +41,7 @@ pub fn figures(runs: &[Record]) -> Vec<Figure> {
     figures
 }
 
-/// Displayed stiffness at rest in percent of the requested one, by object and approach.
+/// Figure of the displayed stiffness at rest in percent of the requested one, by object and law.
 fn displayed(runs: &[&Record]) -> Figure {
     let range = Range {
         min: -0.5,
@@ -54,7 +54,7 @@ fn displayed(runs: &[&Record]) -> Figure {
             .map(|(i, it)| (i as f64, it.name().to_owned()))
             .collect(),
     );
-    // Below zero is room for the signs of walls that were lost.
+    // The space below zero is for the signs of walls that were lost.
     let range = Range {
         min: -12.0,
         max: 140.0,
@@ -77,7 +77,7 @@ fn displayed(runs: &[&Record]) -> Figure {
             let rests = run.ripple_mm(hold.clone()) < AT_REST_MM;
             let share = 100.0 * run.displayed_n_per_mm(hold) / run.cell.k_desired_n_per_mm;
             near += usize::from(rests && (share - 100.0).abs() <= 5.0);
-            // A wall that does not come to rest displays nothing that a mean could name.
+            // A wall that does not come to rest has no mean stiffness.
             let height = if rests { share.clamp(0.0, 135.0) } else { 0.0 };
             stems.push(vec![(place, 0.0), (place, height)]);
             let sign = if rests { Sign::Dot } else { Sign::Waves };

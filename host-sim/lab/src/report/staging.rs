@@ -62,7 +62,7 @@ impl Staging {
         };
         let mut present = present();
         let begun = fs::create_dir_all(beside).and_then(|()| {
-            // Two reports of one process into one folder (tests do it) must not share what they prepare.
+            // Two reports of one process into one folder, as in tests, must not share a temporary folder.
             for attempt in 0.. {
                 match fs::create_dir(&staging.path) {
                     Err(error)
@@ -83,7 +83,7 @@ impl Staging {
         present.push((staging.path.clone(), made));
         drop(present);
         let lock = File::create(staging.path.join(LOCK))?;
-        // A file system without locks: the folder is then named by others, never removed.
+        // On a file system without locks other processes report the folder as left behind, but never remove it.
         let _ = lock.try_lock();
         staging.lock = Some(lock);
         Ok(staging)
@@ -91,7 +91,8 @@ impl Staging {
 
     /// Moves `files` to the target folder, then removes the files `stale` in it.
     pub fn publish(mut self, files: &[PathBuf], stale: &[PathBuf]) -> io::Result<()> {
-        // Held to the end: whoever interrupts waits, for a report moved half-way would be worse than one that is there.
+        // The lock is kept until the end. An interruption has to wait, because a report that is moved half-way would be worse than
+        // a complete one.
         let mut present = present();
         self.lock = None;
         if self.whole {
@@ -100,7 +101,7 @@ impl Staging {
             present.retain(|(path, _)| *path != self.path);
             return Ok(());
         }
-        // What could stop a move half-way is looked at before the first.
+        // Everything that could stop the move half-way is checked before the first file is moved.
         for file in files {
             let goal = self.target.join(file);
             if goal.is_dir() {
@@ -110,7 +111,7 @@ impl Staging {
                 ));
             }
         }
-        // A folder of the report that is a link would lead the files elsewhere.
+        // If a folder of the report were a symbolic link, files would go elsewhere.
         for file in files {
             let within = file.parent().unwrap_or(file).ancestors();
             for folder in within.filter(|it| !it.as_os_str().is_empty()) {
@@ -127,7 +128,7 @@ impl Staging {
             fs::rename(self.path.join(file), self.target.join(file))?;
         }
         for file in stale {
-            // One that is gone already is what was wanted; a folder that holds other files stays.
+            // A file that is already gone is no error. A folder that holds other files stays.
             let _ = fs::remove_file(self.target.join(file));
             if let Some(parent) = file.parent().filter(|p| !p.as_os_str().is_empty()) {
                 let _ = fs::remove_dir(self.target.join(parent));
@@ -159,8 +160,8 @@ fn parent(folder: &Path) -> &Path {
 
 /// Removes a temporary folder, and the empty parent folders that were created for it.
 fn remove(path: &Path, made: &[PathBuf]) {
-    // By another name first: whoever still writes into it by its name then fails, and cannot keep it from becoming empty. Where
-    // it cannot be renamed (open files on some systems) it is removed as it stands. Nothing more can be done about a failure.
+    // The folder is renamed first. A thread that still writes into it by its old name then fails, and cannot keep it from becoming
+    // empty. If it cannot be renamed (open files on some systems), it is removed under its own name. A failure is ignored.
     let going = path.with_extension(&GOING[1..]);
     let path = match fs::rename(path, &going) {
         Ok(()) => &going,
@@ -237,7 +238,7 @@ fn ended(path: &Path) -> Option<bool> {
     match lock.try_lock() {
         Ok(()) => {
             let written = lock.metadata().and_then(|meta| meta.modified()).ok()?;
-            // A clock that was set back makes it young: it is left until it is not.
+            // After a clock was set back the lock seems new; the folder then stays until the clock has passed that time.
             Some(written.elapsed().is_ok_and(|age| age > SETTLED))
         }
         Err(TryLockError::WouldBlock) => Some(false),

@@ -111,7 +111,7 @@ pub fn words(page: &mut String, input: &ReportInput) {
 /// Writes the picture at the top of the report.
 pub fn picture(page: &mut String, input: &ReportInput) {
     let figures = picture::figures(input);
-    // A single run shows its figures at once; no need to lead to them.
+    // A single run shows its figures at once, so no link to them is needed.
     if figures.is_empty() || input.runs.len() < 2 {
         return;
     }
@@ -207,7 +207,8 @@ fn table(
          Each cell leads to its run.</caption>\n<thead role=\"rowgroup\"><tr role=\"row\"><th scope=\"col\" role=\"columnheader\">k<sub>de</sub> (N·m/rad)</th>",
         escape(title)
     );
-    // The roles repeat what the elements mean: a narrow window lays the table out as lists, and browsers then forget it.
+    // The ARIA roles repeat the meaning of the elements, because browsers forget it when a narrow window lays the table out as
+    // lists.
     for law in &matrix.laws {
         let _ = write!(
             page,
@@ -221,7 +222,7 @@ fn table(
             "<span class=\"narrow\">k<sub>de</sub> = </span>{}<span class=\"narrow\"> N·m/rad</span>",
             plain(*k)
         );
-        // Only a stiffness with figures has a place to lead to.
+        // Only a stiffness with figures gets a link.
         let head = if matrix.row(row).any(|i| runs[i].trace.is_some()) {
             format!("<a href=\"#{}\">{head}</a>", row_id(index, row))
         } else {

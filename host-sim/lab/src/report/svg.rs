@@ -211,9 +211,9 @@ impl Plot<'_> {
             return;
         }
         let out = &mut self.marks;
-        // An oscillation that fills an area is drawn finer, or its strokes run together.
+        // An oscillation that fills an area gets a thinner stroke, so that its lines stay distinct.
         let dense = stretches.iter().map(Vec::len).sum::<usize>() > DENSE;
-        // With a value: a picture that stands alone is XML.
+        // The attribute has a value, because a picture in its own file is XML.
         let dense = if dense { " data-dense=\"\"" } else { "" };
         let name = escape(name);
         let _ = write!(out, r#"<path class="{class}" data-n="{name}"{dense} d=""#);
@@ -221,7 +221,7 @@ impl Plot<'_> {
             let mut pen = stretch[0];
             let _ = write!(out, "M{} {}", pen.0, pen.1);
             if stretch.len() == 1 {
-                // A lone sample: a line of no length shows as a dot under round caps.
+                // A single sample: a line of zero length shows as a dot with round caps.
                 out.push_str("h0");
             }
             for (index, point) in stretch[1..].iter().enumerate() {
@@ -305,7 +305,7 @@ fn sign_class(sign: Sign) -> &'static str {
 /// Path of a sign, relative to the pen position, in fine steps.
 fn sign_path(sign: Sign) -> &'static str {
     match sign {
-        // Of no length: its stroke's round caps are the dot, as large on any screen.
+        // A line of zero length: its stroke's round caps are the dot, equally large on any screen.
         Sign::Dot => "h0",
         Sign::Ring => "m-40 0a40 40 0 1 0 80 0a40 40 0 1 0 -80 0z",
         Sign::Triangle => "m0 -46l44 78h-88z",

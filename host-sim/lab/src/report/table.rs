@@ -102,7 +102,7 @@ fn table(runs: &[Run], matrix: &Matrix, colour: Colour) -> String {
         .filter_map(|s| s.limit_cycle_peak_to_peak)
         .filter(|a| a.is_finite())
         .fold(0.0, f64::max);
-    // One unit for the whole table, and enough digits for its small cycles: a count is some tenths of a milliradian.
+    // One unit for the whole table, with enough digits for small limit cycles: a count is some tenths of a milliradian.
     let cycle_unit = scale_for(largest.min(0.9), "rad");
     let stiffness = |s: &Summary| s.k_displayed.map_or("–".to_owned(), |k| significant(k, 3));
     let cycle = |s: &Summary| match s.limit_cycle_peak_to_peak {

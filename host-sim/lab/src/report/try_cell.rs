@@ -36,7 +36,7 @@ pub fn button(input: &ReportInput, origin: &Origin, index: usize) -> String {
 fn bare(text: &str) -> String {
     let mut bare = String::with_capacity(text.len() / 2);
     for line in text.lines() {
-        // A sign of a comment inside a text is none.
+        // A `#` inside a quoted text does not start a comment.
         let line = match line.split_once('#') {
             Some((before, _)) if !before.contains('"') => before.trim_end(),
             _ => line,

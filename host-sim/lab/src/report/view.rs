@@ -66,8 +66,8 @@ impl<'a> View<'a> {
             .clone()
             .map(|i| trace.angle_rad[i] - trace.surface_rad[i])
             .fold(0.0, f64::max);
-        // At a count or less the quotient is one of two or three values and says nothing (the singularity of thesis (2.13)).
-        // Without an encoder there is no such grain; a thousandth of the penetration keeps 0/0 out.
+        // At a penetration of a count or less the quotient has only two or three possible values (the singularity of thesis
+        // (2.13)). Without an encoder there is no such limit; a thousandth of the largest penetration avoids 0/0.
         let shallow = run
             .summary
             .encoder_counts_per_rev
@@ -101,7 +101,7 @@ impl<'a> View<'a> {
     /// Displayed stiffness |f|/e of a sample, N·m/rad; NaN if the penetration is too small.
     pub fn displayed(&self, index: usize) -> f64 {
         let e = self.penetration(index);
-        // A hair of slack: two counts exactly, in f64, may come out a bit below.
+        // A small tolerance, because exactly two counts may come out slightly below in `f64`.
         if e > 0.0 && e >= self.shallow * (1.0 - 1e-9) {
             self.trace.force_n_m[index].abs() / e
         } else {
@@ -113,7 +113,7 @@ impl<'a> View<'a> {
     pub fn ranges(&self) -> Ranges {
         let trace = self.trace;
         let k_de = self.run.summary.k_desired;
-        // Where a force acts: free flight before and after would squeeze the wall into a corner.
+        // Only the part with a force: free flight before and after would squeeze the wall into a corner.
         let acting = self
             .contact
             .clone()
@@ -133,7 +133,7 @@ impl<'a> View<'a> {
             .filter(|k| k.is_finite())
             .collect();
         shown.sort_by(f64::total_cmp);
-        // The highest few values come from the shallowest contacts; they may leave the plot, k_de and k_c may not.
+        // The highest few values come from the shallowest contacts. They may leave the plot; k_de and k_c may not.
         let high = shown
             .get(shown.len() * 98 / 100)
             .copied()
@@ -170,7 +170,7 @@ impl<'a> View<'a> {
     pub fn strokes(&self, hysteresis: f64) -> (Strokes, Strokes) {
         let (angle, force) = (&self.trace.angle_rad, &self.trace.force_n_m);
         let mut parts: (Strokes, Strokes) = Default::default();
-        // One sample more on either side, so that the way in and out of contact is seen.
+        // One more sample on either side shows the way into and out of contact.
         let from = self.contact.start.saturating_sub(1);
         let to = (self.contact.end + 1).min(self.len());
         let mut put = |inbound: bool, stretch: std::ops::RangeInclusive<usize>| {
@@ -242,7 +242,7 @@ mod tests {
         let (inbound, outbound) = view.strokes(2e-3);
         let net = |stroke: &Vec<(f64, f64)>| stroke.last().unwrap().0 - stroke[0].0;
         assert!(inbound.iter().all(|s| net(s) > 0.0) && outbound.iter().all(|s| net(s) < 0.0));
-        // In, two wiggles, out: no more turns than a person would count.
+        // In, two oscillations, out: no more turns than a person would count.
         assert!(
             (3..12).contains(&(inbound.len() + outbound.len())),
             "{} {}",

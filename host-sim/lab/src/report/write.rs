@@ -222,7 +222,7 @@ mod tests {
         assert_eq!(scratch.list(), expected);
         assert_eq!(written.files.len(), 9);
         assert!(written.bytes > 10_000);
-        // What results.json and the page name exists.
+        // Every file that results.json and the page name exists.
         let json: serde_json::Value =
             serde_json::from_str(&fs::read_to_string(scratch.0.join("a/b/results.json")).unwrap())
                 .unwrap();
@@ -244,7 +244,7 @@ mod tests {
         fs::write(scratch.0.join("notes.txt"), "keep").unwrap();
         fs::write(scratch.0.join("index.html"), "old").unwrap();
         let runs = runs();
-        // A page that no results list is not ours to replace.
+        // A page that no `results.json` lists is not replaced.
         let error = write(&input(&runs), &scratch.0).unwrap_err().to_string();
         assert!(
             error.contains("index.html") && error.contains("--force"),
@@ -304,7 +304,8 @@ mod tests {
             "{error}"
         );
         assert_eq!(scratch.list(), before);
-        // The same command with one run less: its three files go, and the picture of two runs; what is not ours stays.
+        // The same command with one run less: the three files of that run are removed, and the picture of two runs. Files of others
+        // stay.
         write(&input(&runs[1..]), &scratch.0).unwrap();
         let now = scratch.list();
         assert_eq!(now.len(), before.len() - 4);

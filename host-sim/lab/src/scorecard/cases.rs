@@ -185,7 +185,7 @@ impl Programme {
         let press = &self.press;
         match deed {
             Deed::Press => {
-                // A tenth of a second to see where the device goes.
+                // A tenth of a second after the release, to see where the device goes.
                 scene.timing.duration_s = press.start_s
                     + press.touch_ramp_s
                     + press.touch_s
@@ -197,7 +197,8 @@ impl Programme {
             }
             Deed::Move(frequency_hz) => {
                 let period_s = 1.0 / frequency_hz;
-                // After a period, and half a second at least, whole periods of a second in all; then half a period to fade.
+                // The measured part starts after one period and at least half a second. It lasts a whole number of periods, about a
+                // second. Then the oscillation fades within half a period.
                 let periods = frequency_hz.ceil().max(1.0);
                 let wiggle_s = period_s.max(0.5) + (periods + 0.5) * period_s + 1e-6;
                 scene.timing.duration_s = press.start_s + press.ramp_s + wiggle_s;

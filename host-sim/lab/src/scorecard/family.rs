@@ -362,7 +362,7 @@ pub fn judge(
         nominal,
         worst: Vec::new(),
     };
-    // Of the lost the least stiff for its tick first: it says most of the setting.
+    // Among lost variants those with the smallest stiffness per tick come first, because their loss says most about the setting.
     judged.sort_by(|a, b| {
         (b.depth().total_cmp(&a.depth()))
             .then(a.stiffness_per_tick.total_cmp(&b.stiffness_per_tick))
@@ -416,7 +416,7 @@ mod tests {
         for rate_hz in &all.rates_hz {
             assert!(drawn.iter().any(|it| it.scene.timing.rate_hz == *rate_hz));
         }
-        // Half the inertia, a whole tick late: three grips, two encoders, three dampings.
+        // Half the inertia with a whole tick of delay: three grips, two encoders, three dampings.
         let beyond = |members: &[Member]| members.iter().filter(|it| it.is_beyond_map()).count();
         assert_eq!(beyond(&members), 18);
         assert_eq!(beyond(&corners(&knob("enhanced", 14.0), &own)), 0);
@@ -429,17 +429,18 @@ mod tests {
             let own = Around::default();
             judge(law, &scene, &own, &corners(&scene, &own), || ()).expect("runs")
         };
-        // Half of the critical stiffness of the least damped, with the latest: k_c of half the damping and a tick of delay is a sixth.
+        // Half of the critical stiffness of the variant with the least damping and the most delay. With half the damping and a tick
+        // of delay k_c is a sixth.
         let soft = judged("spring", 0.1);
         assert_eq!((soft.members, soft.lost), (216, 0));
-        // At once an undamped spring would go twice as deep as it rests.
+        // Pressed by a step, an undamped spring would go twice as deep as it rests.
         assert!(soft.deepest_press < 2.0, "{soft:?}");
         assert!(soft.nominal[0].motion_at_rest_rad.is_some());
         let hard = judged("spring", 20.0);
         assert_eq!(hard.lost, 216);
         assert_eq!(hard.lost_beyond_map, 18);
         assert_eq!(hard.worst.len(), 5);
-        // Of lost ones those first that sampling asks least of: the heaviest.
+        // Of the lost variants the heaviest comes first, because sampling limits it least.
         assert!(text(&[soft, hard]).contains("2.00 J"));
     }
 }

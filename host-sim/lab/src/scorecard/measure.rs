@@ -143,9 +143,10 @@ impl Figures {
         Measure::ALL.map(|measure| {
             let value = self.get(measure);
             match measure {
-                // What is beyond 1 is the deviation.
+                // The deviation is the part beyond 1.
                 Measure::PeakPenetrationRatio => (value - 1.0).max(0.0) / (limits.peak - 1.0),
-                // No share of nothing: beyond rounding it fails, and by a tenth of a millijoule as much as any other by its limit.
+                // The limit is nearly zero, so no fraction of it is taken. Beyond rounding the figure fails; a tenth of a
+                // millijoule weighs as much as another figure at twice its limit.
                 Measure::EnergyOutJ if value <= limits.energy_j => 0.0,
                 Measure::EnergyOutJ => 1.0 + value / GRAVE_ENERGY_J,
                 _ => value / limits.of(measure),
@@ -156,7 +157,7 @@ impl Figures {
 
 impl Serialize for Figures {
     fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        // What left all numbers has none.
+        // An infinite value has no number in JSON.
         let number = |value: f64| value.is_finite().then_some(value);
         to.collect_map(Measure::ALL.map(|measure| (measure, number(self.get(measure)))))
     }

@@ -235,7 +235,8 @@ pub fn scorecard(scene: &Scene, entries: &[Entry], done: impl FnMut(&str)) -> Re
     Ok(with_reference(scene, entries, reference, done))
 }
 
-/// As [`scorecard`], with a reference for the ripple that is already known.
+/// Creates the scorecard of a scene for several laws, with a reference spring-damper for the ripple that is already known. Calls
+/// `done` with a law's name when the law is finished.
 pub fn with_reference(
     scene: &Scene,
     entries: &[Entry],

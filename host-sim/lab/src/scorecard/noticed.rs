@@ -69,7 +69,7 @@ fn join(moved: &mut Vec<MovedAt>, next: MovedAt, k_desired: f64) {
         return;
     };
     at.stretches += 1;
-    // Where the wall was left there is neither, and nothing is worse.
+    // If the hand left the wall once, there is no value, which counts as the worst.
     at.modulus_n_per_m = at.modulus_n_per_m.zip(next.modulus_n_per_m).map(|(a, b)| {
         match (a - k_desired).abs() < (b - k_desired).abs() {
             true => b,
@@ -154,7 +154,7 @@ impl Noticed {
                 release.speed_rad_per_s()
             });
         let mut hardness = RateHardness::new(1.0 / rate_hz);
-        // A contact that was there before the whole force was has no beginning.
+        // A contact that began before the force was fully faded in has no usable beginning.
         let free = (from..series.out.len()).find(|i| series.out[*i] <= 0.0);
         for i in free.unwrap_or(series.out.len())..series.out.len() {
             hardness.record(series.depth[i], series.out[i]);

@@ -217,7 +217,7 @@ pub fn board_card(scene: &Scene, recordings: &[BoardRecording]) -> Result<BoardC
         let mut board = Vec::new();
         for (index, recording) in recordings.iter().enumerate() {
             let of_deed = programme.scene(&recording.scene(scene)?, grip, deed);
-            // A short recording has fewer deeds, but those whole.
+            // A short recording has fewer actions, but each of them is complete.
             if let Some(of_board) = recording.ticks(&of_deed, grip, deed)? {
                 ticks += of_board.len();
                 board.push(seen_of(&of_deed, deed, &of_board));

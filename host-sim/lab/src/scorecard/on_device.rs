@@ -206,7 +206,7 @@ fn scored(turn: &DeedsInTurn, series: &TouchedSeries) -> Scored {
         for index in 0..approach.ticks(deed) {
             let at = series.index(first + index);
             let (Some(middle), Some(out)) = (series.middle.get(at), series.out.get(at)) else {
-                // It ended before.
+                // The run ended before the action was complete.
                 worst.figures = Figures::LOST;
                 break;
             };
@@ -303,7 +303,7 @@ mod tests {
         ] {
             assert!(beyond.contains(&key), "{key}: {beyond:?}");
         }
-        // A run that ends in the middle is no good one.
+        // A run that ends in the middle of the programme fails.
         let cut = led(3000, 5000.0, |due| turn.rest_depth_m(due));
         assert!(run(&cut, Some(turn)).beyond().count() >= 5);
     }
@@ -311,7 +311,8 @@ mod tests {
     #[test]
     fn of_a_hand_that_nobody_commands_it_is_said_what_is_not_known() {
         let tau = std::f64::consts::TAU;
-        // Outside while the force fades in, in, at rest for a second, in a rhythm of 1.5 Hz for four, and out.
+        // The hand is outside while the force fades in. Then it goes in, rests for a second, oscillates at 1.5 Hz for four seconds,
+        // and goes out.
         let depth = |due: u64| match due as f64 * 1e-3 {
             t if t < 1.5 => -0.002,
             t if t < 1.8 => -0.002 + 0.004 * (t - 1.5) / 0.3,
@@ -341,7 +342,7 @@ mod tests {
             beyond,
             ["stiffness_error", "stiffness_error_held", "modulus_error"]
         );
-        // A wall that nobody touches shows nothing, and says so.
+        // A run in which nobody touches the wall has no figures, and says so.
         let none = run(&led(3000, 5000.0, |_| -0.01), None);
         assert!(
             none.figures
@@ -354,7 +355,7 @@ mod tests {
     #[test]
     fn what_a_wall_gives_is_counted_over_missed_ticks_too() {
         let mut ticks = led(3000, 5000.0, |due| 1e-3 * (due as f64 * 0.01).sin());
-        // Pushes with 2 N more on the way out: 2 N over 1 mm in each of the swings.
+        // The wall pushes with 2 N more on the way out: it gives 2 N over 1 mm in each oscillation.
         for pair in 1..ticks.len() {
             if ticks[pair].depth_m < ticks[pair - 1].depth_m {
                 ticks[pair].force_n[2] += 2.0;

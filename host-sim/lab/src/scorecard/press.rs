@@ -66,7 +66,7 @@ impl PressFigures {
                 figures.raise(Measure::StiffnessErrorHeld, off);
             }
         } else if held {
-            // The hand is not where it presses: thrown out, or out of the wall.
+            // The knob is not where the hand presses it: it was thrown out of the wall.
             figures.raise(Measure::StiffnessErrorHeld, f64::INFINITY);
         }
         None

@@ -76,14 +76,14 @@ impl Reference {
                 break;
             }
         }
-        // Where no damping holds the wall, ζ = 0.6 stands for one that would.
+        // If no damping holds the wall, ζ = 0.6 is assumed.
         let (damping, delay_ticks) = match reference {
             Some((damping, delay)) => (damping, Some(delay)),
             None => (0.6 * critical, None),
         };
         let own_delay = scene.timing.computational_delay_s * f64::from(scene.timing.rate_hz);
         let ripple = figures(scene, &programme, damping, own_delay)?.get(Measure::RippleRmsNM);
-        // A wall that is lost has a ripple of its own, which is no measure.
+        // The ripple of a lost wall is no measure.
         let count = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
         let most = a_count_every_tick(scene, &programme, damping);
         let ripple_n_m = match delay_ticks {

@@ -96,7 +96,7 @@ mod tests {
         for hz in [0.955, 2.0, 7.3] {
             let sine = |t: f64| 0.003 + 0.001 * (std::f64::consts::TAU * hz * t + 0.4).sin();
             let found = rhythms(&moved(sine), 100, 1000.0, 4e-5);
-            // One stretch of three seconds in four.
+            // One window of three seconds fits into four.
             assert_eq!(found.len(), 1);
             assert_eq!(found[0].window, (100, 3100));
             assert!((found[0].frequency_hz - hz).abs() < 0.01, "{found:?}");

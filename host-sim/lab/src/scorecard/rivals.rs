@@ -198,20 +198,21 @@ fn told(scene: &mut Scene) {
     law.estimator.inertia_kg_m2 = device.inertia_kg_m2;
     law.estimator.damping_n_m_s_per_rad = device.damping_n_m_s_per_rad;
     let guard = &mut law.guard;
-    // A scene that says nothing of it has the thesis' knob's; one that does is never told more.
+    // A scene that does not set the guard's damping has the default of the thesis' knob, which is replaced by the device's. A value
+    // that the scene sets is never raised.
     let said = guard.damping_n_m_s_per_rad;
     let unsaid = said == Law::default().guard.damping_n_m_s_per_rad;
     guard.damping_n_m_s_per_rad = match unsaid {
         true => device.damping_n_m_s_per_rad,
         false => said.min(device.damping_n_m_s_per_rad),
     };
-    // Never less than the scene says of it.
+    // The delay is never below the one that the scene sets for its guard.
     guard.delay_s = guard.delay_s.max(scene.timing.computational_delay_s);
     guard.on = late <= MOST_DELAY_TICKS;
     if late > MEASURED_FROM_TICKS {
         guard.change = ChangeOfForce::Measured;
     }
-    // The guard's own condition on its capacity.
+    // The guard's own condition on its capacity, with a margin.
     let step = guard.overspeed_rad_per_s * period_s + count;
     let least = CAPACITY_SHARE * law.force_limit_n_m * (step * (1.0 + late) + 0.5 * count);
     guard.capacity_j = guard.capacity_j.max(least).min(MOST_CAPACITY_J);

@@ -145,7 +145,7 @@ fn ideal(scene: &Scene, programme: &Programme, grip: Grip, ratio: f64) -> Result
     let mut pressed = programme.scene(&wall, grip, Deed::Press);
     if let MotionSpec::TouchAndPress(press) = &mut pressed.operator.motion {
         press.touch_s = press.touch_s.min(LONGEST_S);
-        // The press that follows is not looked at.
+        // The press that follows the touch is not simulated.
         pressed.timing.duration_s = press.start_s + press.touch_ramp_s + press.touch_s;
     }
     Ok(watch(&pressed, Deed::Press, false)?.1)
@@ -169,11 +169,12 @@ mod tests {
             let programme = Programme::of(&scene);
             for grip in GRIPS {
                 let spring = ideal(&scene, &programme, grip, 0.0).expect("runs");
-                // A spring has k_de as its slope, and no more in a millisecond.
+                // A spring's rate-hardness is k_de, also over a millisecond.
                 assert!((spring.rate_hardness.unwrap() / k_desired - 1.0).abs() < 1e-2);
                 let extended = spring.extended_rate_hardness.unwrap() / k_desired;
                 assert!((0.8..=1.01).contains(&extended), "{extended}");
-                // Damping is there at once: over a millisecond B/1 ms, less what the speed has fallen.
+                // The force of damping is there at once. Over a millisecond the slope is B/1 ms, less what the falling speed takes
+                // away.
                 let damped = ideal(&scene, &programme, grip, DAMPING_RATIO).expect("runs");
                 let b = (k_desired * scene.device.inertia_kg_m2).sqrt();
                 let most = k_desired + b / 1e-3;

@@ -1,5 +1,5 @@
-//! Depth and force of a run on a device, one value per control period, and the stretches of time in which a hand is in the wall or
-//! rests in it.
+//! Depth and force of a run on a device, one value per control period. Also finds the times at which a hand is in the wall or rests
+//! in it.
 
 use super::press::DesiredStiffness;
 use std::ops::Range;

@@ -59,7 +59,7 @@ impl Watch {
             _ => 0,
         };
         let moving = matches!(deed, Deed::Move(_));
-        // Without an encoder nothing is too shallow, and half a count is nothing.
+        // Without an encoder no depth is too shallow, and half a count is zero.
         let count_rad = scene
             .encoder
             .as_ref()
@@ -157,7 +157,7 @@ impl Recorder for Watch {
             return;
         }
         self.wall_j += tick.absorbed_j;
-        // What springs, gravity and magnets of the device take is not lost, but is not with the hand either.
+        // Energy stored by the device's springs, gravity and magnets is not lost, but the hand does not have it either.
         self.loss_j += tick.device_loss_j + tick.stored_j;
         let v = tick.velocity_after_rad_per_s;
         // The device starts at rest.

@@ -45,7 +45,7 @@ impl Axis {
         let Some(field) =
             path_of(key).and_then(|path| FIELDS.iter().find(|field| field.path == path))
         else {
-            // The scene's own words for an unknown field.
+            // An unknown key gives the scene's own error message.
             scene.with_option(key, "0", &asked)?;
             return Err(wrong(
                 format!("{key} is a table"),

@@ -37,7 +37,7 @@ fn late_s(scene: &Scene) -> f64 {
 
 /// Bounds for a wall that is a spring. For other laws they show where a spring would reach its limit.
 const BOUNDS: [Bound; 3] = [
-    // Colgate and Schenkel 1997, with the delay as in Gil et al. 2009; c_i is what the law counts on, thesis §5.1.
+    // Colgate and Schenkel 1997, with the delay as in Gil et al. 2009; c_i is the damping that the law assumes, thesis §5.1.
     ("kc", "k_c = c_i/(T/2 + t_d)", |scene| {
         Some(scene.law.device_damping_n_m_s_per_rad / late_s(scene))
     }),
@@ -48,7 +48,7 @@ const BOUNDS: [Bound; 3] = [
             .map_or(0.0, |hand| hand.pad_damping_n_m_s_per_rad);
         Some((scene.device.damping_n_m_s_per_rad + pad) / late_s(scene))
     }),
-    // Abbott and Okamura 2005: dry friction against the work of a count's rounding.
+    // Abbott and Okamura 2005: dry friction against the energy that rounding to counts gives out.
     ("law-a", "2 F_k/count", |scene| {
         let friction = scene.device.friction.as_ref()?.kinetic_n_m;
         Some(2.0 * friction / scene.encoder.as_ref()?.step_rad())
@@ -72,7 +72,7 @@ pub fn all(grid: &Grid, certificate: bool, progress: &Progress) -> Vec<Line> {
                 .map(|bound| (scene.wall.k_desired_n_m_per_rad / bound).ln())
         };
         let pieces = traced(grid, NODES, HALVINGS, &excess, &|_, _| {});
-        // Two bounds may be one: a law that counts on what is there.
+        // Two bounds may coincide, if the law assumes exactly the damping that the device and the hand's pad have.
         let known = lines.iter().any(|line| near(&line.pieces, &pieces));
         if !pieces.is_empty() && !known {
             lines.push(Line { role, name, pieces });
@@ -148,7 +148,7 @@ fn traced(
         )
         .collect();
     let inside = |node: usize| values[node].map(|value| value < 0.0);
-    // Every edge once, by its two nodes.
+    // Each edge once, given by its two grid points.
     let mut edges: Vec<[usize; 2]> = Vec::new();
     for node in 0..nodes * nodes {
         if node % nodes + 1 < nodes {
@@ -196,7 +196,7 @@ fn traced(
                 .iter()
                 .filter_map(|edge| crossed.get(edge).copied())
                 .collect();
-            // Two ends or, at a saddle, four.
+            // A square has two ends of a line or, at a saddle, four.
             pieces.extend(ends.chunks_exact(2).map(|pair| [pair[0], pair[1]]));
         }
     }

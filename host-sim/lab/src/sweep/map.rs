@@ -89,7 +89,7 @@ pub fn of_measure(
 ) -> Figure {
     let value = |cell: u64| cells.get(&cell).and_then(|row| row.4.get(index).copied()?);
     let range = Range::of(cells.keys().filter_map(|cell| value(*cell)));
-    // Over three decades the small ones would be one colour.
+    // On a linear scale over more than three decades, all small values would have one colour.
     let log = range.min > 0.0 && range.max > 1e3 * range.min;
     let scaled = |value: f64| if log { value.log10() } else { value };
     let (low, high) = (scaled(range.min), scaled(range.max));
@@ -174,7 +174,7 @@ fn tiles(sweep: &Sweep, chosen: &dyn Fn(u64) -> bool) -> Vec<[f64; 4]> {
     let (x, y) = (&sweep.grid.x, &sweep.grid.y);
     let wide = x.values.len();
     let mut tiles: Vec<[f64; 4]> = Vec::new();
-    // Those that reach up to the row at hand.
+    // Rectangles that reach up to the current row.
     let mut open: Vec<usize> = Vec::new();
     for row in 0..y.values.len() {
         let (low, high) = y.edges(row).into_inner();

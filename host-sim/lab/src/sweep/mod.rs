@@ -178,7 +178,7 @@ impl Sweep {
             filled.computed += now.len() as u64;
             told(filled.before + filled.computed);
             rest = later;
-            // Towards the time that a piece is to take, by a factor of four at most.
+            // The number of cells per batch is adjusted so that a batch takes the intended time, by at most a factor of four.
             let took = begun.elapsed().as_secs_f64().max(1e-6);
             let factor = (PIECE.as_secs_f64() / took).clamp(0.25, 4.0);
             piece = ((piece as f64 * factor) as usize).max(rayon::current_num_threads());

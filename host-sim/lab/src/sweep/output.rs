@@ -113,7 +113,7 @@ pub fn results(sweep: &Sweep, shard: Shard, cells: &Cells, over: &Over, files: &
 /// are drawn for the whole sweep.
 ///
 /// # Errors
-/// As [`folder::publish`].
+/// The errors of [`folder::publish`].
 pub fn write(
     sweep: &Sweep,
     shard: Shard,

@@ -121,7 +121,7 @@ impl Store {
     /// Removes the file of finished cells (journal) after [`CELLS`] has been written with all its rows; returns the cells.
     pub fn close(self) -> Cells {
         drop(self.journal);
-        // One that stays holds nothing that is not known.
+        // A journal that cannot be removed does no harm, because `cells.csv` has all its rows.
         let _ = std::fs::remove_file(self.folder.join(JOURNAL));
         self.cells
     }

@@ -205,7 +205,7 @@ fn what_was_ended_goes_on_and_no_cell_is_computed_twice() {
         .fill(&mut store, Shard { index: 2, of: 3 }, |_| ())
         .unwrap();
     drop(store);
-    // As a program leaves it that was ended in the middle of a line.
+    // The file as a program leaves it that is ended in the middle of a line.
     let journal = ended.join("journal.csv");
     let mut text = fs::read_to_string(&journal).unwrap();
     let lines = text.lines().count();

@@ -226,7 +226,7 @@ fn at_rest(runs: &[Run]) -> Vec<Claim> {
             "§5.1.3, Fig. 5.7",
             "Enhanced SFA shows k_de on the first contact.",
             at_high(LawKind::EnhancedSfa),
-            // A force that is off by up to half a count tilts the slope over 7 mrad, the least depth of these presses, by that much.
+            // An error of the force by half a count tilts the slope over 7 mrad, the least depth of these presses, by this much.
             |run| {
                 let counts = run.encoder_counts_per_rev.unwrap_or(f64::INFINITY);
                 let share = 1.5 * std::f64::consts::TAU / counts / 0.007;
@@ -293,7 +293,7 @@ fn inside_the_law(base: &Scene, runs: &[Run]) -> Result<Vec<Claim>> {
         scene.law.observer = ObserverForm::Thesis;
         scene.law.offset_update = OffsetUpdate::Inward;
         scene.law.ideal_step = IdealStep::Position;
-        // With a light filter: the thesis gives no values, and a heavier one is slower still.
+        // With a light virtual mass: the thesis gives no values, and a heavier mass would be slower.
         scene.law.filter.ground_damping_n_m_s_per_rad = 8e-4;
     })?;
     let kept = enhanced(5.0, |scene| {

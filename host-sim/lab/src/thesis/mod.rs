@@ -77,7 +77,7 @@ pub fn cell(base: &Scene, k_desired: f64, law: LawKind, grip: Grip, counts: u32)
 /// the stiffness beyond the thesis.
 ///
 /// # Errors
-/// As [`cell`].
+/// The errors of [`cell`].
 pub fn cells(base: &Scene) -> Result<Vec<Cell>> {
     let mut cells = Vec::new();
     for counts in COUNTS {
@@ -85,7 +85,7 @@ pub fn cells(base: &Scene) -> Result<Vec<Cell>> {
             let plotted = counts == COUNTS[0] && grip == GRIPS[0];
             for k_desired in STIFFNESSES.into_iter().chain([BEYOND]) {
                 for law in LAWS {
-                    // Beyond the thesis only the enhanced law has something to show.
+                    // At the stiffness beyond the thesis only the enhanced law is simulated.
                     if k_desired != BEYOND || law == LawKind::EnhancedSfa {
                         cells.push(Cell {
                             scene: cell(base, k_desired, law, grip, counts)?,
@@ -105,7 +105,7 @@ pub const SHIPPED: &str = "Shipped";
 /// Cells of the shipped wall: `base` with its own law and settings, at every stiffness, grip and encoder of [`cells`].
 ///
 /// # Errors
-/// As [`cell`].
+/// The errors of [`cell`].
 pub fn shipped_cells(base: &Scene) -> Result<Vec<Cell>> {
     let mut cells = Vec::new();
     for counts in COUNTS {

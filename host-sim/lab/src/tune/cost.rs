@@ -72,14 +72,14 @@ impl Judgement {
             false => Programme::of(scene).with_fewer_motions(),
         };
         let mut cases: Vec<&Case> = asked(scene).collect();
-        // Where sampling ends few are asked for, and the latest of them decides.
+        // For very stiff walls only few devices count, and the one with the longest delay decides.
         if quick && cases.len() > DECISIVE.len() {
             cases.retain(|case| DECISIVE.contains(&case.name));
         }
         let touches = cases
             .iter()
             .map(|case| IdealTouch::of(&case.of(scene), &programme));
-        // A device that no run can be made of is refused by every other judgement too.
+        // A device that cannot be simulated is refused by every other judgement too.
         let ideal = touches.collect::<Result<_>>().unwrap_or_default();
         Self {
             programme,
@@ -142,7 +142,7 @@ impl Judgement {
                     most = most.max(share);
                 }
                 if over > HOPELESS {
-                    // Lost is lost by every figure; by how much, the eigenvalues say.
+                    // All figures of a lost wall are infinite. Eigenvalues show how far it is from stable.
                     let radius = super::eigenvalue::radius(scene).min(10.0);
                     return Cost {
                         value: 1e3 + over + 1e2 * radius,
@@ -232,7 +232,7 @@ impl Judgement {
                 ]);
             }
         }
-        // What is no number is as bad as can be.
+        // NaN counts as the worst value.
         Ok(shares
             .into_iter()
             .map(|share| if share.is_nan() { f64::INFINITY } else { share })

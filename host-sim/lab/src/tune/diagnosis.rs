@@ -138,7 +138,7 @@ const REMEDIES: [Remedy; 10] = [
 /// The first cause whose removal makes the wall hold.
 fn mended(scene: &Scene, holds: impl Fn(&Scene) -> bool) -> Option<FailureCause> {
     let mut pressed = scene.clone();
-    // More torque is no reason to press harder.
+    // The press stays the same even if a change allows more torque.
     pressed.operator.motion = MotionSpec::TouchAndPress(Programme::of(scene).press);
     let found = REMEDIES.iter().find(|(_, remedy)| {
         let mut mended = pressed.clone();
@@ -156,7 +156,7 @@ pub fn cause(
     certificate: Said,
     fails: fn(&Outcome) -> bool,
 ) -> FailureCause {
-    // What the law refuses mends nothing.
+    // A change with which the law refuses the scene does not make the wall hold.
     let holds = |scene: &Scene| Outcome::of(scene).is_ok_and(|outcome| !fails(&outcome));
     match (mended(scene, holds), certificate) {
         (Some(cause), _) => cause,

@@ -332,7 +332,7 @@ mod tests {
             search.tell(&[1.0; 6])
         });
         assert!(flat.count() < 50);
-        // One dimension has no second axis, and is searched as well.
+        // A single dimension is searched as well.
         assert!(looked(&[3.0], 1, |x| x[0] * x[0]).is_some());
     }
 

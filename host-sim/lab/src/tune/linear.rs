@@ -31,7 +31,7 @@ fn cost(scene: &Scene) -> f64 {
         return REFUSED;
     }
     let period_s = contact.clock.period_s;
-    // How many times a second a motion grows by e, against the fifty that a brisk hand asks for.
+    // Growth rate of the slowest motion, divided by the 50 1/s of decay that a brisk hand needs.
     let growth = (radius.ln() / period_s / 50.0).clamp(-1.0, 100.0);
     let stiffness = contact.phases.lasting.last().and_then(|phase| {
         let lag_s = contact.clock.delay_s + 0.5 * period_s;
@@ -96,7 +96,7 @@ mod tests {
         });
         let (omega, period_s) = (TAU * 4.0, 1e-3);
         let found = response(&spring, omega, period_s, 1.5e-3).unwrap();
-        // 5 + 2 (1 - exp(-iωT)), turned by the lag.
+        // 5 + 2 (1 - exp(-iωT)), rotated by the lag.
         let back = Complex::from_polar(1.0, -omega * period_s);
         let expected =
             (Complex::new(7.0, 0.0) - back * 2.0) * Complex::from_polar(1.0, -omega * 1.5e-3);

@@ -104,7 +104,7 @@ pub fn tune(
     let judgement = Judgement::new(scene, reference, options.effort.is_quick());
     let looks = Looks {
         most: options.effort.ticks() / judgement.ticks(scene),
-        // As good as can be found.
+        // No goal: the search uses its whole budget.
         enough: 0.0,
         seed: options.seed,
     };

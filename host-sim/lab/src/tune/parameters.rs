@@ -59,7 +59,7 @@ fn of_law(scene: &Scene) -> Vec<Axis> {
     let (j, k) = (scene.device.inertia_kg_m2, scene.wall.k_desired_n_m_per_rad);
     let rate = f64::from(scene.timing.rate_hz);
     let unit = (k * j).sqrt();
-    // Shares of a tick were found at T sqrt(k/J) = 0.447.
+    // The fractions per tick were found at T sqrt(k/J) = 0.447.
     let per_ms = (stiffness_per_tick(scene) / 0.447).min(1.0) * (rate / 1000.0);
     let axis = |parameter, start: f64, least: f64, most: f64| Axis {
         parameter,
@@ -76,7 +76,7 @@ fn of_law(scene: &Scene) -> Vec<Axis> {
             10.0 * b,
         )
     };
-    // k_c with the damping that is trusted at first.
+    // The critical stiffness k_c, with the damping that the search assumes at the start.
     let critical = 2.5 * b * rate;
     match scene.law.kind {
         LawKind::Spring => Vec::new(),
@@ -87,7 +87,8 @@ fn of_law(scene: &Scene) -> Vec<Axis> {
                 0.01 * unit,
                 10.0 * unit,
             );
-            // Three times the wall's own rate: late enough to be quiet, and not so late that it drives what it is to damp.
+            // Three times the wall's own frequency: low enough for little ripple, and high enough not to excite what it should
+            // damp.
             let own_hz = (k / j).sqrt() / TAU;
             let velocity = match scene.law.velocity.from {
                 VelocityKind::Told => None,
@@ -146,14 +147,14 @@ fn of_law(scene: &Scene) -> Vec<Axis> {
                 1e-3 * unit,
                 50.0 * unit,
             ),
-            // At k_de the law is a plain spring.
+            // With a soft stiffness of k_de the law is a plain spring.
             axis(
                 parameter!(k_soft_n_m_per_rad),
                 0.75 * k,
                 (0.02 * k).max(0.01),
                 0.98 * k,
             ),
-            // Beside the augmented wall; at the least it is next to none.
+            // Virtual damping in addition to the augmented wall; its least value is nearly zero.
             axis(
                 parameter!(virtual_damping_n_m_s_per_rad),
                 0.05 * unit,
@@ -183,7 +184,7 @@ fn of_estimator(scene: &Scene) -> Vec<Axis> {
             (0.003 * rate).min(fastest),
             fastest,
         ),
-        // What is on the way already counts, up to the two ticks that an estimator predicts.
+        // The estimator also predicts commands that do not act yet, up to two ticks.
         axis(
             parameter!(estimator.delay_s),
             scene.timing.computational_delay_s + 0.8 / rate,

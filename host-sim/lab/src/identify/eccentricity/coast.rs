@@ -105,7 +105,7 @@ fn way(run: &[CalibrationTick], known: &KnownEncoder) -> Option<(f64, Said)> {
             let shaken = speed.powi(-2);
             let mut row = [1.0; DEGREE + 1 + 4 * ORDERS];
             row[1] = time;
-            // Chebyshev's polynomials: powers would say nearly the same.
+            // Chebyshev polynomials, because plain powers would be nearly dependent.
             for power in 2..=DEGREE {
                 row[power] = 2.0 * time * row[power - 1] - row[power - 2];
             }
@@ -124,7 +124,7 @@ fn way(run: &[CalibrationTick], known: &KnownEncoder) -> Option<(f64, Said)> {
                 solved.uncertainties[from].hypot(solved.uncertainties[from + 1]);
         }
         said.residual_rms_rad = solved.residual_rms;
-        // The speed of the slowing down alone, without what the error makes of it.
+        // Speed of the slowing down alone, without the encoder's error.
         for ((time, ..), speed) in points.iter().zip(&mut speeds) {
             let slope = slope(solved.values.as_slice(), (time - middle) / half);
             *speed = slope / (half * fastest);

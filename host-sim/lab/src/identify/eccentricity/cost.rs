@@ -49,7 +49,7 @@ impl Eccentricity {
         Cost {
             place_rad,
             electrical_deg: electrical.to_degrees(),
-            // Beyond a quarter of a turn nothing is left, and more is not lost.
+            // Beyond a quarter of an electrical turn no torque is left to lose.
             torque_lost: 1.0 - electrical.min(TAU / 4.0).cos(),
             stiffness_off: slope,
         }

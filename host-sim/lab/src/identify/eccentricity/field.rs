@@ -37,7 +37,7 @@ pub fn said(ticks: &[CalibrationTick], known: &KnownEncoder) -> Result<Said, Not
     let turning = ticks.iter().take_while(|it| it.part.is_none());
     let ticks: Vec<CalibrationTick> = turning.copied().collect();
     let turn = known.pole_pairs / known.field_turns_per_s * known.rate_hz;
-    // Ramped up within a quarter of a second, and half as fast in the mean until then.
+    // The field's speed is ramped up within a quarter of a second, so its mean until then is half.
     let ramp = (known.rate_hz / 4.0).floor().max(1.0);
     let way = turn + known.rate_hz / known.field_turns_per_s + 0.5 * (ramp - 1.0);
     let of = |end: f64| Way::new(&ticks, end, turn, known);
@@ -86,7 +86,7 @@ impl Way {
         let (Some(first), Some(latest)) = (ticks.first(), ticks.last()) else {
             return Err(incomplete(0, turn));
         };
-        // Where only every so manieth tick is told, so many are less.
+        // If the telemetry contains only every n-th tick, fewer ticks are needed.
         let told = ticks
             .windows(2)
             .map(|it| it[1].tick.wrapping_sub(it[0].tick));
@@ -122,16 +122,16 @@ impl Way {
             return Err(incomplete(ticks.len(), turn / every));
         };
         let off_deg = (known.pole_pairs * solved.residual_rms).to_degrees();
-        // What is no number is refused, too.
+        // NaN is refused too.
         if off_deg.is_nan() || off_deg > OFF_MOST_DEG {
             return Err(NotSeen::NotFollowed { degrees: off_deg });
         }
         let of = &solved.values;
-        // The shaft's angle from count 0 where the field's turning is 0.
+        // Angle of the shaft from count 0 at the moment at which the field's angle is 0.
         let place = of[0] + per_count * f64::from(first.count);
         let part = |index: usize| {
             let order = (index + 1) as f64;
-            // What the second difference has of the error itself.
+            // The second difference contains a part of the encoder's error itself, which is corrected here.
             let step = order * TAU * reach as f64 * every / turn;
             let own = 1.0 + 2.0 * (step.cos() - 1.0) * of[2 * ORDERS + 1];
             of_cos_sin(of[2 * index + 1], of[2 * index + 2]) * own * Complex::cis(-order * place)

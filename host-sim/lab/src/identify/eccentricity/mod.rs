@@ -154,7 +154,7 @@ impl Eccentricity {
         let field = field::said(ticks, known)?;
         let coast = coast::said(ticks, known);
         let count_rad = std::f64::consts::TAU / known.counts_per_rev;
-        // From the zero that the calibration sets, which is where it ends.
+        // Phases count from the zero that the calibration sets, which is where it ends.
         let zero = ticks.last().map_or(0.0, |last| f64::from(last.count)) * count_rad;
         let mut harmonics = [Harmonic {
             amplitude_rad: 0.0,
@@ -168,7 +168,7 @@ impl Eccentricity {
             if let Some(coast) = &coast {
                 let of_coast = coast.uncertainty_rad[index];
                 apart[index] = (coast.parts[index] - value).norm();
-                // What is far more than the coast may be off, only the field can have wrong.
+                // A difference far above the coast's uncertainty can only be an error of the field's result.
                 if apart[index] > (2.0 * of_coast).max(COUNT_SHARE * count_rad) {
                     witness[index] = Witness::Coast;
                     (value, open) = (coast.parts[index], of_coast);

@@ -130,7 +130,7 @@ impl BoardRecording {
             return Ok(None);
         };
         let wrong = |problem: String| self.wrong(format!("{}, {word}: {problem}", grip.name()));
-        // The last row only says where the last tick led to.
+        // The last row only gives the state after the last tick.
         let ticks = scene.timing.ticks() as usize;
         if rows.len() != ticks + 1 {
             return Err(wrong(format!(
@@ -140,7 +140,7 @@ impl BoardRecording {
         }
         let surface = scene.wall.surface_rad;
         let step = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
-        // What is told and what is true differ by half a count, and by a motion between sample and reading.
+        // Measured and true angle differ by half a count, and by the motion between sample and reading.
         let off = rows.iter().map(|row| (row[2] - surface - row[0]).abs());
         let near = off.filter(|off| *off <= 1.5 * step).count();
         if step > 0.0 && near < rows.len() * 9 / 10 {

@@ -127,7 +127,7 @@ fn a_board_at_several_places_has_a_scatter_and_is_beyond_only_where_the_two_do_n
     let late = |scene: &mut Scene| scene.timing.computational_delay_s = 4e-4;
     let found = board_card(&scene, &at_places(&late, "late-places")).unwrap();
     assert!(found.beyond(SAME).any(|it| it.key == "phase_deg"));
-    // Not all have the same deeds.
+    // Recordings with different actions are refused.
     let mut unequal = at_places(&|_| (), "unequal");
     unequal[2] = recorded(&scene, &scene, &[Deed::Move(2.0)], "other-deed");
     let said = board_card(&scene, &unequal).unwrap_err().to_string();

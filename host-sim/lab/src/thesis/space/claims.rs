@@ -240,7 +240,7 @@ fn sliding(runs: &[Record], stiff: f64) -> Claim {
     };
     let slide = run.late(Phase::Slide, 0.9);
     let whole = run.displayed_n_per_mm(slide.clone());
-    // Tenths of the slide, for the worst beside the mean.
+    // Tenths of the slide, to report the worst one beside the mean.
     let part = slide.len() / 10;
     let (mut least, mut most) = (f64::MAX, f64::MIN);
     for i in 0..10 {

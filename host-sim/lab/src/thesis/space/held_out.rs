@@ -73,7 +73,7 @@ fn most_on_ball_n(hand: &Hand) -> f64 {
 impl Drawn {
     fn next(random: &mut Random, ball: bool) -> Self {
         let mut within = |(low, high): (f64, f64)| low + (high - low) * random.unit();
-        // Even on the sphere of directions.
+        // Evenly distributed over the sphere of directions.
         let (up, turn) = (within((-1.0, 1.0)), within((0.0, std::f64::consts::TAU)));
         let flat = (1.0 - up * up).sqrt();
         let normal = [flat * turn.cos(), flat * turn.sin(), up];
@@ -257,7 +257,7 @@ impl HeldOut {
     /// Simulates other law settings on the random walls that a seed generates.
     ///
     /// # Errors
-    /// As [`Self::played`].
+    /// The errors of [`Self::played`].
     pub fn with(
         seed: u64,
         count: usize,
@@ -444,7 +444,7 @@ mod tests {
             ..drawn
         };
         assert_eq!(cause(pushed, &told), Some(HeldOutCause::MotorsLimit));
-        // The one wall of four seeds that gives energy.
+        // The only wall of four seeds on which the hand gets energy.
         let gives = |it: &Drawn| {
             it.grip > 0.96 && (7.2..7.4).contains(&it.push_n) && it.deviation.damping < 0.81
         };

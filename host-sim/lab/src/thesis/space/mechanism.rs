@@ -317,7 +317,7 @@ impl HeldMechanism {
                 measured,
                 last,
             } => {
-                // As a driver does: by the slopes of where the encoders say that it is.
+                // As in a driver: the Jacobian is taken at the position that the encoders measure.
                 let acts = device.limited_torques_n_m(measured, force_n.into());
                 for ((plant, torques), share) in
                     plants.iter().zip([(*last).into(), acts]).zip(shares)

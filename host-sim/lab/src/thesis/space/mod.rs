@@ -75,7 +75,7 @@ pub enum Approach {
     Shipped,
 }
 
-/// One cell of the comparison: mechanism, object, stiffness and approach.
+/// One cell of the comparison: mechanism, object, stiffness and way to calculate the force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
     /// The mechanism of the run.
@@ -136,9 +136,9 @@ impl Object {
     pub fn normal(self) -> [f64; 3] {
         match self {
             Self::Horizontal => [0.0, 0.0, 1.0],
-            // Another share along every axis; of length 1.
+            // A unit vector with a different component along every axis.
             Self::Inclined => [2.0 / 7.0, -3.0 / 7.0, 6.0 / 7.0],
-            // Where no component is zero; a slide comes to where the first one changes its sign.
+            // No component is zero; during a slide the first one changes its sign.
             Self::Sphere => [-3.0 / 7.0, 2.0 / 7.0, 6.0 / 7.0],
         }
     }
@@ -155,7 +155,7 @@ impl Approach {
         Approach::Shipped,
     ];
 
-    /// Name of the approach for readers.
+    /// Name of this way to calculate the force, for readers.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -218,7 +218,7 @@ pub fn settings(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
         law,
         rate_hz: RATE_HZ,
         k_desired: si(1e3 * k_desired_n_per_mm),
-        // k_v = 0.8 k_c, as on the knob.
+        // The proportion of the knob: k_v = 0.8 k_c.
         k_soft: si(4000.0),
         device_damping: si(2.5),
         // 0.4 c_i; the thesis' enhanced law has no damper.
@@ -228,10 +228,10 @@ pub fn settings(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
             Si::ZERO
         },
         force_limit: si(OMEGA3.force_n),
-        // Four times what a press of 6 N stores in k_f.
+        // Four times the energy that a press of 6 N stores in the coupling k_f.
         energy_credit: si(0.0144),
         filter: FilterSettings {
-            // k_f = k_c; the mass and the damping to ground give its 12 ms.
+            // k_f = k_c; the mass, with the damping to ground, gives the law's 12 ms.
             mass: si(0.015),
             stiffness: si(5000.0),
             damping: Si::ZERO,
@@ -267,7 +267,7 @@ pub fn settings_for(mechanism: Mechanism, law: LawKind, k_desired_n_per_mm: f64)
         device_damping: times(omega.device_damping, share),
         virtual_damping: times(omega.virtual_damping, share),
         force_limit: Si::from_num(mechanism.force_n()),
-        // What a press stores in k_f.
+        // In proportion to the energy that a press stores in the coupling k_f.
         energy_credit: times(omega.energy_credit, push * push / share),
         filter: FilterSettings {
             mass: times(filter.mass, share),
@@ -342,7 +342,7 @@ fn played(
         let time_s = f64::from(tick) * interval_s;
         let hip_m = held.place_m();
         let measured_mm = held.measured_m()?.map(|x| x * 1e3);
-        // Beyond the guard's overspeed there is no force.
+        // Above the guard's over-speed limit there is no force.
         let force = wall.tick(place(measured_mm)).unwrap_or_default();
         let rest_m = rest_m(time_s);
         let before = held.stored_j(rest_m)?;
@@ -367,7 +367,7 @@ fn played(
 /// Simulates all cells on all cores; returns the records in the order of the cells. `done` is called after each.
 ///
 /// # Errors
-/// As [`run`].
+/// The errors of [`run`].
 pub fn run_all(cells: &[Cell], done: impl Fn() + Sync) -> Result<Vec<Record>, SettingsError> {
     cells
         .par_iter()

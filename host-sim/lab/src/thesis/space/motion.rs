@@ -46,7 +46,7 @@ impl ProbingMotion {
     #[must_use]
     pub fn of(object: Object) -> Self {
         let n = object.normal();
-        // Across the normal: on the sphere over the pole of an axis, where the side of one component changes.
+        // Direction of the slide. On the sphere it crosses the pole of an axis, where the side of one component changes.
         let towards = match object {
             Object::Sphere => [1.0, 0.0, 0.2],
             Object::Horizontal | Object::Inclined => [1.0, 0.4, 0.0],
@@ -98,13 +98,13 @@ impl ProbingMotion {
     /// Rest point of the hand at a time, mm.
     #[must_use]
     pub fn rest_mm(&self, time_s: f64) -> [f64; 3] {
-        // Under the surface by what its spring needs for the push.
+        // Depth below the surface at which the hand's spring gives the push.
         let deep = self.push_n / FIRM_TRANSLATION.stiffness * 1e3;
         let height = 3.0;
         let below = |share: f64| height - (height + deep) * share;
         let t = time_s;
         let above = if t < PROBE_S {
-            // In, half out, and in again: the first contact ends by a motion outwards.
+            // The rest point moves in, half out, and in again, so that the first contact ends by a motion outwards.
             let first = smooth(t / 0.5) * 0.6;
             let back = smooth((t - 0.5) / 0.2) * 0.2;
             let again = smooth((t - 0.8) / 0.4) * 0.6;
@@ -115,7 +115,7 @@ impl ProbingMotion {
             below(1.0 - 1.3 * smooth((t - PROBE_S - HOLD_S - SLIDE_S) / RELEASE_S))
         };
         let along_s = (t - PROBE_S - HOLD_S).clamp(0.0, SLIDE_S);
-        // A tenth of a second to gather speed.
+        // The slide takes a tenth of a second to reach its speed.
         let way = self.slide_mm_per_s * (along_s - 0.05 + 0.05 * (-along_s / 0.05).exp());
         match self.object {
             Object::Horizontal | Object::Inclined => {

@@ -158,7 +158,7 @@ fn cards_of(
                         worst = worst.worst(&wall.played(what)?);
                     }
                 }
-                // Ripple without a limit.
+                // The ripple has no limit.
                 Ok((case.name, worst, Limits::new(case.is_late(), f64::INFINITY)))
             };
             let cells: Result<Vec<_>, SettingsError> = cases.par_iter().map(cell).collect();
@@ -244,7 +244,7 @@ mod tests {
         let claim = claim(mechanism, &cards);
         println!("{}", claim.measured);
         assert_eq!(claim.outcome, Outcome::Reproduced, "{}", claim.measured);
-        // No direction left out, and none without a device.
+        // No direction is missing, and each has results for devices.
         assert!(
             cards.len() == normals.len()
                 && cards.iter().all(|card| card.cells.len() == CASES.len())
