@@ -69,13 +69,13 @@ impl Thread {
                     #[cfg(feature = "g474re")]
                     crate::autostart::give(control, session);
                 });
-                // What there is to touch was checked with them.
+                // The environment was checked together with these settings.
                 #[cfg(feature = "g474re")]
                 let _ = crate::surround::give(self.here, settings, session.environment());
                 #[cfg(feature = "g474re")]
                 crate::surround::play(self.here, settings, session.cogging(board::BOARD));
             }
-            // They were checked, so this does not happen.
+            // The settings were checked before, so this does not happen.
             Err(_) => {
                 control(self.here, |control| {
                     control.device.report_fault(FaultCode::SettingsInvalid, 0)
@@ -211,7 +211,7 @@ impl Backend for Thread {
 
     #[cfg(feature = "g474re")]
     fn use_kept(&mut self, kept: Option<touchstone_protocol::KeptAlignment>) {
-        // With the settings that it is used with, where there are others: `apply`.
+        // If new settings wait, `apply` hands the alignment over together with them.
         if !self.new_settings {
             control(self.here, |control| {
                 control.device.keep(kept.map(Into::into))
@@ -225,7 +225,7 @@ impl Backend for Thread {
         settings: &DeviceSettings,
         map: Option<&touchstone_protocol::CoggingMap>,
     ) {
-        // As above.
+        // If new settings wait, `apply` hands the cogging map over together with them.
         if !self.new_settings {
             crate::surround::play(self.here, settings, map);
         }

@@ -59,7 +59,7 @@ fn start(
     );
     let (session, are_refused) = session(&mut storage);
     let current = control(session.settings(), reason, are_refused, here);
-    // It takes its time to compute, and the watchdog waits for nobody.
+    // The computations below take a while, so the watchdog is fed before them.
     #[cfg(feature = "g474re")]
     watchdog::feed();
     #[cfg(feature = "g474re")]

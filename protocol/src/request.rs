@@ -17,7 +17,7 @@ pub struct ToDevice<'a> {
 }
 
 /// What the desktop can request of the device.
-// One request is held at a time: the whole of the settings needs no place of its own.
+// A large variant is acceptable, because only one request exists at a time. So the settings need no separate memory.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Request<'a> {

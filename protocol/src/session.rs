@@ -99,7 +99,7 @@ pub struct Session {
 }
 
 /// How a session answered a payload.
-// One message is held at a time.
+// A large variant is acceptable, because only one message exists at a time.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answered {
@@ -243,7 +243,7 @@ impl Session {
     ///
     /// # Errors
     /// The reason for a refusal. A refused request changes nothing.
-    // Not a part of its caller: see below.
+    // Never inlined into its caller, to save stack: see the comment below.
     #[inline(never)]
     pub fn answer(
         &mut self,
@@ -273,8 +273,8 @@ impl Session {
         }
     }
 
-    // The following are functions of their own so that a device with a few kilobytes of stack has no more on it than it needs:
-    // one copy of the settings, and no reply while a request is carried out.
+    // The following functions are never inlined. So a device with a few kilobytes of stack has only one copy of the settings on it,
+    // and no reply while a request is carried out.
 
     /// Answers the requests that only read data.
     #[inline(never)]
@@ -331,7 +331,7 @@ impl Session {
             | Request::KeepAlignment
             | Request::ForgetAlignment
             | Request::Autostart(_) => Err(Refusal::NotUnderstood),
-            // Nothing to tell: `act` has these.
+            // `act` carries out these requests; they return no data.
             Request::Set { .. }
             | Request::SetAll(_)
             | Request::Defaults

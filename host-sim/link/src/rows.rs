@@ -85,7 +85,7 @@ impl RecordRows {
             record.penetration_rad.to_num::<f64>(),
             f64::from(record.count) * self.count_rad,
         );
-        // Positions end 20 turns from the wall, and counts do not.
+        // The position's number format ends 20 turns from the wall; the count has no such limit.
         let angle = if deep.abs() < REACH_RAD {
             self.surface_rad + deep
         } else {

@@ -225,7 +225,7 @@ impl Surround {
     ///
     /// # Errors
     /// The first setting that is refused.
-    // What is built for it is gone from the stack with it.
+    // A separate function, so that the built object leaves the stack at its end.
     #[inline(never)]
     pub fn check(&self, settings: &DeviceSettings) -> Result<(), SettingsError> {
         self.built(settings).map(drop)
@@ -264,7 +264,7 @@ fn why(error: &Refused, placed: &[Option<WallSettings>; MOST_WALLS]) -> Settings
             Si::saturating_from_num(*per_turn),
         ),
         Refused::Pitch(pitch) => limit("environment.detents.per_rev", *pitch),
-        // There is no place for a seventh.
+        // The struct has no field for a seventh wall, so this does not happen.
         Refused::TooManyWalls => limit("environment", Si::ZERO),
     }
 }

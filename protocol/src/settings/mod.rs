@@ -151,9 +151,9 @@ impl DeviceSettings {
         match board {
             Board::NucleoG474re => {}
             Board::BG431bEsc1 => {
-                // No SPI on its connectors.
+                // The board has no SPI on its connectors.
                 settings.encoder.kind = EncoderKind::Incremental;
-                // The board is for six lithium cells.
+                // The board is made for six lithium cells.
                 settings.limits.bus_max_v = const { law::Si::lit("26") };
             }
             Board::NucleoG474reIhm16m1 | Board::NucleoG431rbIhm16m1 => {

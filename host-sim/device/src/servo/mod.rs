@@ -124,7 +124,7 @@ struct Engaged<'d, D: HapticDevice>(&'d mut D);
 
 impl<D: HapticDevice> Drop for Engaged<'_, D> {
     fn drop(&mut self) {
-        // Also reached by a panic. A second release does nothing, so what it says was said.
+        // Also runs after a panic. A second release does nothing, so its result is ignored.
         let _ = self.0.release();
     }
 }
@@ -163,7 +163,7 @@ pub fn play<D: HapticDevice>(
         &mut more,
         &mut report,
     );
-    // First of all, before anything is reckoned or printed.
+    // The release comes before anything is calculated or printed.
     report.release = engaged.0.release();
     if let Err(fault) = looped {
         report.ending = Ending::Fault(fault);
@@ -243,7 +243,7 @@ fn looped<D: HapticDevice>(
         in_time(pace.late_s(), limits)?;
         let acts = match applied {
             Applied::Whole => force,
-            // What the device does not say, it may have done.
+            // If the device does not report the acting force, the whole force counts as acting.
             Applied::Saturated(said) => said.unwrap_or(force),
         };
         saturated_run = match applied {

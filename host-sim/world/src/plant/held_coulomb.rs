@@ -180,7 +180,7 @@ impl HeldCoulomb {
         let full = drive(state, torque, rest);
         let [v, strain, v_h, hand_strain, _] = full;
         let at_rest = self.torque_at_rest(strain, v_h, torque);
-        // The sign of -0.0 is no direction: at rest, the torque decides.
+        // At rest the torque decides the direction; the sign of -0.0 does not.
         let sign = if v != 0.0 {
             1.0_f64.copysign(v)
         } else if at_rest.abs() <= self.breakaway {
@@ -192,7 +192,7 @@ impl HeldCoulomb {
         sliding[4] = torque - sign * self.kinetic;
         let increment = self.sliding.increment(&sliding);
         let slowest = (sign * v).min(sign * (v + increment[1]));
-        // False as well where the bound is no number: then it decides nothing.
+        // The comparison is false for a NaN bound too, which then decides nothing.
         let rough = guard(&self.slide_guard, &sliding);
         let clear = slowest > rough || {
             let fine = guard(&self.slide_rate_guard, &apply(&self.rates, &sliding));

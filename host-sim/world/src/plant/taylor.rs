@@ -82,7 +82,7 @@ impl Series {
         if c[0] < 0.0 {
             return Some(0.0);
         }
-        // Where all that follows together cannot bring it down, and by more than rounding, the search would find nothing either.
+        // If all later terms together cannot make the series negative, by more than rounding, the search would find no root.
         let rest: f64 = c[1..].iter().map(|c| c.abs()).sum();
         if c[0] > rest * (1.0 + 1e-9) {
             return None;
@@ -109,7 +109,7 @@ impl Series {
             if value <= rounding && slope < 0.0 {
                 return Some(next.min(1.0));
             }
-            // False as well for what is no number: no event either.
+            // The comparison is false for NaN too, which then counts as no event.
             let inside = next < 1.0;
             if !inside {
                 return None;

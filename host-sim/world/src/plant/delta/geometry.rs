@@ -132,11 +132,11 @@ impl DeltaGeometry {
             let far = libm::hypot(u, w);
             let cosine =
                 (far * far + self.arm_m * self.arm_m - length * length) / (2.0 * self.arm_m * far);
-            // At the motor's axis itself it is no number.
+            // At the motor's axis itself the cosine is NaN.
             if cosine.is_nan() || cosine.abs() >= 1.0 {
                 return Err(Unreachable::TooFar(i));
             }
-            // Of the two, the elbow outwards.
+            // Of the two solutions, the one with the elbow outwards.
             let angle = libm::atan2(w, u) - libm::acos(cosine);
             let (sin, cos) = libm::sincos(angle);
             let (x, w) = (u - self.arm_m * cos, w - self.arm_m * sin);
@@ -189,14 +189,14 @@ impl DeltaGeometry {
                 return Ok(pose);
             }
             let step = pose.slopes.try_inverse().ok_or(Unreachable::Flat)? * off;
-            // Half of it where the whole leads out of reach.
+            // A shorter step if the whole step leads out of reach.
             let next = [1.0, 0.5, 0.25, 0.125]
                 .into_iter()
                 .find_map(|share| self.pose(pose.place_m + step * share).ok());
             pose = next.ok_or(Unreachable::NoPlace)?;
         }
         let off = joints_rad - pose.joints_rad;
-        // The last digit of an angle may never settle.
+        // The last digit of an angle may never settle, so a larger error is accepted in the end.
         match off.amax() <= 100.0 * AGREE_RAD {
             true => Ok(pose),
             false => Err(Unreachable::NoPlace),

@@ -107,7 +107,7 @@ impl HeldCoulomb {
         [1.0, -1.0]
             .into_iter()
             .filter_map(|sign| {
-                // What is left of the static friction in this direction.
+                // Torque that is missing to break away in this direction, N·m.
                 let spare = self.breakaway - sign * torque;
                 Series::combine(-sign * k_p, &piece.strain, -sign * b_p, &piece.v_h, spare)
                     .first_negative()
@@ -140,8 +140,8 @@ impl HeldCoulomb {
                 };
                 let acceleration = (held + pad - device.damping * v) / device.inertia;
                 piece.v.0[k + 1] = step * acceleration;
-                // From rest a device only ever sets off along the torque that moved it. At break-away with equal levels
-                // of friction the net torque is zero, and rounding must not turn it round.
+                // From rest a device can start only in the direction of the torque that moves it. At break-away with equal levels
+                // of friction the net torque is zero, and rounding must not reverse the motion.
                 if k == 0 && v == 0.0 && sign * acceleration < 0.0 {
                     piece.v.0[1] = 0.0;
                 }
