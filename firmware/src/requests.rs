@@ -1,4 +1,4 @@
-//! The device as a protocol session sees it: carries out requests, in the thread.
+//! The thread's part of the device: carries out the requests of a protocol session.
 
 use core::sync::atomic::Ordering::Relaxed;
 
@@ -24,7 +24,7 @@ pub struct Thread {
     /// Why the processor started.
     reset_reason: ResetReason,
     here: InThread,
-    /// Whether the session has settings that the control tick does not have yet.
+    /// Whether the protocol session has new settings that the control tick does not have yet.
     new_settings: bool,
 }
 
@@ -51,7 +51,7 @@ impl Thread {
         self.here
     }
 
-    /// Whether the session has settings that the control tick does not have yet.
+    /// Whether the protocol session has new settings that the control tick does not have yet.
     pub fn has_new_settings(&self) -> bool {
         self.new_settings
     }

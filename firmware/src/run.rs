@@ -76,7 +76,8 @@ fn start(
     current
 }
 
-/// Makes the session with the settings in flash, or with the defaults. Also returns whether the settings in flash were refused.
+/// Makes the protocol session with the settings in flash, or with the defaults. Also returns whether the settings in flash were
+/// refused.
 #[inline(never)]
 fn session(kept: &mut Storage) -> (&'static mut Session, bool) {
     let defaults = DeviceSettings::defaults(board::BOARD);

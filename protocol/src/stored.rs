@@ -30,10 +30,10 @@ pub const LAYOUT_VERSION: u16 = if cfg!(feature = "large") {
     WALL_ALONE
 };
 
-/// Layout version without an environment: that of boards without room for one.
+/// Layout version without an environment (further walls, end stops, detents): that of boards without room for one.
 const WALL_ALONE: u16 = 4;
 
-/// Layout version with an environment and no data for the next start.
+/// Layout version with an environment (further walls, end stops, detents) and no data for the next start.
 const NOTHING_KEPT: u16 = 5;
 
 /// Layout version without a cogging map.
@@ -66,7 +66,7 @@ pub enum Refused {
     Invalid(SettingsError),
 }
 
-/// The data with which a device starts: settings, environment, alignment and cogging map.
+/// The data with which a device starts: settings, environment (walls, end stops, detents), encoder alignment and cogging map.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Start {
     /// The settings to use.

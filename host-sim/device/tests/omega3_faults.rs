@@ -102,7 +102,7 @@ fn limits(omega: &Omega3) -> ServoLimits {
     }
 }
 
-/// Runs the loop for 2 s on the mock's clock.
+/// Runs the servo loop for 2 s on the mock's clock.
 fn played(door: &Door) -> Result<ServoReport, HapticFault> {
     let mut omega = opened(door)?;
     let limits = limits(&omega);
@@ -152,7 +152,7 @@ fn without_a_fault_there_is_a_wall_and_a_released_device() {
     }
 }
 
-/// Makes each call of the loop fail: at its first, its second and a later call; once, a few times and for good.
+/// Makes each call of the servo loop fail: at its first, its second and a later call; once, a few times and for good.
 #[test]
 fn every_call_that_fails_ends_with_no_force_and_a_closed_device_within_two_ticks() {
     let calls = [

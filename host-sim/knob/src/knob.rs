@@ -97,7 +97,7 @@ fn off_or(bridge: touchstone_drive::BridgeCommand) -> Drive {
     }
 }
 
-/// A knob without falsified readings, with the motor of the thesis' knob at 24 V.
+/// A knob without falsified readings, with the motor of the thesis' knob (0.25 N·m/A) at 24 V.
 #[must_use]
 pub fn honest(settings: &DeviceSettings) -> Knob<Honest> {
     Knob::new(settings, GIMBAL, 0.0, Honest)

@@ -14,7 +14,7 @@ use touchstone_control::environment::{
 };
 use touchstone_control::{Fixed32, Force, Si};
 
-/// Longest environment on the wire, in bytes (a test checks it).
+/// Longest environment (walls, end stops, detents) on the wire, in bytes (a test checks it).
 pub const ENVIRONMENT_MAX: usize = 160;
 
 /// The environment: whether the wall in the device's settings is rendered, and what is rendered beside it.
@@ -65,7 +65,7 @@ pub struct DetentsBeside {
     pub centre_rad: Decimal,
 }
 
-/// The time from which an accepted environment applies.
+/// The time from which an accepted environment (walls, end stops, detents) applies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CountsFrom {
     /// The device is armed, so it applies from the next control tick.
@@ -120,7 +120,7 @@ impl Default for Surround {
 }
 
 impl Surround {
-    /// Whether the environment differs from the single wall in the device's settings.
+    /// Whether the environment has more or less than the single wall in the device's settings.
     #[must_use]
     pub fn is_more_than_the_wall(&self) -> bool {
         !self.first_wall
@@ -231,7 +231,7 @@ impl Surround {
         self.built(settings).map(drop)
     }
 
-    /// Largest change of the force in one control tick while this environment replaces another.
+    /// Largest change of the force in one control tick while this environment (walls, end stops, detents) replaces another.
     #[must_use]
     pub fn change_per_tick(&self, settings: &DeviceSettings) -> Force<Fixed32> {
         Environment::change_per_tick(self.change_n_m_per_s.0, settings.timing.rate_hz)

@@ -126,7 +126,7 @@ macro_rules! thesis {
 }
 
 impl LawSettings {
-    /// The settings of the thesis: same as [`law::Settings::thesis`].
+    /// The settings of the thesis whose control laws this project uses: same as [`law::Settings::thesis`].
     #[must_use]
     pub fn thesis() -> Self {
         let mut law = Self {

@@ -189,8 +189,8 @@ impl DeviceSettings {
         })
     }
 
-    /// Checks that the drive can give the control law's largest torque. Otherwise the law's energy observer would count energy that
-    /// was not given.
+    /// Checks that the motor's drive can give the control law's largest torque. Otherwise the law's energy observer would count
+    /// energy that was not given.
     fn check_force_limit(&self) -> Result<(), SettingsError> {
         const PATH: &str = "law.force_limit_n_m";
         let most = match self.drive.kind {

@@ -239,7 +239,7 @@ impl HapticDevice for Inverse3 {
         })
     }
 
-    /// The device's standing from the last message. The service sends no separate one.
+    /// The device's state from the last message. The service has no request for it.
     fn standing(&mut self) -> Result<DeviceStanding, HapticFault> {
         Ok(self.standing)
     }

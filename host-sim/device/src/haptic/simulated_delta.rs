@@ -15,7 +15,7 @@ pub struct SimulatedDelta {
     device: DeltaDevice,
     plant: DeltaPlant,
     state: DeltaState,
-    /// The pose by the joint encoders.
+    /// Position of the effector and joint angles that the joint encoders measure.
     measured: DeltaPose,
     rest: Rest,
     interval_s: f64,

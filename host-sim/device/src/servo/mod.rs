@@ -42,15 +42,15 @@ pub struct ServoLimits {
     pub workspace: Workspace,
     /// Distance outside the workspace at which the force has faded to zero, m.
     pub margin_m: f64,
-    /// Distance outside the workspace that ends the loop, m.
+    /// Distance outside the workspace that ends the servo loop, m.
     pub outside_m: f64,
-    /// Largest speed between two ticks, m/s. A higher one counts as a jump of the position and ends the loop.
+    /// Largest speed between two ticks, m/s. A higher one counts as a jump of the position and ends the servo loop.
     pub jump_m_per_s: f64,
-    /// Longest lateness of a tick or of a call's return, s. A force that is held for longer ends the loop.
+    /// Longest lateness of a tick or of a call's return, s. A force that is held for longer ends the servo loop.
     pub late_s: f64,
-    /// Age of the last new position that ends the loop, s.
+    /// Age of the last new position that ends the servo loop, s.
     pub stale_s: f64,
-    /// Time of saturated motors that ends the loop, s.
+    /// Time of saturated motors that ends the servo loop, s.
     pub saturated_s: f64,
 }
 
@@ -72,12 +72,12 @@ impl ServoLimits {
     }
 }
 
-/// How a loop ended.
+/// How a servo loop ended.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ending {
     /// The caller requested a stop.
     Asked,
-    /// A fault ended the loop.
+    /// A fault ended the servo loop.
     Fault(HapticFault),
 }
 
@@ -100,7 +100,7 @@ pub struct ServoReport {
     pub force_max_n: f64,
     /// Highest speed of the end effector by the loop's own estimate, m/s.
     pub speed_max_m_per_s: f64,
-    /// How the loop ended.
+    /// How the servo loop ended.
     pub ending: Ending,
     /// The fault of the release, if a step of it failed.
     pub release: Result<(), HapticFault>,

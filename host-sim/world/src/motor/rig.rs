@@ -99,7 +99,7 @@ impl<S: Stepper> Rig<S> {
     }
 }
 
-/// The device of the thesis' knob without its dry friction: 1e-4 kg·m², 4e-4 N·m·s/rad.
+/// The knob of the thesis from which the control laws come, without its dry friction: 1e-4 kg·m², 4e-4 N·m·s/rad.
 pub const KNOB: Device = Device {
     inertia: 1e-4,
     damping: 4e-4,

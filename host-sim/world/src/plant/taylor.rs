@@ -3,7 +3,8 @@
 //! Events (a device that stops, friction that gives way) fall between ticks. The exact solution at an arbitrary time is `exp(M t)
 //! y`. Its power series in `t` is cheap once the coefficients are known: `y_{k+1} = M y_k h / (k + 1)`.
 
-/// Largest norm of `M h` for one power series. A millisecond of a knob in a hand has a smaller one.
+/// Largest norm of `M h` (matrix of the rates times the interval) for one power series. A millisecond of a knob in a hand has a
+/// smaller one.
 pub(super) const NORM: f64 = 0.5;
 /// Number of coefficients. The first one left out is below `0.5^16 / 16!`, 1e-18.
 pub(super) const TERMS: usize = 16;

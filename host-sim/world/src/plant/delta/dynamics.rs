@@ -80,14 +80,14 @@ impl DeltaDevice {
         self.masses.effector_kg + 3.0 * (1.0 - WITH_ELBOW) * self.masses.forearm_kg
     }
 
-    /// Inertia matrix `M` of the effector in a pose, kg.
+    /// Inertia matrix `M` of the effector at a position, kg.
     #[must_use]
     pub fn inertia_kg(&self, pose: &DeltaPose) -> Matrix3<f64> {
         Matrix3::identity() * self.effector_mass_kg()
             + pose.slopes.tr_mul(&pose.slopes) * self.joint_inertia_kg_m2()
     }
 
-    /// Damping matrix of the effector in a pose that the joints' damping causes, N·s/m.
+    /// Damping matrix of the effector at a position that the joints' damping causes, N·s/m.
     #[must_use]
     pub fn damping_n_s_per_m(&self, pose: &DeltaPose) -> Matrix3<f64> {
         pose.slopes.tr_mul(&pose.slopes) * self.joint_damping
@@ -105,7 +105,7 @@ impl DeltaDevice {
         wanted * (self.torque_n_m / most)
     }
 
-    /// The pose that the encoders measure: with the joint angles rounded to whole counts.
+    /// The position and joint angles that the encoders measure: the joint angles are rounded to whole counts.
     ///
     /// # Errors
     /// No position of the effector belongs to these counts.

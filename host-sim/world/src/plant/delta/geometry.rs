@@ -109,7 +109,7 @@ impl DeltaGeometry {
         (Vector3::new(cos, sin, 0.0), Vector3::new(-sin, cos, 0.0))
     }
 
-    /// The pose with the effector at this position.
+    /// The joint angles and slopes for this position of the effector.
     ///
     /// # Errors
     /// The position cannot be reached, or is too close to a singular one.
@@ -173,7 +173,7 @@ impl DeltaGeometry {
         })
     }
 
-    /// The pose with these joint angles, by Newton's method from a pose nearby.
+    /// The position of the effector for these joint angles, by Newton's method from a position nearby.
     ///
     /// # Errors
     /// There is no such position, or it is too close to a singular one.

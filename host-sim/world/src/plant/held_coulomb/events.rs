@@ -99,8 +99,8 @@ impl HeldCoulomb {
         Some(loss)
     }
 
-    /// The time within the piece, as a fraction, at which a stuck device starts to move, with its direction. `None` if it stays
-    /// stuck.
+    /// The time, as a fraction of the piece of the tick, at which a stuck device starts to move, with its direction. `None` if it
+    /// stays stuck.
     fn breaks_away(&self, piece: &Piece, torque: f64) -> Option<(f64, Mode)> {
         let hand = &self.sliding.hand;
         let (k_p, b_p) = (hand.pad_stiffness, hand.pad_damping);
@@ -154,7 +154,7 @@ impl HeldCoulomb {
         piece
     }
 
-    /// Energy dissipated from the start of the piece to its fraction `until`.
+    /// Energy dissipated from the start of a piece of the tick to its fraction `until`.
     fn piece_loss(&self, piece: &Piece, mode: Mode, until: f64) -> Loss {
         let (device, hand) = (&self.sliding.device, &self.sliding.hand);
         let friction = match mode {
