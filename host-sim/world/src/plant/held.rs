@@ -25,7 +25,7 @@ pub struct HeldLinear {
     interval_s: f64,
 }
 
-/// The drive (see [`Drive`]) of a state, a torque and a rest point.
+/// The vector [`Drive`] for a state, a torque and a rest point.
 #[inline(always)]
 pub(super) fn drive(state: &State<4>, torque: f64, rest: f64) -> Drive {
     let [x, v, x_h, v_h] = state.0;
