@@ -1,4 +1,5 @@
-//! The interrupts of current loop, timer break, supply and control tick. They contain no code that could wait without bound or panic.
+//! The interrupts of current loop, timer break, supply and control tick. They contain no code that could wait without bound or
+//! panic.
 //!
 //! ```text
 //! TIM1 -> ADC1, ADC2 -> ADC1_2 (priority 0): the current loop -> every N-th time LPTIM1 (priority 2): the control tick

@@ -6,9 +6,9 @@
 //!               +-----------+--------+--------------> Fault(context) -> Stopped -> Calibrating
 //! ```
 //!
-//! Outputs may be on in `Calibrating` and `Armed` only. The first fault is stored with its context, and later faults do not overwrite it,
-//! because the first one is the cause. Only the command `Stop` leaves a fault, to `Stopped`. From `Stopped` the way back to `Armed` leads
-//! through a calibration. A fault acts in every state, before any command of the same tick.
+//! Outputs may be on in `Calibrating` and `Armed` only. The first fault is stored with its context, and later faults do not
+//! overwrite it, because the first one is the cause. Only the command `Stop` leaves a fault, to `Stopped`. From `Stopped` the way
+//! back to `Armed` leads through a calibration. A fault acts in every state, before any command of the same tick.
 
 /// Why the outputs were switched off. The numbers go over the wire and never change; a code that is not in use keeps its number.
 ///

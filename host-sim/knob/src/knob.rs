@@ -1,5 +1,5 @@
-//! A complete simulated knob without a board: the firmware's two interrupt functions with the simulated motor, in lock-step, connected as
-//! in the firmware.
+//! A complete simulated knob without a board: the firmware's two interrupt functions with the simulated motor, in lock-step,
+//! connected as in the firmware.
 //!
 //! ```text
 //! every PWM period:  sample -> CurrentLoop::tick -> compare values, which act from half a period later on

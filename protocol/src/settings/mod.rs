@@ -4,8 +4,8 @@
 //! person's text <-> leaf (path, value) <-> DeviceSettings --validate--> control::Settings, drive
 //! ```
 //!
-//! Device and desktop validate by the same code, so the device accepts what the desktop accepts. All code here is generated from two
-//! tables: that of the control law's settings ([`touchstone_control::law_settings`]) and that of the device's own, `table.rs`.
+//! Device and desktop validate by the same code, so the device accepts what the desktop accepts. All code here is generated from
+//! two tables: that of the control law's settings ([`touchstone_control::law_settings`]) and that of the device's own, `table.rs`.
 
 #[cfg(feature = "wire")]
 mod access;

@@ -1,14 +1,14 @@
 //! The table of a device's own settings. The table of the control law is [`touchstone_control::law_settings`].
 //!
-//! A row of the table generates everything else: the field of [`DeviceSettings`](super::DeviceSettings), its default, its range, its
-//! encoding on the wire and in flash, and its text in `touchstone config`. A row reads
+//! A row of the table generates everything else: the field of [`DeviceSettings`](super::DeviceSettings), its default, its range,
+//! its encoding on the wire and in flash, and its text in `touchstone config`. A row reads
 //!
 //! ```text
 //! name: kind(range) = default, "unit", "meaning";
 //! ```
 //!
-//! The kinds are those of the control law's table, and `u8` and `u16`. A name ends in its unit. The narrower limits of each board are in
-//! `Hardware` of the crate `touchstone_drive`.
+//! The kinds are those of the control law's table, and `u8` and `u16`. A name ends in its unit. The narrower limits of each board
+//! are in `Hardware` of the crate `touchstone_drive`.
 
 use touchstone_control::choice;
 

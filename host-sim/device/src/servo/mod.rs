@@ -1,11 +1,12 @@
-//! The servo loop of a device without a control law of its own: in every tick it reads a position, calculates a force and commands it.
+//! The servo loop of a device without a control law of its own: in every tick it reads a position, calculates a force and commands
+//! it.
 //!
 //! ```text
 //! pace -> position (stale? a number? a jump? outside?) -> law and guard -> ramp -> workspace -> limit -> force
 //! ```
 //!
-//! Every end of the loop releases the device before anything else is done: a fault, a panic of the force law, a requested stop. If this
-//! program is killed, only the device itself can switch its motors off.
+//! Every end of the loop releases the device before anything else is done: a fault, a panic of the force law, a requested stop. If
+//! this program is killed, only the device itself can switch its motors off.
 
 mod lateness;
 mod pace;

@@ -1,15 +1,15 @@
 //! The exact step of a linear system as a matrix. The matrix is computed once, when a plant is made, and applied in every tick.
 //!
-//! A plant is written as `y' = M y` for its *drive* `y` and as `z' = R y` for its state `z`. The drive has all on which the motion depends:
-//! velocities, strains and the held torque, but no absolute angle. Then
+//! A plant is written as `y' = M y` for its *drive* `y` and as `z' = R y` for its state `z`. The drive has all on which the motion
+//! depends: velocities, strains and the held torque, but no absolute angle. Then
 //!
 //! ```text
 //! z(h) - z(0) = R Ψ(h) y(0),    Ψ(h) = ∫₀ʰ exp(M t) dt,    exp(M h) = I + M Ψ(h)
 //! ```
 //!
-//! This is the augmented matrix exponential of Van Loan (IEEE TAC 23(3) 395, 1978) as an increment. Increments keep their relative accuracy
-//! when damping or interval go to zero, where the usual closed form `(m/b)(1 - exp(-bT/m))` cancels. A singular `M` (no damping, no
-//! spring) needs no special case.
+//! This is the augmented matrix exponential of Van Loan (IEEE TAC 23(3) 395, 1978) as an increment. Increments keep their relative
+//! accuracy when damping or interval go to zero, where the usual closed form `(m/b)(1 - exp(-bT/m))` cancels. A singular `M` (no
+//! damping, no spring) needs no special case.
 
 use super::device::Invalid;
 use nalgebra::{SMatrix, Scalar};

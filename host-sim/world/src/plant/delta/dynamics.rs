@@ -1,15 +1,16 @@
 //! Dynamics of a delta mechanism: `M(x) dv/dt = slopesᵀ (τ - b_θ dθ/dt - I c(x, v)) - b v + hand`.
 //!
-//! Two thirds of each forearm's mass count at the elbow and one third at the effector (Codourey, *Dynamic modeling of parallel robots*, Int.
-//! J. Robotics Research 17(12), 1998). So the moving parts are an inertia `I` at each motor and a mass `m` at the effector:
+//! Two thirds of each forearm's mass count at the elbow and one third at the effector (Codourey, *Dynamic modeling of parallel
+//! robots*, Int. J. Robotics Research 17(12), 1998). So the moving parts are an inertia `I` at each motor and a mass `m` at the
+//! effector:
 //!
 //! ```text
 //! M = m 1 + I slopesᵀ slopes        c: the joints' accelerations while the effector moves straight on
 //! ```
 //!
-//! These are Lagrange's equations of `m v²/2 + Σ I (dθ/dt)²/2`, without gravity, which counts as compensated. They have no closed solution. An
-//! interval is integrated by the classical Runge–Kutta method in substeps. Work and losses are integrated along with the motion, so that
-//! the energy balance shows the error of the method.
+//! These are Lagrange's equations of `m v²/2 + Σ I (dθ/dt)²/2`, without gravity, which counts as compensated. They have no closed
+//! solution. An interval is integrated by the classical Runge–Kutta method in substeps. Work and losses are integrated along with
+//! the motion, so that the energy balance shows the error of the method.
 
 use super::geometry::{DeltaGeometry, DeltaPose, FALCON_GEOMETRY, Unreachable};
 use crate::plant::device::{Invalid, not_negative, positive};

@@ -1,15 +1,16 @@
 //! Geometry of a delta mechanism: joint angles for a position of its effector, and the reverse.
 //!
-//! Each leg has its own frame: `u` points from the base's centre through the leg's motor, `v` sideways, `w` up. With an arm of length `a` at
-//! an angle `θ`, the forearm closes the loop if (Stamper, *A three degree of freedom parallel manipulator with only translational degrees
-//! of freedom*, University of Maryland, PhD 97-4, 1997)
+//! Each leg has its own frame: `u` points from the base's centre through the leg's motor, `v` sideways, `w` up. With an arm of
+//! length `a` at an angle `θ`, the forearm closes the loop if (Stamper, *A three degree of freedom parallel manipulator with only
+//! translational degrees of freedom*, University of Maryland, PhD 97-4, 1997)
 //!
 //! ```text
 //! (u - a cos θ)² + (w - a sin θ)² = L²        L = ends + sqrt(b² - v²)
 //! ```
 //!
-//! This is linear in `cos θ` and `sin θ`, so the joint angles of a position are known in closed form. Newton's method gives the position for
-//! joint angles. The first derivative gives the rows of the joints' slopes (radians per metre), the second one their curvature.
+//! This is linear in `cos θ` and `sin θ`, so the joint angles of a position are known in closed form. Newton's method gives the
+//! position for joint angles. The first derivative gives the rows of the joints' slopes (radians per metre), the second one their
+//! curvature.
 
 use nalgebra::{Matrix3, Vector3};
 
