@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 fn main() {
     let folder = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
     let out = PathBuf::from(std::env::var("OUT_DIR").unwrap_or_default());
-    // The larger chip has room for the interrupts' code in a memory without wait states.
+    // The larger chip has memory without wait states for the interrupts' code.
     let is_large = std::env::var_os("CARGO_FEATURE_G474RE").is_some();
     let map = if is_large {
         "memory-g474re.x"
@@ -19,14 +19,14 @@ fn main() {
     }
     println!("cargo::rustc-link-search={}", out.display());
     println!("cargo::rustc-link-search={folder}");
-    // The first to name a piece of code has it.
+    // The first script that names a piece of code decides where it goes.
     let first = is_large.then_some("fast.x");
     for script in first.into_iter().chain(["link.x", "defmt.x"]) {
         println!("cargo::rustc-link-arg-bins=-T{script}");
     }
-    // Sections start on no page of a file system: the image is for a flash memory.
+    // Sections need not begin at a page of a file system, because the image is for a flash memory.
     println!("cargo::rustc-link-arg-bins=--nmagic");
-    // A symbol without a place: `touchstone flash` knows by it which board a program is for, and it costs no flash.
+    // A symbol that takes no flash. `touchstone flash` reads from it for which board a program is.
     for board in BOARDS {
         let symbol = board.replace('-', "_");
         println!("cargo::rustc-link-arg-bin={board}=--defsym=touchstone_board_{symbol}=0");

@@ -16,7 +16,7 @@ static ENABLE: AtomicU32 = AtomicU32::new(0);
 pub fn start(_dac: Peri<'static, peripherals::DAC1>, enable: u8) {
     ENABLE.store(1 << enable, Relaxed);
     rcc::enable_and_reset::<peripherals::DAC1>();
-    // RM0440: above 160 MHz of bus clock.
+    // Needed above a bus clock of 160 MHz (RM0440).
     DAC1.mcr().write(|w| {
         w.set_hfsel(2);
         w.set_mode(0, Mode::NORMAL_EXT_BUFEN);

@@ -16,13 +16,13 @@ use crate::shared::InThread;
 
 const _: () = assert!(STEP_MS as u64 == crate::run::SUPERVISION.as_millis());
 
-/// Hands the stored alignment to the control tick, if it fits the settings in use.
+/// Hands the stored encoder alignment to the control tick, if it fits the settings in use.
 pub fn give(control: &mut Control, session: &Session) {
     let kept = session.kept().usable(session.settings(), board::BOARD);
     control.device.keep(kept.ok().map(Into::into));
 }
 
-/// Starts the automatic start before the first control tick, with the stored alignment.
+/// Begins the automatic start before the first control tick, with the stored encoder alignment.
 pub fn begin(here: InThread, session: &Session, reason: ResetReason) {
     let settings = session.settings();
     let usable = session.kept().usable(settings, board::BOARD);

@@ -26,7 +26,7 @@ pub fn config() -> Config {
     });
     config.rcc.sys = Sysclk::PLL1_R;
     config.rcc.boost = true;
-    // Both pairs of converters from the same clock, as the errata sheet asks (ES0430 2.7.11).
+    // Both pairs of converters need the same clock (errata sheet ES0430, 2.7.11).
     config.rcc.mux.adc12sel = mux::Adcsel::SYS;
     config.bdma_interrupt_priority = Priority::P6;
     config

@@ -129,7 +129,7 @@ impl Control {
             self.brown_out_told = true;
             self.device.report_fault(FaultCode::BrownOut, 0);
         }
-        // While an encoder on a bus answers, the processor has nothing else to do than what does not need the answer.
+        // While an encoder on the bus answers, the processor does the work that does not need the answer.
         let begun = magnetic::begin(self.encoder);
         let report = REPORT.get();
         self.keep();

@@ -74,7 +74,7 @@ fn die(kind: u32, place: u32, file: &'static str, status: u32) -> ! {
 fn panic(info: &PanicInfo) -> ! {
     pwm::outputs_off();
     match info.location() {
-        // The names of source files are in flash for as long as the program is.
+        // The names of source files are constants in flash.
         Some(place) => die(PANIC, place.line(), file_of(place), 0),
         None => die(PANIC, 0, "", 0),
     }
@@ -106,7 +106,7 @@ unsafe fn NonMaskableInt() {
         die(FAULT, 0, "", 0);
     }
     FLASH.eccr().modify(|w| w.set_eccd(true));
-    // The timer's break was pulled with it (`supply`); nothing runs yet while settings are read.
+    // The error has also triggered the timer's break (`supply`). No interrupt runs yet while settings are read.
     pwm::clear_break();
 }
 

@@ -21,7 +21,7 @@ unsafe impl critical_section::Impl for Masking {
     unsafe fn acquire() -> critical_section::RawRestoreState {
         let before = basepri::read();
         basepri_max::write(FIRST_MASKED);
-        // As cortex-m does for PRIMASK: the write takes effect before what follows.
+        // As cortex-m does for PRIMASK: the write takes effect before the next instruction.
         cortex_m::asm::isb();
         compiler_fence(Ordering::SeqCst);
         before

@@ -1,4 +1,5 @@
-//! The interrupts of current loop, timer break, supply and control tick. They contain no code that could wait without bound or panic.
+//! The interrupts of current loop, timer break, supply and control tick. They contain no code that could wait without bound or
+//! panic.
 //!
 //! ```text
 //! TIM1 -> ADC1, ADC2 -> ADC1_2 (priority 0): the current loop -> every N-th time LPTIM1 (priority 2): the control tick
@@ -43,8 +44,8 @@ pub unsafe fn start(current: &'static mut CurrentLoop) {
     interrupt::ADC1_2.set_priority(Priority::P0);
     interrupt::TIM1_BRK_TIM15.set_priority(Priority::P1);
     interrupt::LPTIM1.set_priority(Priority::P2);
-    // A break from before counts no more: the set-up of comparators may have pulled it, or the memory's error during the start
-    // (`crash`). One that is still active comes back at once.
+    // Clears a break from before: the set-up of the comparators or a memory error during the start (`crash`) may have caused it. A
+    // break that is still active comes back at once.
     pwm::clear_break();
     NVIC::unpend(interrupt::TIM1_BRK_TIM15);
     // SAFETY: their handlers share with other code only what `shared` describes.
@@ -89,8 +90,9 @@ fn ADC1_2() {
         }
         BridgeCommand::On(duty) => {
             pwm::set_duty(duty);
-            // Once, and not in every period: a break that comes and goes between the look at it above and here has switched off,
-            // and would be undone (the emulator found it, with a break of 2 us). After the one time it is looked at again.
+            // Switches on once and not in every period. Otherwise a break that begins and ends between its check above and this
+            // line would switch off and be undone (the emulator found this with a break of 2 us). After switching on, the break is
+            // checked once more.
             if !SWITCHED_ON.load(Relaxed) {
                 SWITCHED_ON.store(true, Relaxed);
                 pwm::outputs_on();
@@ -104,7 +106,7 @@ fn ADC1_2() {
         analogue::off();
     }
     REPORT.put(current.report());
-    // A tick that is due takes the place of a reading that did not come, and none is asked for while one is still due.
+    // A due control tick replaces an encoder reading that did not run. No reading is requested while a tick is still due.
     if output.pend_control || output.reads_change && !TICK_DUE.load(Relaxed) {
         TICK_DUE.store(output.pend_control, Relaxed);
         DUE.store(begun, Relaxed);
@@ -113,7 +115,7 @@ fn ADC1_2() {
     CURRENT_LIVES.store(true, Relaxed);
     let took = cycles::now().wrapping_sub(begun);
     raise(&CURRENT_CYCLES_MAX, took);
-    // The direction alone does not tell: after a whole period the counter goes down again.
+    // The counter's direction alone is not enough: after a whole period the counter goes down again.
     let is_late = took > pwm::HALF_PERIOD || !pwm::is_before_bottom();
     LATE.store(is_late, Relaxed);
     if is_late {
@@ -143,7 +145,7 @@ fn PVD_PVM() {
 /// timer does.
 #[interrupt]
 fn LPTIM1() {
-    // First: a tick that becomes due after this is another turn's.
+    // Read first: a tick that becomes due after this line belongs to the next run of the interrupt.
     let is_tick = TICK_DUE.load(Relaxed);
     let begun = cycles::now();
     // SAFETY: this is the handler that it belongs to, and calls it once.

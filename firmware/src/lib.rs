@@ -4,7 +4,7 @@
 //! the plain struct that the function returns to registers. `docs/firmware.md` says which interrupt may do what.
 #![no_std]
 
-// The log goes to the probe, if there is one; it is dropped where nobody reads it.
+// The log goes to a debug probe; without one it is dropped.
 use defmt_rtt as _;
 
 #[cfg(not(any(
@@ -16,7 +16,7 @@ use defmt_rtt as _;
 )))]
 compile_error!("which board? --no-default-features --features <board>");
 
-// Two boards in one build would be two modules of one name.
+// Two boards in one build would define the module twice.
 #[cfg(feature = "b-g431b-esc1")]
 #[path = "board/b_g431b_esc1.rs"]
 pub mod board;

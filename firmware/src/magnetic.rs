@@ -29,7 +29,7 @@ pub fn prepare(kind: EncoderKind) {
     let (size, threshold) = match kind {
         EncoderKind::Incremental => return,
         EncoderKind::As5047p => (Ds::BITS16, Frxth::HALF),
-        // 24 bits are three times eight.
+        // A frame of 24 bits is sent as three times eight bits.
         EncoderKind::Mt6701 => (Ds::BITS8, Frxth::QUARTER),
     };
     ASKED.store(0, Relaxed);

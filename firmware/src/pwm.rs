@@ -114,11 +114,10 @@ pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
         w.set_arpe(true);
     });
     let inverted = bridge.complement == Complement::ActiveLow;
-    // An output that is switched off by its enable bit is at its inactive level as long as the timer drives (OSSR), and at its idle
-    // level when it does not (RM0440, the table of the outputs' control bits): a line that says whether the bridge is on, without the
-    // processor.
+    // An output that its enable bit switches off is at its inactive level while the timer drives (OSSR), and at its idle level
+    // otherwise (RM0440, table of the outputs' control bits). So the line says whether the bridge is on, without the processor.
     let enables = bridge.complement == Complement::Enable;
-    // Levels while the outputs are off, by the pin: upper sides low. And OC4REF triggers the converters.
+    // Levels of the pins while the outputs are off: upper transistors off. OC4REF triggers the converters.
     TIM1.cr2().write(|w| {
         w.set_mms2(Mms2::COMPARE_OC4);
         for channel in 0..3 {
@@ -132,7 +131,7 @@ pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
     for channel in 0..4 {
         TIM1.ccmr_output(channel / 2).modify(|w| {
             w.set_ocpe(channel % 2, true);
-            // Channel 4 rises while counting up, just before the top: there all low sides conduct.
+            // Channel 4 rises while the counter goes up, just before the top, where all lower transistors conduct.
             w.set_ocm(
                 channel % 2,
                 if channel == 3 {
@@ -157,7 +156,7 @@ pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
     TIM1.af1().write(|w| match bridge.break_input {
         BreakInput::Pin => {
             w.set_bkine(true);
-            // Not inverted here: the polarity is BDTR's.
+            // Not inverted here, because BDTR sets the polarity.
             w.set_bkinp(Bkinp::NOT_INVERTED);
         }
         BreakInput::Comparators(mask) => {
@@ -193,7 +192,7 @@ pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
         // Dead time, break, polarity and idle levels stay as they are until a reset, whatever the program does.
         w.set_lock(Lock::LEVEL2);
     });
-    // Loads the preloaded registers; the flags that it and the set-up raised are no events.
+    // Loads the preloaded registers, then clears the flags that this and the set-up have raised.
     TIM1.egr().write(|w| w.set_ug(true));
     TIM1.sr().write(|_| ());
     TIM1.dier().write(|w| w.set_bie(true));
@@ -250,7 +249,7 @@ pub fn silence_break() {
 /// Clears the flags of the input's and the system's break and enables the break's interrupt. A flag returns at once if its cause is
 /// still there. While the system's flag is set, the timer does not accept `MOE` (RM0440, TIM1_SR.SBIF).
 pub fn clear_break() {
-    // Written, not modified: a zero clears, a one leaves alone.
+    // Written and not modified: a zero clears a flag, a one has no effect.
     TIM1.sr().write(|w| {
         w.0 = !0;
         w.set_bif(0, false);

@@ -1,4 +1,4 @@
-//! The device as a protocol session sees it: carries out requests, in the thread.
+//! The thread's part of the device: carries out the requests of a protocol session.
 
 use core::sync::atomic::Ordering::Relaxed;
 
@@ -24,7 +24,7 @@ pub struct Thread {
     /// Why the processor started.
     reset_reason: ResetReason,
     here: InThread,
-    /// Whether the session has settings that the control tick does not have yet.
+    /// Whether the protocol session has new settings that the control tick does not have yet.
     new_settings: bool,
 }
 
@@ -51,7 +51,7 @@ impl Thread {
         self.here
     }
 
-    /// Whether the session has settings that the control tick does not have yet.
+    /// Whether the protocol session has new settings that the control tick does not have yet.
     pub fn has_new_settings(&self) -> bool {
         self.new_settings
     }
@@ -69,13 +69,13 @@ impl Thread {
                     #[cfg(feature = "g474re")]
                     crate::autostart::give(control, session);
                 });
-                // What there is to touch was checked with them.
+                // The environment was checked together with these settings.
                 #[cfg(feature = "g474re")]
                 let _ = crate::surround::give(self.here, settings, session.environment());
                 #[cfg(feature = "g474re")]
                 crate::surround::play(self.here, settings, session.cogging(board::BOARD));
             }
-            // They were checked, so this does not happen.
+            // The settings were checked before, so this does not happen.
             Err(_) => {
                 control(self.here, |control| {
                     control.device.report_fault(FaultCode::SettingsInvalid, 0)
@@ -211,7 +211,7 @@ impl Backend for Thread {
 
     #[cfg(feature = "g474re")]
     fn use_kept(&mut self, kept: Option<touchstone_protocol::KeptAlignment>) {
-        // With the settings that it is used with, where there are others: `apply`.
+        // If new settings wait, `apply` hands the alignment over together with them.
         if !self.new_settings {
             control(self.here, |control| {
                 control.device.keep(kept.map(Into::into))
@@ -225,7 +225,7 @@ impl Backend for Thread {
         settings: &DeviceSettings,
         map: Option<&touchstone_protocol::CoggingMap>,
     ) {
-        // As above.
+        // If new settings wait, `apply` hands the cogging map over together with them.
         if !self.new_settings {
             crate::surround::play(self.here, settings, map);
         }

@@ -59,7 +59,7 @@ fn start(
     );
     let (session, are_refused) = session(&mut storage);
     let current = control(session.settings(), reason, are_refused, here);
-    // It takes its time to compute, and the watchdog waits for nobody.
+    // The computations below take a while, so the watchdog is fed before them.
     #[cfg(feature = "g474re")]
     watchdog::feed();
     #[cfg(feature = "g474re")]
@@ -76,7 +76,8 @@ fn start(
     current
 }
 
-/// Makes the session with the settings in flash, or with the defaults. Also returns whether the settings in flash were refused.
+/// Makes the protocol session with the settings in flash, or with the defaults. Also returns whether the settings in flash were
+/// refused.
 #[inline(never)]
 fn session(kept: &mut Storage) -> (&'static mut Session, bool) {
     let defaults = DeviceSettings::defaults(board::BOARD);

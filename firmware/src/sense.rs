@@ -43,7 +43,8 @@ pub fn start<const RANKS: usize>(
     second: Adc<'static, peripherals::ADC2>,
     second_channels: [(AnyAdcChannel<'static, peripherals::ADC2>, SampleTime); RANKS],
 ) {
-    // ADC2 first and without an interrupt: both are triggered at once and take as long, so ADC1's end tells of both.
+    // ADC2 starts first and without an interrupt. Both converters are triggered together and take the same time, so ADC1's end of
+    // sequence stands for both.
     let second =
         second.setup_injected_conversions(second_channels, TIM1_TRGO2, Exten::RISING_EDGE, false);
     core::mem::forget(second);
@@ -78,7 +79,7 @@ pub fn take<const RANKS: usize>() -> Raw<RANKS> {
 #[inline(always)]
 pub fn take_first<const RANKS: usize>() -> [u16; RANKS] {
     let codes = core::array::from_fn(|rank| ADC1.jdr(rank).read().jdata());
-    // Written with ones to clear, JEOC with it.
+    // Writing ones clears the flags, JEOC among them.
     ADC1.isr().write(|w| {
         w.set_jeos(true);
         w.set_jeoc(true);

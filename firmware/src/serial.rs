@@ -58,7 +58,7 @@ pub async fn link(
     let mut received = [0; 64];
     loop {
         LINK_LIVES.store(true, Relaxed);
-        // An error of the line ends the read; what it spoiled fails its check and is counted there.
+        // An error of the line ends the read. The damaged frame fails its check and is counted.
         let count = match select(port.read(&mut received), ticker.next()).await {
             embassy_futures::select::Either::First(Ok(count)) => count,
             _ => 0,
@@ -78,7 +78,7 @@ pub async fn link(
         if device.has_new_settings() {
             device.apply(session);
         }
-        // Not until there is none left: more may come than the port carries, and requests are to be read as well.
+        // Does not send until the queue is empty: telemetry may come faster than the port sends, and requests must be read too.
         for _ in 0..RECORDS_A_ROUND {
             let Some(length) = next_record(device.here(), frame) else {
                 break;
@@ -130,7 +130,7 @@ fn take(
     HEARD.store(true, Relaxed);
     #[cfg(feature = "g474re")]
     crate::exchange::SPOKEN.store(true, Relaxed);
-    // Not moved out: it is large.
+    // Not moved out of the `match`, because the answer is large.
     match &session.answer_payload(payload, errors, device) {
         Answered::Later => Taken::Command,
         Answered::Now(answer) => encoded(answer, frame).map_or(Taken::Nothing, Taken::Answer),

@@ -81,7 +81,8 @@ impl ReadNorFlash for Storage {
     const READ_SIZE: usize = 1;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), StorageError> {
-        // A word whose writing was cut may fail its check in hardware: that interrupts, and is harmless only here.
+        // A flash word whose write was interrupted may fail its hardware check (ECC). The check raises an interrupt, which is
+        // harmless only here.
         READING.store(true, Relaxed);
         let read = self.flash()?.blocking_read(offset, bytes);
         READING.store(false, Relaxed);
@@ -103,7 +104,7 @@ impl NorFlash for Storage {
             let flash = self.flash()?;
             window::extended(|| flash.blocking_erase(page, page + PAGE as u32))
                 .map_err(StorageError::Refused)?;
-            // The supervisor cannot run in between; this loop has an end.
+            // The supervisor cannot run during this loop, whose length is bounded.
             watchdog::feed();
         }
         Ok(())

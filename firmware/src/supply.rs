@@ -28,7 +28,7 @@ pub fn start() {
     interrupt::PVD_PVM.set_priority(Priority::P1);
     // SAFETY: its handler shares nothing but atomics with other code.
     unsafe { interrupt::PVD_PVM.enable() };
-    // A debugger that halts the processor: the timer stops with its outputs inactive, the watchdogs wait.
+    // When a debugger halts the processor, the timer stops with its outputs inactive, and the watchdogs wait.
     DBGMCU.apb2fzr().modify(|w| w.set_tim1(true));
     DBGMCU.apb1lfzr().modify(|w| {
         w.set_iwdg(true);

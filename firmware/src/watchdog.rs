@@ -22,7 +22,7 @@ const RELOAD: u32 = LONGEST_MS * LSI_HZ.0 / 1_000 / PRESCALER;
 
 const _: () = {
     assert!(RELOAD <= 0xfff);
-    // Shortest time to a reset: more than three feedings that come late behind two erased pages.
+    // Shortest time to a reset, ms: longer than three feedings that two page erases delay.
     assert!(RELOAD * PRESCALER * 1_000 / LSI_HZ.1 > 80);
 };
 

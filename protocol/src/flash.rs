@@ -1,5 +1,5 @@
-//! The image of the settings in flash. Each flash page is a slot for one image, and the slots are written in turn. So a cut of power
-//! at any write or erase loses only the image that was being written.
+//! The image of the settings in flash. Each flash page is a slot for one image, and the slots are written in turn. So a cut of
+//! power at any write or erase loses only the image that was being written.
 //!
 //! ```text
 //! page:  sequence u32 | length u32 | image (stored.rs) | CRC-32 of all before | erased

@@ -102,7 +102,7 @@ impl Decoder {
             self.too_long |= self.buffer.push(byte).is_err();
             return None;
         }
-        // Zeros between frames mean nothing: a sender may begin with one to end whatever noise was before.
+        // A zero between frames has no meaning. A sender may begin with one to end noise that came before.
         if self.buffer.is_empty() {
             return None;
         }
@@ -133,7 +133,7 @@ fn payload_length(frame: &mut [u8]) -> Result<usize, FrameError> {
 }
 
 /// Decodes the message in a payload. `None` if the payload is no valid message or has bytes left after the message.
-// A function of its own: what it builds on its stack is gone before the message is worked on.
+// A separate function, so that its stack is free again before the message is handled.
 #[inline(never)]
 #[must_use]
 pub fn message<'p, T: Deserialize<'p>>(payload: &'p [u8]) -> Option<T> {

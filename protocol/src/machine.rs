@@ -6,9 +6,9 @@
 //!               +-----------+--------+--------------> Fault(context) -> Stopped -> Calibrating
 //! ```
 //!
-//! Outputs may be on in `Calibrating` and `Armed` only. The first fault is stored with its context, and later faults do not overwrite it,
-//! because the first one is the cause. Only the command `Stop` leaves a fault, to `Stopped`. From `Stopped` the way back to `Armed` leads
-//! through a calibration. A fault acts in every state, before any command of the same tick.
+//! Outputs may be on in `Calibrating` and `Armed` only. The first fault is stored with its context, and later faults do not
+//! overwrite it, because the first one is the cause. Only the command `Stop` leaves a fault, to `Stopped`. From `Stopped` the way
+//! back to `Armed` leads through a calibration. A fault acts in every state, before any command of the same tick.
 
 /// Why the outputs were switched off. The numbers go over the wire and never change; a code that is not in use keeps its number.
 ///
@@ -227,7 +227,7 @@ impl Machine {
     /// Handles one event. Returns whether the state changed, so that the caller can answer a command that is not allowed.
     pub fn handle(&mut self, event: Event) -> bool {
         let next = match (self.state, event) {
-            // The first cause stays.
+            // The first fault is the cause and stays.
             (State::Fault(context), Event::Fault(_)) => State::Fault(context),
             (_, Event::Fault(context)) => State::Fault(context),
             (State::Boot | State::Stopped, Event::Command(Command::Calibrate)) => {
@@ -253,13 +253,13 @@ impl Machine {
         command: Option<Command>,
     ) -> Outputs {
         if let Some(context) = fault {
-            // A stop in the tick of a fault would hide the fault: it has to be asked for again.
+            // A command to stop in the tick of a fault would hide the fault, so the sender has to repeat it.
             self.handle(Event::Fault(context));
             return self.outputs();
         }
-        // Both meet the state that the tick began with: a command does not count on a calibration that ends in the same
-        // tick, nor a calibration's end on a command that begins it. (A proof found `Arm` sent while calibrating: it armed
-        // the device in the very tick in which the calibration ended.)
+        // Command and end of calibration both apply to the state at the beginning of the tick. A command does not use a calibration
+        // that ends in the same tick, and the end of a calibration does not apply to one that a command begins. (A proof found that
+        // `Arm` sent while calibrating would arm the device in the tick in which the calibration ended.)
         let calibrating = self.state == State::Calibrating;
         if let Some(command) = command {
             self.handle(Event::Command(command));
@@ -325,7 +325,7 @@ mod tests {
             machine.tick(None, false, None);
             assert_eq!(machine.state(), State::Calibrating);
         }
-        // What ends in the tick in which another one begins is not that one.
+        // A calibration that ends in the tick in which a command begins another one is not that other one.
         let mut other = Machine::new();
         other.tick(None, true, Some(Command::Calibrate));
         assert_eq!(other.state(), State::Calibrating);

@@ -7,7 +7,7 @@ use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
 
 /// A message from the device to the desktop, one per frame.
-// One frame is held at a time.
+// A large variant is acceptable, because only one message exists at a time.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FromDevice {

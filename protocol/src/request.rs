@@ -17,7 +17,7 @@ pub struct ToDevice<'a> {
 }
 
 /// What the desktop can request of the device.
-// One request is held at a time: the whole of the settings needs no place of its own.
+// A large variant is acceptable, because only one request exists at a time. So the settings need no separate memory.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Request<'a> {
@@ -71,14 +71,16 @@ pub enum Request<'a> {
     /// Requests the data stored for the next start, and how the automatic start went since power came on.
     #[cfg(feature = "large")]
     Start,
-    /// Stores the encoder's alignment from the calibration that has just ended. Only in the state `Ready`; `Save` writes it to
-    /// flash.
+    /// Stores the encoder's alignment with the motor from the calibration that has just ended. Only in the state `Ready`; `Save`
+    /// writes it to flash.
     #[cfg(feature = "large")]
     KeepAlignment,
-    /// Discards the stored alignment. The board then cannot start unattended, even if autostart is on. `Save` writes this to flash.
+    /// Discards the stored encoder alignment. The board then cannot start unattended, even if autostart is on. `Save` writes this
+    /// to flash.
     #[cfg(feature = "large")]
     ForgetAlignment,
-    /// Sets whether the board checks the stored alignment and arms by itself when power comes on. `Save` writes this to flash.
+    /// Sets whether the board checks the stored encoder alignment and arms by itself when power comes on. `Save` writes this to
+    /// flash.
     #[cfg(feature = "large")]
     Autostart(bool),
     /// Requests the stored map of the motor's cogging.
@@ -107,7 +109,7 @@ pub enum DeviceCommand {
     Disarm,
     /// Switches the outputs off and discards the calibration; clears a fault.
     Stop,
-    /// Makes the present position the zero of the count. Not while armed.
+    /// Makes the present position the zero of the encoder count. Not while armed.
     Zero,
     /// Switches the outputs off and resets the processor.
     Reboot,

@@ -56,17 +56,17 @@ pub trait Backend {
     ) -> Option<Result<CountsFrom, SettingsError>> {
         None
     }
-    /// Hands over the stored alignment that the next calibration only checks. With `None` the calibration searches for the
+    /// Hands over the stored encoder alignment that the next calibration only checks. With `None` the calibration searches for the
     /// alignment.
     #[cfg(feature = "large")]
     fn use_kept(&mut self, _kept: Option<KeptAlignment>) {}
-    /// The alignment in use: the electrical angle at the encoder's own zero (turns/65,536), and whether the angle falls when the
-    /// count rises. `None` if no alignment was found with the settings in use.
+    /// The encoder alignment in use: the electrical angle at the encoder's own zero (turns/65,536), and whether the angle falls
+    /// when the encoder count rises. `None` if no alignment was found with the settings in use.
     #[cfg(feature = "large")]
     fn alignment(&self) -> Option<(u16, bool)> {
         None
     }
-    /// Whether a stored alignment is in use, and how the automatic start went.
+    /// Whether a stored encoder alignment is in use, and how the automatic start went.
     #[cfg(feature = "large")]
     fn started(&self) -> (bool, SelfStart) {
         (false, SelfStart::Off)
@@ -83,7 +83,8 @@ pub trait Backend {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FlashError;
 
-/// A session's state: the settings in use, the data stored beside them, and whether all of it is in flash.
+/// A session, which answers the desktop's requests: the settings in use, the data stored beside them, and whether all of it is in
+/// flash.
 #[derive(Debug, Clone)]
 pub struct Session {
     settings: DeviceSettings,
@@ -98,8 +99,8 @@ pub struct Session {
     waiting: Option<(u8, DeviceCommand)>,
 }
 
-/// How a session answered a payload.
-// One message is held at a time.
+/// How a session answered the payload of a frame.
+// A large variant is acceptable, because only one message exists at a time.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answered {
@@ -116,7 +117,7 @@ pub enum Answered {
 mod keeping;
 
 impl Session {
-    /// A session with the settings that the device started with. `saved` tells whether they are those in flash.
+    /// A session with the settings that the device started with. `saved` says whether they are those in flash.
     #[must_use]
     pub fn new(settings: DeviceSettings, saved: bool) -> Self {
         Self {
@@ -132,7 +133,7 @@ impl Session {
         }
     }
 
-    /// Sets the environment that the device started with.
+    /// Sets the environment (walls, end stops, detents) that the device started with.
     #[cfg(feature = "large")]
     #[must_use]
     pub const fn with_environment(mut self, environment: Surround) -> Self {
@@ -140,7 +141,7 @@ impl Session {
         self
     }
 
-    /// Sets the data that are stored for the next start: the alignment and whether the board starts by itself.
+    /// Sets the data that are stored for the next start: the encoder's alignment and whether the board starts by itself.
     #[cfg(feature = "large")]
     #[must_use]
     pub const fn with_kept(mut self, kept: KeptStart) -> Self {
@@ -243,7 +244,7 @@ impl Session {
     ///
     /// # Errors
     /// The reason for a refusal. A refused request changes nothing.
-    // Not a part of its caller: see below.
+    // Never inlined into its caller, to save stack: see the comment below.
     #[inline(never)]
     pub fn answer(
         &mut self,
@@ -273,8 +274,8 @@ impl Session {
         }
     }
 
-    // The following are functions of their own so that a device with a few kilobytes of stack has no more on it than it needs:
-    // one copy of the settings, and no reply while a request is carried out.
+    // The following functions are never inlined. So a device with a few kilobytes of stack has only one copy of the settings on it,
+    // and no reply while a request is carried out.
 
     /// Answers the requests that only read data.
     #[inline(never)]
@@ -331,7 +332,7 @@ impl Session {
             | Request::KeepAlignment
             | Request::ForgetAlignment
             | Request::Autostart(_) => Err(Refusal::NotUnderstood),
-            // Nothing to tell: `act` has these.
+            // `act` carries out these requests; they return no data.
             Request::Set { .. }
             | Request::SetAll(_)
             | Request::Defaults

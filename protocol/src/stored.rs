@@ -7,12 +7,12 @@
 //! layout version u16 | the same | postcard of the cogging map, if one is stored | CRC-32 of all before
 //! ```
 //!
-//! Boards with room for an environment (more walls, end stops, detents) write the last form. They also read the other forms; what such a
-//! form leaves out is the default: the settings' wall alone, no data for the start, no cogging map.
+//! Boards with room for an environment (more walls, end stops, detents) write the last form. They also read the other forms; what
+//! such a form leaves out is the default: the settings' wall alone, no data for the start, no cogging map.
 //!
-//! `flash.rs` decides where the image lies and how it survives a cut of power. An image is refused if it is incomplete, of an unknown
-//! layout, or not valid. The device then uses the defaults and latches `SettingsInvalid`. An image is never used in part. An image of
-//! another layout stays in flash until its page is needed, so the previous firmware finds its settings again.
+//! `flash.rs` decides where the image lies and how it survives a cut of power. An image is refused if it is incomplete, of an
+//! unknown layout, or not valid. The device then uses the defaults and latches `SettingsInvalid`. An image is never used in part.
+//! An image of another layout stays in flash until its page is needed, so the previous firmware finds its settings again.
 
 use crate::frame::{PAYLOAD_MAX, crc_of};
 #[cfg(feature = "large")]
@@ -30,10 +30,10 @@ pub const LAYOUT_VERSION: u16 = if cfg!(feature = "large") {
     WALL_ALONE
 };
 
-/// Layout version without an environment: that of boards without room for one.
+/// Layout version without an environment (further walls, end stops, detents): that of boards without room for one.
 const WALL_ALONE: u16 = 4;
 
-/// Layout version with an environment and no data for the next start.
+/// Layout version with an environment (further walls, end stops, detents) and no data for the next start.
 const NOTHING_KEPT: u16 = 5;
 
 /// Layout version without a cogging map.
@@ -66,7 +66,7 @@ pub enum Refused {
     Invalid(SettingsError),
 }
 
-/// The data with which a device starts: settings, environment, alignment and cogging map.
+/// The data with which a device starts: settings, environment (walls, end stops, detents), encoder alignment and cogging map.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Start {
     /// The settings to use.

@@ -90,14 +90,16 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
             (p.PB14.degrade_adc(), sense::SLOW),
         ],
         Adc::new(p.ADC2, Default::default()),
-        // The third current, and the divider of a phase's voltage, are not used yet: both converters take as long.
+        // The third current and the divided phase voltage are not used. They are converted so that both converters take the same
+        // time.
         [
             (phase_b.degrade_adc(), sense::AMPLIFIED),
             (phase_c.degrade_adc(), sense::SLOW),
             (p.PC4.degrade_adc(), sense::SLOW),
         ],
     );
-    // Who hands a converter the output of an amplifier has given it up, and the HAL switches off what was given up.
+    // Handing an amplifier's output to a converter drops the amplifier, and the HAL then switches it off. So it is switched on
+    // again here.
     for amplifier in [OPAMP1, OPAMP2, OPAMP3] {
         amplifier.csr().modify(|w| w.set_opampen(true));
     }

@@ -59,13 +59,14 @@ const STOP_BUTTON: usize = 13;
 /// and the settings' flash.
 pub fn set_up_pins(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     interrupt::LPUART1.set_priority(Priority::P6);
-    // Open drain, and enable at once: pulled up here, pulled down by the driver. The pin that is not linked rests high.
+    // An open-drain line that is both error output and enable: pulled up here, pulled down by the driver. The pin without a link
+    // stays high.
     let mut fault_line = (Flex::new(p.PB12), Flex::new(p.PA11));
     fault_line
         .0
         .set_as_af_unchecked(BREAK_FUNCTION, AfType::input(Pull::Up));
     fault_line.1.set_as_input(Pull::Up);
-    // The driver's own limiter must not take part: its reference at the top.
+    // The driver's own current limiter must not act, so its reference is at the maximum.
     let limiter = Output::new(p.PB4, Level::High, Speed::Low);
     pwm::start(p.TIM1, BRIDGE);
     pwm::keep(
@@ -82,12 +83,13 @@ pub fn set_up_pins(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     );
     let mut stop_button = Flex::new(p.PC13);
     stop_button.set_as_input(Pull::Down);
-    // Encoder by edges: two tracks with pull-ups, as open-collector encoders need them.
+    // Incremental encoder: both tracks have pull-ups, which open-collector encoders need.
     let mut tracks = (Flex::new(p.PA15), Flex::new(p.PB3));
     tracks.0.set_as_af_unchecked(1, AfType::input(Pull::Up));
     tracks.1.set_as_af_unchecked(1, AfType::input(Pull::Up));
     encoder::count_edges!(TIM2);
-    // Encoder over SPI. The line from the encoder is pulled up: one that is not there reads as all ones, which no parity bears.
+    // Encoder over SPI. The data line from the encoder has a pull-up: a missing encoder reads as all ones, which fails the parity
+    // check.
     let mut lines = (Flex::new(p.PC10), Flex::new(p.PC11), Flex::new(p.PC12));
     lines
         .0
@@ -100,7 +102,7 @@ pub fn set_up_pins(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     magnetic::start(p.SPI3);
     // The pins stay as they are until the next reset.
     core::mem::forget((fault_line, limiter, stop_button, tracks, lines, select));
-    // The two currents at once, one a converter.
+    // Both currents are sampled at the same time, one by each converter.
     sense::start(
         Adc::new(p.ADC1, Default::default()),
         [

@@ -80,12 +80,13 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     );
     let mut stop_button = Flex::new(p.PC13);
     stop_button.set_as_input(Pull::Down);
-    // Encoder by edges: two tracks with pull-ups, as open-collector encoders need them.
+    // Incremental encoder: both tracks have pull-ups, which open-collector encoders need.
     let mut tracks = (Flex::new(p.PA15), Flex::new(p.PB3));
     tracks.0.set_as_af_unchecked(1, AfType::input(Pull::Up));
     tracks.1.set_as_af_unchecked(1, AfType::input(Pull::Up));
     encoder::count_edges!(TIM2);
-    // Encoder over SPI. The line from the encoder is pulled up: one that is not there reads as all ones, which no parity bears.
+    // Encoder over SPI. The data line from the encoder has a pull-up: a missing encoder reads as all ones, which fails the parity
+    // check.
     let mut lines = (Flex::new(p.PC10), Flex::new(p.PC11), Flex::new(p.PC12));
     lines
         .0
@@ -98,7 +99,7 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     magnetic::start(p.SPI3);
     // The pins stay as they are until the next reset.
     core::mem::forget((fault_line, stop_button, tracks, lines, select));
-    // No current: the supply alone.
+    // The board measures no current, only the supply voltage.
     sense::start_first(
         Adc::new(p.ADC1, Default::default()),
         [(p.PA0.degrade_adc(), sense::SLOW)],

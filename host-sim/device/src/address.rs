@@ -60,7 +60,7 @@ impl From<SerialPortInfo> for Port {
         match info.port_type {
             SerialPortType::UsbPort(usb) => Port {
                 name: info.port_name,
-                // An ST-LINK shows itself by its name; ST's other virtual ports have the same vendor.
+                // The product number identifies an ST-LINK; ST's other virtual serial ports have the same vendor number.
                 st_link: usb.vid == VENDOR_ST && is_st_link(usb.pid),
                 about: format!(
                     "USB {:04x}:{:04x} {}",

@@ -59,7 +59,7 @@ impl Omega3 {
             _ => {}
         }
         let id = library.open(0)?;
-        // From here on whatever is wrong closes it again, by `Drop`.
+        // From here on `Drop` closes the device after any error.
         let mut omega = Self {
             library,
             id: Some(id),
@@ -103,7 +103,7 @@ impl Omega3 {
             ));
         }
         match self.library.set_max_force(self.sheet.force_n, id) {
-            // A second limit beside the loop's own; an old library does without.
+            // A second limit in addition to the loop's own. A library without this function is accepted.
             Err(error) if error.number != DhdError::NOT_IN_LIBRARY => Err(error.into()),
             _ => Ok(()),
         }
@@ -150,7 +150,7 @@ impl HapticDevice for Omega3 {
         self.library.set_force([0.0; 3], id)?;
         self.library.enable_force(true, id)?;
         for _ in 0..ENGAGE_ASKS {
-            // A library that does not say so is believed.
+            // If the library does not say whether the motors are on, they count as on.
             if self.library.status(id)?.force() != Some(false) {
                 return Ok(());
             }
@@ -185,7 +185,7 @@ impl HapticDevice for Omega3 {
             powered: status.power().unwrap_or(true),
             calibrated: !status.reset().unwrap_or(false),
             motors_on,
-            // While they are on, the cause is of another time.
+            // While the motors are on, the cause is that of an earlier switch-off.
             switched_off: cause(&status).filter(|_| !motors_on),
         })
     }
@@ -204,7 +204,7 @@ impl HapticDevice for Omega3 {
             }
             done
         };
-        // All of them, whatever becomes of those before.
+        // All steps are done, even if an earlier one failed.
         let done = [
             tried(&|| library.set_force([0.0; 3], id)),
             tried(&|| library.stop(id)),
@@ -217,7 +217,7 @@ impl HapticDevice for Omega3 {
 
 impl Drop for Omega3 {
     fn drop(&mut self) {
-        // Whoever wants to know what failed has released it before.
+        // The result is ignored: a caller that needs it has released the device before.
         let _ = self.release();
     }
 }

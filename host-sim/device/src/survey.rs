@@ -43,7 +43,7 @@ pub struct Survey {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pose {
-    /// Position, m.
+    /// Position of the effector, m.
     pub position_m: [f64; 3],
     /// Angles of the delta mechanism's three joints, rad.
     pub joint_angles_rad: [f64; 3],

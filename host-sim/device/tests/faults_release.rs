@@ -144,7 +144,7 @@ fn every_fault_at_every_call_ends_released_by_the_next_tick() {
     let nan = |fault: &HapticFault| *fault == HapticFault::NotFinite("position");
     let off = |fault: &HapticFault| *fault == HapticFault::SwitchedOff(SwitchOff::Velocity);
     type Row = (DeviceCall, FaultKind, fn(&HapticFault) -> bool, u64);
-    // The last column: ticks between what happened and the fault that it is to be, of which the sheet of limits speaks.
+    // The last column: number of ticks from the injection to the fault, by the limits of the loop.
     let rows: [Row; 10] = [
         (DeviceCall::Engage, FaultKind::Held, held, 0),
         (DeviceCall::Engage, FaultKind::Fails, lost, 0),
@@ -167,7 +167,7 @@ fn every_fault_at_every_call_ends_released_by_the_next_tick() {
             if call == DeviceCall::Engage && at > 0 {
                 continue;
             }
-            // Nobody can know that the first position is wrong.
+            // A wrong first position cannot be detected.
             if kind == FaultKind::Jumps && at == 0 {
                 continue;
             }

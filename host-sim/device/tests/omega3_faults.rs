@@ -102,7 +102,7 @@ fn limits(omega: &Omega3) -> ServoLimits {
     }
 }
 
-/// Runs the loop for 2 s on the mock's clock.
+/// Runs the servo loop for 2 s on the mock's clock.
 fn played(door: &Door) -> Result<ServoReport, HapticFault> {
     let mut omega = opened(door)?;
     let limits = limits(&omega);
@@ -141,7 +141,7 @@ fn without_a_fault_there_is_a_wall_and_a_released_device() {
     // The device's own limit is set beside the loop's.
     assert_eq!(door.ask("max"), 12.0);
     assert_eq!((door.ask("open"), door.ask("force")), (0.0, 0.0));
-    // None of what the device does for its own safety is switched off.
+    // The loop switches none of the device's own safety functions off.
     for call in [
         "dhdSetVelocityThreshold",
         "dhdSetWatchdog",
@@ -152,7 +152,7 @@ fn without_a_fault_there_is_a_wall_and_a_released_device() {
     }
 }
 
-/// Makes each call of the loop fail: at its first, its second and a later call; once, a few times and for good.
+/// Makes each call of the servo loop fail: at its first, its second and a later call; once, a few times and for good.
 #[test]
 fn every_call_that_fails_ends_with_no_force_and_a_closed_device_within_two_ticks() {
     let calls = [
@@ -379,8 +379,8 @@ fn in_real_time_every_tick_is_played_or_counted_as_missed() {
     let pace = &mut RealTime::new(RATE_HZ);
     let report = play(&mut omega, &mut spring(), &limits, RATE_HZ, pace, more);
     assert_eq!((&report.ending, &report.release), (&Ending::Asked, &Ok(())));
-    // From the end of the first tick to that of the last: as many intervals as ticks, played or missed, but for how late the two
-    // were; 50 ms for what nobody measures, between a tick's beginning and its end.
+    // Time from the end of the first tick to that of the last. It has as many intervals as ticks, run or missed, except for the
+    // lateness of these two. 50 ms are added for unmeasured time within a tick.
     let took_s = seen.map_or(0.0, |(_, took_s)| took_s);
     let due_s = (report.ticks + report.missed_ticks - 1) as f64 * INTERVAL_S;
     assert!(

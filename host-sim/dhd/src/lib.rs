@@ -131,7 +131,7 @@ impl Dhd {
     /// # Errors
     /// The library's error.
     pub fn status(&self, id: i8) -> Result<DhdStatus, DhdError> {
-        // Filled with what no status is, so that what an older library does not write is seen.
+        // Filled with a value that no status has, to recognise the words that an older library does not write.
         let mut raw = [DhdStatus::NOT_WRITTEN; STATUS_INTS];
         let done = (self.calls().get_status)(&mut raw, symbols::char_of(id));
         self.checked("dhdGetStatus", done)?;

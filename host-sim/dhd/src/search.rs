@@ -122,7 +122,7 @@ impl LibrarySearch {
     pub fn load(&self) -> Result<Dhd, NotLoaded> {
         let mut tried = Vec::new();
         if let Some(file) = &self.file {
-            // A bare name would be looked up by the system's loader, not here.
+            // Made absolute, because the operating system's loader would search for a bare name.
             let here = std::path::absolute(file).unwrap_or_else(|_| file.clone());
             return Dhd::load(&here).map_err(|why| NotLoaded {
                 tried: vec![(file.clone(), why)],
@@ -144,7 +144,7 @@ impl LibrarySearch {
         for name in NAMES.iter().filter(|_| self.system) {
             match Dhd::load(Path::new(name)) {
                 Ok(dhd) => return Ok(dhd),
-                // What the loader says of a name that it does not know is the same for all.
+                // The loader's message for an unknown name is the same for all names, so only other messages are kept.
                 Err(why) if why.contains("usb") => tried.push((name.into(), why)),
                 Err(_) => {}
             }

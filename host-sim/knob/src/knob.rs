@@ -1,5 +1,5 @@
-//! A complete simulated knob without a board: the firmware's two interrupt functions with the simulated motor, in lock-step, connected as
-//! in the firmware.
+//! A complete simulated knob without a board: the firmware's two interrupt functions with the simulated motor, in lock-step,
+//! connected as in the firmware.
 //!
 //! ```text
 //! every PWM period:  sample -> CurrentLoop::tick -> compare values, which act from half a period later on
@@ -97,7 +97,7 @@ fn off_or(bridge: touchstone_drive::BridgeCommand) -> Drive {
     }
 }
 
-/// A knob without falsified readings, with the motor of the thesis' knob at 24 V.
+/// A knob without falsified readings, with the motor of the thesis' knob (0.25 N·m/A) at 24 V.
 #[must_use]
 pub fn honest(settings: &DeviceSettings) -> Knob<Honest> {
     Knob::new(settings, GIMBAL, 0.0, Honest)
@@ -169,7 +169,8 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
             record,
             output: None,
             settings: settings.clone(),
-            // The shield's parts, not the constants of `drive`; between two codes, and not where the schematic says.
+            // The parts of a real shield differ from the constants in `drive`: offsets between two codes, and not those of the
+            // schematic.
             shunts: [2_128.3, 2_099.8]
                 .map(|offset| Shunt::low_side(0.01, 5.7 * 6.8 / 7.48, offset)),
             mailbox: CurrentCommand::OFF,
@@ -218,11 +219,12 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
             command: self.mailbox,
         };
         self.tamper.sample(next, &mut sample);
-        // The hardware has switched off by itself, and its flag stays.
+        // The hardware break has switched the outputs off, and its flag stays set.
         self.hardware_break |= sample.hardware_break;
         let out = self.current.tick(&sample);
         self.report = *self.current.report();
-        // Sampled at the counter's top; compare values are taken over at the bottom, half a period later. Off is off at once.
+        // The currents are sampled at the counter's top. Compare values take effect at the bottom, half a period later; switching
+        // off acts at once.
         self.acting = match (out.bridge, self.preloaded) {
             (touchstone_drive::BridgeCommand::Off, _) => Drive::Off,
             (_, Drive::Off) => Drive::On(self.hardware.modulator().zero()),

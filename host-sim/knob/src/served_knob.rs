@@ -121,7 +121,8 @@ impl ServedKnob {
         let rate_hz = f64::from(self.settings.timing.rate_hz);
         if self.knob.device.state() == State::Armed {
             self.armed_s += 1.0 / rate_hz;
-            // From where it was armed to a little before the surface; from there a part of a radian beyond it and back, again and again.
+            // The hand moves from where the knob was armed to a little before the surface. From there it moves a fraction of a
+            // radian inside and back, again and again.
             let (near, pressing_s) = (self.outside_rad - NEAR_RAD, (self.armed_s - 1.0).max(0.0));
             let share = (1.0 - (std::f64::consts::TAU * pressing_s / PRESS_S).cos()) / 2.0;
             let ahead = near * self.armed_s.min(1.0) + (NEAR_RAD + DEEP_RAD) * share;
@@ -281,7 +282,7 @@ pub fn serve(
         out.extend((0..std::mem::take(&mut knob.noise)).map(|i| ((i * 7919) >> 3) as u8));
         let rate_hz = f64::from(knob.settings.timing.rate_hz);
         let now_s = begun.elapsed().as_secs_f64();
-        // A machine that cannot keep up runs slower, and does not choke on what it missed.
+        // On a machine that is too slow the simulation runs slower instead of catching up.
         if now_s - ran_s > 0.25 {
             ran_s = now_s - 0.02;
         }
@@ -293,7 +294,7 @@ pub fn serve(
             out.extend(framed(&FromDevice::Telemetry(record)));
         }
         if let Some((stream, _)) = &mut line {
-            // What the line cannot take is lost, as on a serial port.
+            // Bytes that the connection cannot take are lost, as on a serial port.
             match stream.write(&out) {
                 Err(error) if error.kind() != ErrorKind::WouldBlock => line = None,
                 _ => {}

@@ -15,7 +15,7 @@ impl Counted {
     pub fn take(&mut self, tick: u32, decimation: u16) -> u32 {
         let steps = self.last.map_or(0, |last| {
             let steps = tick.wrapping_sub(last) / u32::from(decimation);
-            // Backwards: the device was restarted.
+            // The number went backwards: the device was restarted.
             let forward = steps < u32::MAX / 2 / u32::from(decimation);
             if forward { steps } else { 0 }
         });

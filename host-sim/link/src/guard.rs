@@ -29,7 +29,7 @@ pub fn weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) -> 
     let mut found = Vec::new();
     let mut add = |path: &'static str, is_weaker: bool, why: String| {
         let shown = |settings| field(path).map(|field| value::shown(settings, field));
-        // A guard that was off promised nothing: switched on, each of its settings is a new one.
+        // A guard that was off promised nothing. When it is switched on, all its settings count as new.
         if is_weaker && (shown(before) != shown(after) || !old.on) {
             found.push(Weaker { path, problem: why });
         }
@@ -133,7 +133,7 @@ pub fn promise(settings: &DeviceSettings, board: Board) -> String {
         return "this board, as it is set, promises nothing: law.guard.on = false, so that no bound holds for what a hand gets out".into();
     };
     let guard = &settings.law.guard;
-    // Never less than it is.
+    // Rounded up, so that the printed bound is never below the true one.
     let milli = |value: f64| (1e5 * value).ceil() / 100.0;
     let delay = match guard.change {
         ChangeOfForce::Measured => "",

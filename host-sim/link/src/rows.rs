@@ -31,8 +31,8 @@ pub const COLUMNS: [&str; 16] = [
 /// Most rows that are kept. If the page has not fetched them by then, all are removed.
 const KEPT: usize = 20_000;
 
-/// Largest distance from the wall's surface, rad, at which a row takes the position from the record's depth; beyond it from the
-/// count.
+/// Largest distance from the wall's surface, rad, at which a row takes the position from the record's depth. Beyond it the row
+/// takes the position from the encoder count.
 const REACH_RAD: f64 = 127.0;
 
 /// Bytes of a busy record with its frame. The next line has the bytes per second that records may take of the serial line (921,600
@@ -85,7 +85,7 @@ impl RecordRows {
             record.penetration_rad.to_num::<f64>(),
             f64::from(record.count) * self.count_rad,
         );
-        // Positions end 20 turns from the wall, and counts do not.
+        // The position's number format ends 20 turns from the wall; the count has no such limit.
         let angle = if deep.abs() < REACH_RAD {
             self.surface_rad + deep
         } else {

@@ -63,7 +63,7 @@ pub fn changed(
         .map_err(|_| option(field.path, value::wanted(field)))?;
     if let Err(invalid) = checked(&after, board) {
         let fix = "choose another value, or change several settings at once with: touchstone config import";
-        // A setting that was not named can be refused, for what the new value leaves it.
+        // The new value can make another setting invalid, which is then the refused one.
         let problem = without_path(&invalid, field.path);
         return Err(option(field.path, (problem, fix.into())));
     }

@@ -163,7 +163,7 @@ impl Face {
             .iter()
             .map(|edge| edge.length_squared())
             .fold(0.0, f64::max);
-        // A height below 1e-9 of the longest edge: the normal is that of rounding.
+        // The triangle's height is below 1e-9 of its longest edge, so its normal would be mere rounding.
         if across.length() <= 1e-9 * longest {
             return None;
         }

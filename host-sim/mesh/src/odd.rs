@@ -40,7 +40,7 @@ impl Mesh {
     /// Volume that the triangles of a closed mesh enclose, m³; negative if they are inside out.
     #[must_use]
     pub fn signed_volume_m3(&self) -> f64 {
-        // About a point of the mesh: far from 0 little would be left of the difference.
+        // Volumes are relative to a point of the mesh: relative to a far origin, rounding would cancel the result.
         let from = self
             .faces
             .first()
@@ -55,7 +55,7 @@ impl Mesh {
     /// Volume and bounding box of each part of the mesh. Different parts share no corner.
     fn parts(&self) -> Vec<Part> {
         let mut numbers: HashMap<[u64; 3], usize> = HashMap::new();
-        // Each corner's way to the first one of its part.
+        // For each corner the number of an earlier corner of the same part, up to the first one (union–find).
         let mut above: Vec<usize> = Vec::new();
         let root = |above: &mut Vec<usize>, mut at: usize| {
             while above[at] != at {
@@ -138,7 +138,7 @@ impl Mesh {
         }
         for (there, back) in ways.into_values() {
             found.open += usize::from(there + back == 1);
-            // Of more than two triangles at an edge, as where solids touch, only the count must match.
+            // If more than two triangles share an edge, as where solids touch, only the numbers of both directions must match.
             found.same_way +=
                 usize::from(there + back > 1 && there != back && (there + back) % 2 == 0);
         }

@@ -102,7 +102,7 @@ impl Proxy {
                 continue;
             };
             let (here, there) = (face.height(self.at), face.height(goal));
-            // From above it, or from the slip of rounding, to below where it keeps things.
+            // Only a way from above the triangle (or just below by rounding) to below the distance that it keeps can meet it.
             if here < -gap || there >= gap * (1.0 - 1e-3) || there >= here {
                 continue;
             }

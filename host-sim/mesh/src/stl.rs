@@ -73,12 +73,12 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, String> {
             .rev()
             .fold(0_usize, |sum, byte| sum << 8 | usize::from(*byte))
     });
-    // The count that fits is the one mark that a text cannot have by chance.
+    // A binary file's count of triangles that fits its length is the one sign that a text cannot have by chance.
     if bytes.len() > HEAD && told.checked_mul(RECORD) == Some(bytes.len() - HEAD) {
         return Ok(binary(&bytes[HEAD..]));
     }
     let plain = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    // Zeros at the end are what a file was padded with.
+    // Zeros at the end are padding.
     let last = plain.iter().rposition(|byte| *byte != 0);
     let plain = &plain[..last.map_or(0, |at| at + 1)];
     if bytes.is_empty() {
@@ -137,7 +137,7 @@ fn binary(records: &[u8]) -> Triangles {
             let bytes: [u8; 4] = std::array::from_fn(|byte| record[4 * at + byte]);
             f32::from_le_bytes(bytes)
         };
-        // The first three are the normal: a triangle's own order says where its outside is.
+        // The first three numbers are the normal, which is not used: the order of the corners says which side is outside.
         found.triangle([3, 6, 9].map(|at| [number(at), number(at + 1), number(at + 2)]));
     }
     found

@@ -65,7 +65,7 @@ impl<N: Spatial + Reported> Surface<N> for MeshSurface<'_> {
         self.proxy.set(Some(proxy));
         let way = point - hand;
         let depth = way.length();
-        // Nothing in the way: outside, as far as the surface is.
+        // Nothing is in the way, so the hand is outside: the depth is minus the distance from the surface.
         if depth == 0.0 {
             return Nearest {
                 normal: *side,

@@ -43,7 +43,7 @@ impl Session {
         Ok(())
     }
 
-    /// Hands the stored alignment to the device for the next calibration, if it was measured with the present settings.
+    /// Hands the stored encoder alignment to the device for the next calibration, if it was measured with the present settings.
     pub(super) fn give_kept(&self, device: &mut impl Backend) {
         let usable = self.kept.usable(&self.settings, device.identity().board);
         device.use_kept(usable.ok());
@@ -94,7 +94,8 @@ impl Session {
         Ok(())
     }
 
-    /// Replaces the environment, in every state but the calibration, in which the motor's field turns the shaft.
+    /// Replaces the environment (walls, end stops, detents), in every state but the calibration, in which the motor's field turns
+    /// the shaft.
     #[inline(never)]
     pub(super) fn surround(
         &mut self,

@@ -43,7 +43,7 @@ impl DeviceSettings {
     ///
     /// # Errors
     /// No setting has this path, or the value is not valid for it. The settings are then unchanged.
-    // Its copy of the settings is gone before anything else is done with them: the stack of a device is small.
+    // A separate function, so that its copy of the settings leaves the stack before other work begins: a device's stack is small.
     #[inline(never)]
     pub fn set(&mut self, path: &str, value: &[u8]) -> Result<(), KeyError> {
         let mut changed = self.clone();

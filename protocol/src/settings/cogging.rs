@@ -74,7 +74,7 @@ pub enum Sweep {
 pub struct CoggingReport {
     /// The stored map; `Save` writes it to flash.
     pub kept: Option<KeptCogging>,
-    /// Whether the electrical angle falls when the count rises; known once the device is calibrated.
+    /// Whether the motor's electrical angle falls when the encoder count rises; known once the device is calibrated.
     pub against: Option<bool>,
 }
 

@@ -14,7 +14,7 @@ use touchstone_control::environment::{
 };
 use touchstone_control::{Fixed32, Force, Si};
 
-/// Longest environment on the wire, in bytes (a test checks it).
+/// Longest environment (walls, end stops, detents) on the wire, in bytes (a test checks it).
 pub const ENVIRONMENT_MAX: usize = 160;
 
 /// The environment: whether the wall in the device's settings is rendered, and what is rendered beside it.
@@ -65,7 +65,7 @@ pub struct DetentsBeside {
     pub centre_rad: Decimal,
 }
 
-/// The time from which an accepted environment applies.
+/// The time from which an accepted environment (walls, end stops, detents) applies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CountsFrom {
     /// The device is armed, so it applies from the next control tick.
@@ -120,7 +120,7 @@ impl Default for Surround {
 }
 
 impl Surround {
-    /// Whether the environment differs from the single wall in the device's settings.
+    /// Whether the environment has more or less than the single wall in the device's settings.
     #[must_use]
     pub fn is_more_than_the_wall(&self) -> bool {
         !self.first_wall
@@ -225,13 +225,13 @@ impl Surround {
     ///
     /// # Errors
     /// The first setting that is refused.
-    // What is built for it is gone from the stack with it.
+    // A separate function, so that the built object leaves the stack at its end.
     #[inline(never)]
     pub fn check(&self, settings: &DeviceSettings) -> Result<(), SettingsError> {
         self.built(settings).map(drop)
     }
 
-    /// Largest change of the force in one control tick while this environment replaces another.
+    /// Largest change of the force in one control tick while this environment (walls, end stops, detents) replaces another.
     #[must_use]
     pub fn change_per_tick(&self, settings: &DeviceSettings) -> Force<Fixed32> {
         Environment::change_per_tick(self.change_n_m_per_s.0, settings.timing.rate_hz)
@@ -264,7 +264,7 @@ fn why(error: &Refused, placed: &[Option<WallSettings>; MOST_WALLS]) -> Settings
             Si::saturating_from_num(*per_turn),
         ),
         Refused::Pitch(pitch) => limit("environment.detents.per_rev", *pitch),
-        // There is no place for a seventh.
+        // The struct has no field for a seventh wall, so this does not happen.
         Refused::TooManyWalls => limit("environment", Si::ZERO),
     }
 }

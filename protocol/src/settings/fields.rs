@@ -135,7 +135,7 @@ macro_rules! fields {
     (@kind choice ($choice:ident)) => { Kind::Choice(<$choice as Choice>::WORDS) };
     (@kind choice_of_law ($choice:ident)) => { Kind::Choice(<$choice as Choice>::WORDS) };
     (@kind $whole:ident ($least:literal, $most:literal)) => { Kind::Whole { least: $least, most: $most } };
-    // The type of a word or a flag is its range.
+    // Choices and flags need no check: their types have only allowed values.
     (@check $path:tt $place:tt $name:ident choice $range:tt) => {};
     (@check $path:tt $place:tt $name:ident choice_of_law $range:tt) => {};
     (@check $path:tt $place:tt $name:ident flag ()) => {};
@@ -193,13 +193,13 @@ mod tests {
     #[test]
     fn the_law_is_the_one_of_the_tables_defaults() {
         let device = DeviceSettings::default();
-        // The device's own encoder is no row of the law's.
+        // The encoder's settings are the device's own and in no row of the law's table.
         let law = touchstone_control::Settings {
             position: device.law().position,
             ..touchstone_control::Settings::default()
         };
         assert_eq!(device.law(), law);
-        // Every setting of the law is a leaf here too, but the control rate with a range of the device's own.
+        // Every setting of the law is a leaf here too. Only the control rate has another range, that of the device.
         for law in touchstone_control::Field::ALL {
             assert!(field(law.path()).is_some(), "{}", law.path());
         }

@@ -14,18 +14,18 @@ pub const KEPT_MAX: usize = 24;
 /// The data that a board stores for its next start: the encoder's alignment and whether the board starts by itself.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KeptStart {
-    /// The alignment, if one is stored.
+    /// The encoder's alignment with the motor, if one is stored.
     pub alignment: Option<KeptAlignment>,
-    /// Whether the board checks the alignment and arms by itself when power comes on.
+    /// Whether the board checks the encoder's alignment and arms by itself when power comes on.
     pub autostart: bool,
 }
 
-/// An alignment with the hardware with which it was measured.
+/// The encoder's alignment with the motor, and the hardware with which it was measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KeptAlignment {
     /// Electrical angle of the motor at the encoder's own zero, in units of a turn/65,536.
     pub offset: u16,
-    /// Whether the electrical angle falls when the count rises.
+    /// Whether the motor's electrical angle falls when the encoder count rises.
     pub against: bool,
     /// The hardware with which the alignment was measured.
     pub with: MeasuredWith,
@@ -95,7 +95,7 @@ pub enum SelfStart {
     Off = 0,
     /// The board waits until the supply is in its range and the shaft is at rest.
     Waiting = 1,
-    /// The board checks the stored alignment.
+    /// The board checks the stored encoder alignment.
     Checking = 2,
     /// The board has armed.
     Started = 3,
@@ -155,7 +155,7 @@ impl SelfStart {
 pub struct StartReport {
     /// The data that are stored for the next start; `Save` writes them to flash.
     pub kept: KeptStart,
-    /// Whether the alignment in use is a stored one that the calibration only checked, instead of searching for it.
+    /// Whether the encoder alignment in use is a stored one that the calibration only checked, instead of searching for it.
     pub was_checked: bool,
     /// How the automatic start went.
     pub self_start: SelfStart,
@@ -206,7 +206,7 @@ impl MeasuredWith {
 }
 
 impl KeptAlignment {
-    /// An alignment that was measured with the hardware that these settings describe.
+    /// An encoder alignment that was measured with the hardware that these settings describe.
     #[must_use]
     pub const fn new(offset: u16, against: bool, settings: &DeviceSettings, board: Board) -> Self {
         Self {
@@ -218,7 +218,7 @@ impl KeptAlignment {
 }
 
 impl KeptStart {
-    /// The stored alignment, if it was measured with the hardware that the present settings describe.
+    /// The stored encoder alignment, if it was measured with the hardware that the present settings describe.
     ///
     /// # Errors
     /// The reason why no stored alignment can be used.

@@ -4,8 +4,8 @@
 //! person's text <-> leaf (path, value) <-> DeviceSettings --validate--> control::Settings, drive
 //! ```
 //!
-//! Device and desktop validate by the same code, so the device accepts what the desktop accepts. All code here is generated from two
-//! tables: that of the control law's settings ([`touchstone_control::law_settings`]) and that of the device's own, `table.rs`.
+//! Device and desktop validate by the same code, so the device accepts what the desktop accepts. All code here is generated from
+//! two tables: that of the control law's settings ([`touchstone_control::law_settings`]) and that of the device's own, `table.rs`.
 
 #[cfg(feature = "wire")]
 mod access;
@@ -126,7 +126,7 @@ macro_rules! thesis {
 }
 
 impl LawSettings {
-    /// The settings of the thesis: same as [`law::Settings::thesis`].
+    /// The settings of the thesis whose control laws this project uses: same as [`law::Settings::thesis`].
     #[must_use]
     pub fn thesis() -> Self {
         let mut law = Self {
@@ -151,9 +151,9 @@ impl DeviceSettings {
         match board {
             Board::NucleoG474re => {}
             Board::BG431bEsc1 => {
-                // No SPI on its connectors.
+                // The board has no SPI on its connectors.
                 settings.encoder.kind = EncoderKind::Incremental;
-                // The board is for six lithium cells.
+                // The board is made for six lithium cells.
                 settings.limits.bus_max_v = const { law::Si::lit("26") };
             }
             Board::NucleoG474reIhm16m1 | Board::NucleoG431rbIhm16m1 => {

@@ -68,7 +68,7 @@ pub enum Reason {
 impl From<SettingsError> for Invalid {
     fn from(error: SettingsError) -> Self {
         Self {
-            // Every path fits: a test goes through all of them.
+            // Every path is short enough; a test checks all of them.
             path: PathText::try_from(error.path).unwrap_or_default(),
             value: error.value,
             reason: error.reason,
@@ -165,7 +165,7 @@ impl DeviceSettings {
 
     /// Checks that the board has the encoder's bus and the analogue output that the settings need.
     fn check_board(&self, board: Board) -> Result<(), SettingsError> {
-        // The smallest board's flash has no room for a question that is none there.
+        // Boards with the smallest flash leave this check out: all of them have current sensors.
         #[cfg(feature = "large")]
         if self.calibration.measures && !board.senses_current() {
             return Err(SettingsError {
@@ -189,8 +189,8 @@ impl DeviceSettings {
         })
     }
 
-    /// Checks that the drive can give the control law's largest torque. Otherwise the law's energy observer would count energy that
-    /// was not given.
+    /// Checks that the motor's drive can give the control law's largest torque. Otherwise the law's energy observer would count
+    /// energy that was not given.
     fn check_force_limit(&self) -> Result<(), SettingsError> {
         const PATH: &str = "law.force_limit_n_m";
         let most = match self.drive.kind {
@@ -239,7 +239,7 @@ pub fn refused(error: &law::SettingsError) -> SettingsError {
             law::Si::ZERO,
             k_filter.saturating_sub(law::Si::DELTA),
         ),
-        // What is too coarse is the encoder.
+        // The law reports a resolution that is too coarse; the setting for it is the encoder's number of counts.
         law::SettingsError::TooCoarse { count, .. } => SettingsError {
             path: "encoder.counts_per_rev",
             value: Decimal(count),

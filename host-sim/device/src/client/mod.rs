@@ -47,7 +47,7 @@ impl Client {
             identity: nobody(),
             answer_limit: ANSWER_LIMIT,
         };
-        // Ends whatever noise or half a frame was before.
+        // A zero byte ends noise or half a frame that came before.
         client.transport.send(&[0])?;
         match client.ask(&Request::Hello)? {
             Reply::Identity(identity) => client.identity = identity,
@@ -79,7 +79,7 @@ impl Client {
     /// # Errors
     /// No connection, no answer, or a refusal by the device.
     pub fn ask(&mut self, request: &Request<'_>) -> Result<Reply> {
-        // A command that is carried out twice is another command; a second `Save` wears the flash.
+        // A command that is carried out twice may have another effect; a second `Save` wears the flash.
         let tries = match request {
             Request::Command(_) | Request::Save => 1,
             _ => TRIES,

@@ -29,7 +29,8 @@ impl Client {
                         self.post(&Request::Command(command))?;
                     }
                 },
-                // Stop switches off in every phase; where the device was off, it asks for a calibration before the next arming.
+                // `Stop` switches the device off in every state. If the device was off, it needs a calibration before the next
+                // arming.
                 Ok(_) => {
                     self.post(&Request::Command(DeviceCommand::Stop))?;
                 }

@@ -74,7 +74,7 @@ impl CursorState {
                 .as_f64()
                 .ok_or(format!("no cursor_position.{name}"))
         };
-        // What a generation does not say is not held against it.
+        // A status that a generation of messages does not contain counts as good.
         let says_no = |name: &str| entry["status"][name] == false;
         Ok(Self {
             device: name.to_owned(),

@@ -75,11 +75,11 @@ fn connected(service: &str) -> Result<Timed, HapticFault> {
 fn version(service: &str) -> Result<String, HapticFault> {
     let mut stream = connected(service)?;
     let wrong = |why: std::io::Error| absent(service, &why);
-    // In one piece: a service may answer, and close, at the first that comes.
+    // Sent as one packet: a service may answer and close the connection after the first packet.
     let asked = format!("GET /version HTTP/1.1\r\nHost: {service}\r\nConnection: close\r\n\r\n");
     stream.write_all(asked.as_bytes()).map_err(wrong)?;
     let mut answer = Vec::new();
-    // A service that keeps the connection, or drips, ends it by the deadline: what came until then is the answer.
+    // If the service keeps the connection open or sends slowly, the deadline ends the read. What arrived until then is the answer.
     let _ = stream.take(65_536).read_to_end(&mut answer);
     let answer = String::from_utf8_lossy(&answer).into_owned();
     let body = answer.split_once("\r\n\r\n").map_or("", |(_, body)| body);
@@ -173,7 +173,7 @@ impl Inverse3 {
                     return Ok(state);
                 }
                 Ok(Message::Close(_)) => return Err(wrong("the service closed it".into())),
-                // Pings are answered by the socket itself. What is there already is read without asking for the time.
+                // The socket answers pings by itself. Data that already arrived are read without a check of the deadline.
                 Ok(_) if self.socket.get_ref().is_over() => {
                     return Err(wrong(self.socket.get_ref().over().to_string()));
                 }
@@ -199,7 +199,7 @@ impl Inverse3 {
             match self.socket.read() {
                 Err(tungstenite::Error::Io(why)) if why.kind() == ErrorKind::TimedOut => break,
                 Err(why) => return Err(lost("reading its state")(why.to_string())),
-                // A service that does not wait for commands always has another one.
+                // A service that does not wait for commands sends states without end.
                 Ok(_) if Instant::now() > until => break,
                 Ok(_) => {}
             }
@@ -232,14 +232,14 @@ impl HapticDevice for Inverse3 {
 
     fn command(&mut self, force_n: [f64; 3]) -> Result<Applied, HapticFault> {
         self.say(if self.engaged { force_n } else { [0.0; 3] })?;
-        // What it makes of a force that is too long is not known: the loop keeps below what was chosen.
+        // What the device does with a larger force is unknown, so the loop stays below the assumed limit.
         Ok(match length(force_n) > FORCE_N * (1.0 + 1e-9) {
             true => Applied::Saturated(None),
             false => Applied::Whole,
         })
     }
 
-    /// The device's standing from the last message. The service sends no separate one.
+    /// The device's state from the last message. The service has no request for it.
     fn standing(&mut self) -> Result<DeviceStanding, HapticFault> {
         Ok(self.standing)
     }
@@ -262,7 +262,7 @@ impl HapticDevice for Inverse3 {
 
 impl Drop for Inverse3 {
     fn drop(&mut self) {
-        // Whoever wants to know what failed has released it before.
+        // The result is ignored: a caller that needs it has released the device before.
         let _ = self.release();
     }
 }

@@ -102,7 +102,7 @@ impl<D: HapticDevice> Injected<D> {
         match kind {
             Some(FaultKind::Unplugged) => {
                 self.gone = true;
-                // Its supply went with it.
+                // The device loses its supply, so no force acts.
                 let _ = self.inner.command([0.0; 3]);
             }
             Some(FaultKind::Fails) => return Err(HapticFault::Lost(name(call), "injected".into())),

@@ -39,7 +39,7 @@ pub struct DataSheet {
     pub axes: Option<[Device; 3]>,
     /// Least damping in the workspace in any direction, N·s/m, where published or measured.
     pub least_damping_n_s_per_m: Option<f64>,
-    /// Whether [`HapticDevice::sense`] waits for the device, so that the device sets the rate of the loop.
+    /// Whether [`HapticDevice::sense`] waits for the device, so that the device sets the rate of the servo loop.
     pub sets_the_pace: bool,
 }
 
@@ -106,7 +106,7 @@ pub trait HapticDevice {
     /// The device cannot be used, or not at present.
     fn engage(&mut self) -> Result<(), HapticFault>;
 
-    /// Reads the present position. A device that sets the loop's rate waits for its next one.
+    /// Reads the present position. A device that sets the servo loop's rate waits for its next position.
     ///
     /// # Errors
     /// No position could be read.

@@ -15,7 +15,7 @@ pub struct SimulatedDelta {
     device: DeltaDevice,
     plant: DeltaPlant,
     state: DeltaState,
-    /// The pose by the joint encoders.
+    /// Position of the effector and joint angles that the joint encoders measure.
     measured: DeltaPose,
     rest: Rest,
     interval_s: f64,
@@ -69,7 +69,7 @@ impl SimulatedDelta {
         let state = DeltaState::at_rest(rest(0.0));
         let pose = device.geometry.pose(state.place_m).map_err(left)?;
         let measured = device.measured(&pose).map_err(left)?;
-        // A joint's count where it moves the effector furthest, at the centre.
+        // Displacement of the effector per encoder count at the centre, for the joint that moves it most.
         let centre = device.geometry.pose([0.0; 3].into()).map_err(left)?;
         let furthest = centre
             .metres_per_radian()
@@ -133,7 +133,7 @@ impl HapticDevice for SimulatedDelta {
             true => force_n,
             false => [0.0; 3],
         };
-        // As a driver does: by the slopes of where the encoders say that it is.
+        // As a real driver does: with the slopes at the measured pose.
         let torques = self
             .device
             .limited_torques_n_m(&self.measured, wanted.into());
@@ -143,7 +143,7 @@ impl HapticDevice for SimulatedDelta {
             .step(&mut self.state, torques, rest)
             .map_err(left)?;
         self.time_s += self.interval_s;
-        // What is shortened by rounding alone is whole.
+        // A force that only rounding has shortened counts as the whole force.
         Ok(match length(acts) < length(wanted) * (1.0 - 1e-9) {
             true => Applied::Saturated(Some(acts)),
             false => Applied::Whole,

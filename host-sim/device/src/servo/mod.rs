@@ -1,11 +1,12 @@
-//! The servo loop of a device without a control law of its own: in every tick it reads a position, calculates a force and commands it.
+//! The servo loop of a device without a control law of its own: in every tick it reads a position, calculates a force and commands
+//! it.
 //!
 //! ```text
 //! pace -> position (stale? a number? a jump? outside?) -> law and guard -> ramp -> workspace -> limit -> force
 //! ```
 //!
-//! Every end of the loop releases the device before anything else is done: a fault, a panic of the force law, a requested stop. If this
-//! program is killed, only the device itself can switch its motors off.
+//! Every end of the loop releases the device before anything else is done: a fault, a panic of the force law, a requested stop. If
+//! this program is killed, only the device itself can switch its motors off.
 
 mod lateness;
 mod pace;
@@ -42,15 +43,15 @@ pub struct ServoLimits {
     pub workspace: Workspace,
     /// Distance outside the workspace at which the force has faded to zero, m.
     pub margin_m: f64,
-    /// Distance outside the workspace that ends the loop, m.
+    /// Distance outside the workspace that ends the servo loop, m.
     pub outside_m: f64,
-    /// Largest speed between two ticks, m/s. A higher one counts as a jump of the position and ends the loop.
+    /// Largest speed between two ticks, m/s. A higher one counts as a jump of the position and ends the servo loop.
     pub jump_m_per_s: f64,
-    /// Longest lateness of a tick or of a call's return, s. A force that is held for longer ends the loop.
+    /// Longest lateness of a tick or of a call's return, s. A force that is held for longer ends the servo loop.
     pub late_s: f64,
-    /// Age of the last new position that ends the loop, s.
+    /// Age of the last new position that ends the servo loop, s.
     pub stale_s: f64,
-    /// Time of saturated motors that ends the loop, s.
+    /// Time of saturated motors that ends the servo loop, s.
     pub saturated_s: f64,
 }
 
@@ -72,12 +73,12 @@ impl ServoLimits {
     }
 }
 
-/// How a loop ended.
+/// How a servo loop ended.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ending {
     /// The caller requested a stop.
     Asked,
-    /// A fault ended the loop.
+    /// A fault ended the servo loop.
     Fault(HapticFault),
 }
 
@@ -100,7 +101,7 @@ pub struct ServoReport {
     pub force_max_n: f64,
     /// Highest speed of the end effector by the loop's own estimate, m/s.
     pub speed_max_m_per_s: f64,
-    /// How the loop ended.
+    /// How the servo loop ended.
     pub ending: Ending,
     /// The fault of the release, if a step of it failed.
     pub release: Result<(), HapticFault>,
@@ -124,7 +125,7 @@ struct Engaged<'d, D: HapticDevice>(&'d mut D);
 
 impl<D: HapticDevice> Drop for Engaged<'_, D> {
     fn drop(&mut self) {
-        // Also reached by a panic. A second release does nothing, so what it says was said.
+        // Also runs after a panic. A second release does nothing, so its result is ignored.
         let _ = self.0.release();
     }
 }
@@ -163,7 +164,7 @@ pub fn play<D: HapticDevice>(
         &mut more,
         &mut report,
     );
-    // First of all, before anything is reckoned or printed.
+    // The release comes before anything is calculated or printed.
     report.release = engaged.0.release();
     if let Err(fault) = looped {
         report.ending = Ending::Fault(fault);
@@ -243,7 +244,7 @@ fn looped<D: HapticDevice>(
         in_time(pace.late_s(), limits)?;
         let acts = match applied {
             Applied::Whole => force,
-            // What the device does not say, it may have done.
+            // If the device does not report the acting force, the whole force counts as acting.
             Applied::Saturated(said) => said.unwrap_or(force),
         };
         saturated_run = match applied {

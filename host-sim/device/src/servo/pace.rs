@@ -88,8 +88,8 @@ impl Pace for SimulatedPace {
     }
 }
 
-/// The pace of a device that sets the loop's rate. A tick is late by the time by which it began more than an interval after the
-/// last tick.
+/// The pace of a device that sets the servo loop's rate. A tick that begins more than an interval after the last tick is late by
+/// the rest.
 #[derive(Debug, Clone)]
 pub struct DevicePace {
     interval: Duration,

@@ -1,6 +1,6 @@
 //! Real-time priority and locked memory for the servo loop, if the operating system permits them.
 
-/// The priority that the loop's thread obtained, or why it did not.
+/// The priority that the servo loop's thread obtained, or why it did not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Priority {
     /// Whether the thread runs before all ordinary threads (`SCHED_FIFO`); otherwise the reason.

@@ -1,5 +1,5 @@
-//! The speed as the loop itself estimates it. The omega.3 library's speed is by default a mean over 20 ms, and some devices report
-//! none.
+//! The speed as the servo loop itself estimates it. The omega.3 library's speed is by default a mean over 20 ms, and some devices
+//! report none.
 
 /// Length of the window over which the speed is estimated, s.
 const WINDOW_S: f64 = 4e-3;

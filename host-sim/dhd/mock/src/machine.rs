@@ -165,7 +165,7 @@ impl Machine {
                 }
                 Planned::Unplug(name, at) if name == call && number == at => {
                     self.gone = true;
-                    // Its supply by USB is gone, and with it the force.
+                    // The device loses its supply by USB, so no force acts.
                     self.motors_off(5);
                 }
                 Planned::Slow(name, at, seconds) if name == call && number == at => {
@@ -257,7 +257,7 @@ impl Machine {
             self.lock = Some(file);
         }
         self.open = true;
-        // From another program's use.
+        // Drops what was recorded for another program.
         self.noted = Noted::default();
         self.note_zero();
         true

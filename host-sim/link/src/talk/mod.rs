@@ -205,7 +205,7 @@ impl Talk {
         let path = (what == "set").then(|| path.to_owned());
         let purpose = Purpose::Order(what.to_owned(), path);
         if what == "stop" {
-            // The stop waits for nothing.
+            // The command to stop is sent before all others.
             self.questions.overtake(&request, purpose, now_ms);
         } else {
             self.questions.ask(&request, purpose);
@@ -247,7 +247,7 @@ impl Talk {
 
     fn lost(&mut self, why: &str) {
         self.state = None;
-        // Whoever asked is told.
+        // Each order without an answer is reported as failed.
         for purpose in self.questions.forget() {
             if let Purpose::Order(what, path) = purpose {
                 self.done(&what, path.as_deref(), Some(why));
@@ -344,7 +344,7 @@ impl Talk {
         };
         let error = wrong.map(|(problem, fix)| self.wrong(problem, fix).to_string());
         self.done(what, path.as_deref(), error.as_deref());
-        // Settings are no part of a record. A value that was refused stays where it was written.
+        // Records do not contain settings, so they are requested again. The page keeps a refused value in its field.
         if error.is_none() && matches!(what, "set" | "defaults") {
             self.questions.ask(&Request::GetAll, Purpose::Settings);
         } else {
@@ -387,7 +387,7 @@ impl Talk {
             return;
         }
         self.heard_ms = now_ms;
-        // Settings count from the next calibration on.
+        // Changed settings apply from the next calibration on.
         let calibrated = self
             .state
             .is_some_and(|(phase, _)| phase == Phase::Calibrating);

@@ -54,7 +54,7 @@ impl Questions {
         self.under_way.clear();
         self.waiting.clear();
         self.out.clear();
-        // Ends whatever noise or half a frame was before.
+        // A zero byte ends noise or half a frame that came before.
         self.out.push(0);
     }
 
@@ -123,13 +123,13 @@ impl Questions {
             id,
             request: request.clone(),
         };
-        // The longest request fits, which is a test of the protocol's.
+        // The longest request fits into the buffer; a test of the protocol checks it.
         let frame = frame::encode(&message, &mut buffer).unwrap_or_default();
         Question {
             id,
             frame: frame.to_vec(),
             purpose,
-            // A command that is carried out twice is another command; a second `Save` wears the flash.
+            // A command that is carried out twice may have another effect; a second `Save` wears the flash.
             tries_left: match request {
                 Request::Command(_) | Request::Save => 1,
                 _ => TRIES,

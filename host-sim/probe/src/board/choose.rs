@@ -61,7 +61,7 @@ pub fn open(lister: &Lister, wanted: Option<&str>) -> Result<(Probe, String), Fa
     if !found.usable {
         return Err(Fault::of(place, "may not be used by this user", NO_RIGHTS));
     }
-    // By the lister, not by what it told: it knows whose probe that is.
+    // Opened through the lister, which knows the probe's driver.
     match lister.open(DebugProbeSelector::from(&item.info)) {
         Ok(probe) => Ok((probe, place)),
         Err(error) => Err(not_opened(place, &error)),

@@ -64,7 +64,7 @@ impl Image {
                 .data(endian, elf)
                 .map_err(|()| "is cut off: a part of the program is not in it".to_owned())?;
             parts.push(Part {
-                // Where it lies before the start, not where it runs.
+                // The load address in flash, not the address at which the part is used.
                 address: header.p_paddr(endian).into(),
                 bytes: bytes.to_vec(),
             });

@@ -84,7 +84,7 @@ impl Attached {
                             tell(line.map_or(Event::Damaged, Event::Line));
                         }
                     }
-                    // A reset in between: the ring begins anew.
+                    // After a reset the program sets the ring buffer up again.
                     Err(_) => break,
                 }
             }

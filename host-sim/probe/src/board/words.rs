@@ -30,7 +30,7 @@ impl Words {
         let table = Table::parse(elf)
             .map_err(|why| format!("has messages that cannot be read: {why}"))?
             .ok_or("has no messages in it: no section .defmt")?;
-        // Only a place in the sources is lost with them.
+        // Without locations only the places in the source code are missing.
         let locations = table.get_locations(elf).unwrap_or_default();
         Ok(Self { table, locations })
     }

@@ -63,7 +63,7 @@ impl Reaction {
     #[inline(always)]
     fn of(coulomb: Coulomb, before: f64, free: f64, per_torque: f64) -> Self {
         let stopping = free / per_torque;
-        // Whoever turns round comes to rest on the way, and has to break away again.
+        // A device that reverses comes to rest on the way and has to break away again.
         let most = if before * free <= 0.0 {
             coulomb.breakaway
         } else {

@@ -41,7 +41,7 @@ impl Bridge {
         std::array::from_fn(|phase| {
             let share = f64::from(duties[phase]) / f64::from(self.top);
             let i = currents_a[phase];
-            // No current, no direction.
+            // Without a current the dead time has no effect.
             let lost = if i == 0.0 {
                 0.0
             } else {

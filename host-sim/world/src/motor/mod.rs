@@ -7,10 +7,10 @@
 //!                                       shunts (codes)                    encoder (frames)
 //! ```
 //!
-//! All steps are one PWM period long. During a period the bridge gives its average, a constant voltage vector in the stationary frame. The
-//! shaft's speed is taken as constant too: its mean over the period, from a trial step. With these two assumptions windings and mechanics
-//! are linear and their steps exact ([`Windings::step`], [`crate::plant::Stepper`]). The remaining error comes from constant speed and
-//! constant torque within a period; it falls with the square of the period (a test checks it).
+//! All steps are one PWM period long. During a period the bridge gives its average, a constant voltage vector in the stationary
+//! frame. The shaft's speed is taken as constant too: its mean over the period, from a trial step. With these two assumptions
+//! windings and mechanics are linear and their steps exact ([`Windings::step`], [`crate::plant::Stepper`]). The remaining error
+//! comes from constant speed and constant torque within a period; it falls with the square of the period (a test checks it).
 //!
 //! Equal inputs give results with equal bits: this module has no clock and no random number.
 

@@ -66,7 +66,7 @@ impl<S: Stepper> Rig<S> {
                 .freewheel(self.bridge.bus_v, self.bridge.diode_v, angle),
             Drive::On(duties) => {
                 let voltages = self.bridge.voltages(duties, self.windings.currents_a());
-                // The period's mean speed, looked up ahead with the torque of the period before.
+                // The period's mean speed, from a trial step with the torque of the last period.
                 let mut ahead = self.state;
                 let turning = self.with_cogging(self.torque_n_m, angle);
                 self.plant.step(&mut ahead, turning, rest_rad);
@@ -99,7 +99,7 @@ impl<S: Stepper> Rig<S> {
     }
 }
 
-/// The device of the thesis' knob without its dry friction: 1e-4 kg·m², 4e-4 N·m·s/rad.
+/// The knob of the thesis from which the control laws come, without its dry friction: 1e-4 kg·m², 4e-4 N·m·s/rad.
 pub const KNOB: Device = Device {
     inertia: 1e-4,
     damping: 4e-4,

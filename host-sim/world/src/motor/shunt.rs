@@ -37,7 +37,7 @@ impl Shunt {
     #[must_use]
     pub fn code(&self, current_a: f64) -> u16 {
         let exact = self.offset_code + current_a / self.amps_per_code;
-        // The cast saturates and takes NaN to 0.
+        // The cast saturates and converts NaN to 0.
         (exact.round().clamp(0.0, f64::from(self.full_scale))) as u16
     }
 }

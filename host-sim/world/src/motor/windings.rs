@@ -7,8 +7,8 @@
 //! L di/dt = v - R i - j ω λ e^{jθ}          torque = 3/2 p λ Im(i e^{-jθ})
 //! ```
 //!
-//! For constant `v` and `ω` the solution is `i = v/R + i_p e^{jθ} + c e^{-Rt/L}` with `i_p = -jωλ/(R + jωL)`. The mean torque over the
-//! interval follows in closed form.
+//! For constant `v` and `ω` the solution is `i = v/R + i_p e^{jθ} + c e^{-Rt/L}` with `i_p = -jωλ/(R + jωL)`. The mean torque over
+//! the interval follows in closed form.
 
 use nalgebra::Complex;
 

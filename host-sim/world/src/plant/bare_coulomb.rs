@@ -101,8 +101,8 @@ impl BareCoulomb {
     /// b ∫v² dt = J v² (1/2 - Λ(q))
     /// ```
     ///
-    /// Up to `q = 1` all three come from the series of `atanh`, `ln(1 + q) = 2 atanh(q / (2 + q))`, in a form without cancellation, down to
-    /// `b = 0`.
+    /// Up to `q = 1` all three come from the series of `atanh`, `ln(1 + q) = 2 atanh(q / (2 + q))`, in a form without cancellation,
+    /// down to `b = 0`.
     fn stop(&self, v: f64, w: f64) -> (f64, Piece) {
         let (j, b) = (self.sliding.inertia, self.sliding.damping);
         let q = (-v * b / w).min(f64::MAX);

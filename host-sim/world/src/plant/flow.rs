@@ -1,21 +1,21 @@
 //! The exact step of a linear system as a matrix. The matrix is computed once, when a plant is made, and applied in every tick.
 //!
-//! A plant is written as `y' = M y` for its *drive* `y` and as `z' = R y` for its state `z`. The drive has all on which the motion depends:
-//! velocities, strains and the held torque, but no absolute angle. Then
+//! A plant is written as `y' = M y` for its *drive* `y` and as `z' = R y` for its state `z`. The drive has all on which the motion
+//! depends: velocities, strains and the held torque, but no absolute angle. Then
 //!
 //! ```text
 //! z(h) - z(0) = R Ψ(h) y(0),    Ψ(h) = ∫₀ʰ exp(M t) dt,    exp(M h) = I + M Ψ(h)
 //! ```
 //!
-//! This is the augmented matrix exponential of Van Loan (IEEE TAC 23(3) 395, 1978) as an increment. Increments keep their relative accuracy
-//! when damping or interval go to zero, where the usual closed form `(m/b)(1 - exp(-bT/m))` cancels. A singular `M` (no damping, no
-//! spring) needs no special case.
+//! This is the augmented matrix exponential of Van Loan (IEEE TAC 23(3) 395, 1978) as an increment. Increments keep their relative
+//! accuracy when damping or interval go to zero, where the usual closed form `(m/b)(1 - exp(-bT/m))` cancels. A singular `M` (no
+//! damping, no spring) needs no special case.
 
 use super::device::Invalid;
 use nalgebra::{SMatrix, Scalar};
 
-/// Largest norm of `M h` for which the series converges within [`TERMS`] terms. For a larger one the interval is halved repeatedly,
-/// and the result is doubled back.
+/// Largest norm of `M h` (matrix of the rates times the interval) for which the series converges within [`TERMS`] terms. For a
+/// larger one the interval is halved repeatedly, and the result is doubled back.
 const SERIES_NORM: f64 = 0.5;
 /// Number of terms of the series. The first term left out is below `0.5^18 / 18!`, 6e-22, far below rounding.
 const TERMS: u32 = 18;
@@ -27,8 +27,8 @@ pub(crate) fn row_sum_norm<const K: usize>(m: &SMatrix<f64, K, K>) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Largest accepted norm of `M h`. Above it the slow part of the motion is lost in the 53 bits of a float, and an infinite norm
-/// would need endless halvings.
+/// Largest accepted norm of `M h` (matrix of the rates times the interval). Above it the slow part of the motion is lost in the 53
+/// bits of a float, and an infinite norm would need endless halvings.
 const MOST_NORM: f64 = 1e15;
 
 /// Refuses a system whose fastest and slowest rates differ too much for floating-point numbers.
@@ -44,7 +44,8 @@ pub(crate) fn within_numbers<const K: usize>(
     })
 }
 
-/// Number of times that an interval with this norm of `M h` must be halved so that the series converges.
+/// Number of times that an interval with this norm of `M h` (matrix of the rates times the interval) must be halved so that the
+/// series converges.
 fn halvings(norm: f64) -> u32 {
     if norm > SERIES_NORM {
         libm::log2(norm / SERIES_NORM).ceil() as u32
@@ -53,7 +54,8 @@ fn halvings(norm: f64) -> u32 {
     }
 }
 
-/// Norm of `M h` above which [`stiff_flow`] is used. Plants with usual values are far below it.
+/// Norm of `M h` (matrix of the rates times the interval) above which [`stiff_flow`] is used. Plants with usual values are far
+/// below it.
 const STIFF_NORM: f64 = 4096.0;
 
 /// `Ψ(h) = ∫₀ʰ exp(M t) dt`: a Taylor series over `h / 2ⁿ`, then `n` times `Ψ(2t) = 2 Ψ(t) + M Ψ(t) Ψ(t)`.
@@ -159,7 +161,7 @@ pub(crate) fn apply<const N: usize, const K: usize>(
     sum
 }
 
-/// The quadratic form `yᵀ S y` of the drive `y`.
+/// The quadratic form `yᵀ S y`, e.g. the energy lost in an interval, of the vector `y` (`drive`).
 #[inline(always)]
 pub(crate) fn quadratic<const K: usize>(s: &[[f64; K]; K], drive: &[f64; K]) -> f64 {
     apply(s, drive)

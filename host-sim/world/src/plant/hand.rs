@@ -9,7 +9,7 @@ use super::device::{Invalid, not_negative, positive};
 /// with two states.
 ///
 /// The rest point `r` is where the hand intends to be; its motion is the user's intention. Like the torque it is held during a tick
-/// (zero-order hold). Voluntary motion has frequencies up to some 10 Hz, so at a control rate of 1 kHz the steps are small, and the
+/// (zero-order hold). Voluntary motion has frequencies up to some 10 Hz, so at a control rate of 1 kHz the steps are small. The
 /// energy balance includes their work on the spring (see [`super::Stepper::stored_energy_j`]). The damper `b_h` acts from the hand
 /// to ground and not to the rest point, because a held `r` has no velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -16,7 +16,7 @@ pub(super) type Drive = [f64; 5];
 /// Device and hand by the equations of [`super`], without dry friction: four states. Dry friction of the device is ignored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldLinear {
-    /// Increment of the state `[x, v, x_h, v_h]` in an interval for each entry of the drive.
+    /// Increment of the state `[x, v, x_h, v_h]` in an interval for each entry of the vector [`Drive`].
     step: [[f64; 4]; 5],
     device_loss: [[f64; 5]; 5],
     hand_loss: [[f64; 5]; 5],
@@ -25,14 +25,14 @@ pub struct HeldLinear {
     interval_s: f64,
 }
 
-/// The drive (see [`Drive`]) of a state, a torque and a rest point.
+/// The vector [`Drive`] for a state, a torque and a rest point.
 #[inline(always)]
 pub(super) fn drive(state: &State<4>, torque: f64, rest: f64) -> Drive {
     let [x, v, x_h, v_h] = state.0;
     [v, x_h - x, v_h, rest - x_h, torque]
 }
 
-/// The matrix `M` in `y' = M y` for the drive `y`.
+/// The matrix `M` in `y' = M y` for the vector [`Drive`] `y`.
 pub(super) fn drive_matrix(device: &Device, hand: &Hand) -> SMatrix<f64, 5, 5> {
     let (b, k_p, b_p) = (device.damping, hand.pad_stiffness, hand.pad_damping);
     let (b_h, k_h) = (hand.damping, hand.stiffness);

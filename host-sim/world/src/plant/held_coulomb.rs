@@ -38,8 +38,8 @@ pub struct HeldCoulomb {
     /// Bound of `h²/8 · |d²v/dt²|` while the device slides: one factor for the magnitude of each entry of the drive `[v, d, v_h, g,
     /// u]`.
     slide_guard: [f64; 5],
-    /// A second bound of `h²/8 · |d²v/dt²|` while the device slides: one factor for the magnitude of each entry of the drive's rate
-    /// of change.
+    /// A finer bound of `h²/8 · |d²v/dt²|` while the device slides: one factor for the magnitude of each entry of the rate of
+    /// change of the drive `[v, d, v_h, g, u]`.
     slide_rate_guard: [f64; 5],
     /// Matrix `M` of the rate of change `M y` of the drive `y` while the device slides, by columns.
     rates: [[f64; 5]; 5],
@@ -49,8 +49,8 @@ pub struct HeldCoulomb {
     /// Bound of `h²/8` times the second derivative of the pad's torque while the device is stuck: one factor for the magnitude of
     /// each entry of the stuck drive `[d, v_h, g]`.
     stick_guard: [f64; 3],
-    /// A second bound of `h²/8` times the second derivative of the pad's torque while the device is stuck: one factor for the
-    /// magnitude of each entry of the stuck drive's rate of change.
+    /// A finer bound of `h²/8` times the second derivative of the pad's torque while the device is stuck: one factor for the
+    /// magnitude of each entry of the rate of change of `[d, v_h, g]`.
     stick_rate_guard: [f64; 3],
     /// Matrix `M` of the rate of change `M y` of the drive `y = [d, v_h, g]` while the device is stuck, by columns.
     stuck_rates: [[f64; 3]; 3],
@@ -106,7 +106,8 @@ fn fastest_rate(device: &Device, hand: &Hand, m: &SMatrix<f64, 5, 5>) -> f64 {
     row_sum_norm(&scaled)
 }
 
-/// Fraction of the first bound that is added to the second for rounding, because the second bound may be zero.
+/// Allowance for rounding: this fraction of the bound by `slide_guard` or `stick_guard` is added to the finer bound, which may be
+/// zero.
 const ROUNDING: f64 = 1e-9;
 
 impl HeldCoulomb {
@@ -180,7 +181,7 @@ impl HeldCoulomb {
         let full = drive(state, torque, rest);
         let [v, strain, v_h, hand_strain, _] = full;
         let at_rest = self.torque_at_rest(strain, v_h, torque);
-        // The sign of -0.0 is no direction: at rest, the torque decides.
+        // At rest the torque decides the direction; the sign of -0.0 does not.
         let sign = if v != 0.0 {
             1.0_f64.copysign(v)
         } else if at_rest.abs() <= self.breakaway {
@@ -192,7 +193,7 @@ impl HeldCoulomb {
         sliding[4] = torque - sign * self.kinetic;
         let increment = self.sliding.increment(&sliding);
         let slowest = (sign * v).min(sign * (v + increment[1]));
-        // False as well where the bound is no number: then it decides nothing.
+        // The comparison is false for a NaN bound too, which then decides nothing.
         let rough = guard(&self.slide_guard, &sliding);
         let clear = slowest > rough || {
             let fine = guard(&self.slide_rate_guard, &apply(&self.rates, &sliding));

@@ -15,9 +15,9 @@
 //! J_h dv_h/dt =    - k_p (x_h - x) - b_p (v_h - v) - b_h v_h + k_h (r - x_h)
 //! ```
 //!
-//! Torque `u` and rest point `r` are constant during an interval, so the linear part needs no integrator: one precomputed matrix step is the
-//! exact solution (Van Loan, IEEE TAC 23(3) 395, 1978). Dry friction adds events (stops and starts), whose times are calculated. There is
-//! no step size and no setting of accuracy.
+//! Torque `u` and rest point `r` are constant during an interval, so the linear part needs no integrator: one precomputed matrix
+//! step is the exact solution (Van Loan, IEEE TAC 23(3) 395, 1978). Dry friction adds events (stops and starts), whose times are
+//! calculated. There is no step size and no setting of accuracy.
 //!
 //! A scene makes two choices, which are types, so that they cost no branch in a tick:
 //!
@@ -26,13 +26,14 @@
 //! | nobody holds the device | [`BareLinear`] | [`BareCoulomb`] |
 //! | a hand holds it | [`HeldLinear`] | [`HeldCoulomb`] |
 //!
-//! All four are [`Stepper`]s: they hold the configuration for one fixed interval and advance a small separate [`State`]. A computational
-//! delay of a fraction of a tick uses two steppers in turn on one state, with the intervals `delay` and `T - delay`.
+//! All four are [`Stepper`]s: they hold the configuration for one fixed interval and advance a small separate [`State`]. A
+//! computational delay of a fraction of a tick uses two steppers in turn on one state, with the intervals `delay` and `T - delay`.
 //!
-//! A device with three translations is three axes, each with a stepper of its own, [`Cartesian`], or a mechanism of arms, [`DeltaPlant`].
+//! A device with three translations is three axes, each with a stepper of its own, [`Cartesian`], or a mechanism of arms,
+//! [`DeltaPlant`].
 //!
-//! Units are those of a knob (rad, N·m, kg·m²). An axis of a translational device has the same equations with m, N and kg; only the units in
-//! the names of fields are wrong then.
+//! Units are those of a knob (rad, N·m, kg·m²). An axis of a translational device has the same equations with m, N and kg; only the
+//! units in the names of fields are wrong then.
 //!
 //! [`train`] has a drive train: a current that lags, a compliant transmission, cogging, imbalance and further kinds of friction.
 

@@ -1,4 +1,5 @@
-//! The closed loop of plant, sampler, computational delay and a spring. Its stability limit is the reference value for the whole simulator.
+//! The closed loop of plant, sampler, computational delay and a spring. Its stability limit is the reference value for the whole
+//! simulator.
 //!
 //! With a command held for a period `T` and delayed by `t_d`, a stiffness `K` on a device with damping `b` is stable up to
 //!

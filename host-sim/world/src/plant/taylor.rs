@@ -3,7 +3,8 @@
 //! Events (a device that stops, friction that gives way) fall between ticks. The exact solution at an arbitrary time is `exp(M t)
 //! y`. Its power series in `t` is cheap once the coefficients are known: `y_{k+1} = M y_k h / (k + 1)`.
 
-/// Largest norm of `M h` for one power series. A millisecond of a knob in a hand has a smaller one.
+/// Largest norm of `M h` (matrix of the rates times the interval) for one power series. A millisecond of a knob in a hand has a
+/// smaller one.
 pub(super) const NORM: f64 = 0.5;
 /// Number of coefficients. The first one left out is below `0.5^16 / 16!`, 1e-18.
 pub(super) const TERMS: usize = 16;
@@ -82,7 +83,7 @@ impl Series {
         if c[0] < 0.0 {
             return Some(0.0);
         }
-        // Where all that follows together cannot bring it down, and by more than rounding, the search would find nothing either.
+        // If all later terms together cannot make the series negative, by more than rounding, the search would find no root.
         let rest: f64 = c[1..].iter().map(|c| c.abs()).sum();
         if c[0] > rest * (1.0 + 1e-9) {
             return None;
@@ -109,7 +110,7 @@ impl Series {
             if value <= rounding && slope < 0.0 {
                 return Some(next.min(1.0));
             }
-            // False as well for what is no number: no event either.
+            // The comparison is false for NaN too, which then counts as no event.
             let inside = next < 1.0;
             if !inside {
                 return None;

@@ -270,8 +270,8 @@ fn trace<P: Stepper>(plant: &P, mirror: f64, scale: f64) -> Vec<[f64; 4]> {
     trace
 }
 
-/// Checks that two runs are equal bit for bit after scaling, except for the sign of a zero, which sums do not mirror (`1 - 1` is
-/// `+0` in both runs).
+/// Checks that two runs are equal bit for bit after scaling. The sign of a zero may differ, because sums do not mirror it (`1 - 1`
+/// is `+0` in both runs).
 fn assert_scaled(trace: &[[f64; 4]], expected: &[[f64; 4]], factor: f64) {
     for (tick, (a, b)) in trace.iter().zip(expected).enumerate() {
         assert_eq!(*a, b.map(|entry| factor * entry), "tick {tick}");

@@ -1,15 +1,16 @@
 //! Dynamics of a delta mechanism: `M(x) dv/dt = slopesᵀ (τ - b_θ dθ/dt - I c(x, v)) - b v + hand`.
 //!
-//! Two thirds of each forearm's mass count at the elbow and one third at the effector (Codourey, *Dynamic modeling of parallel robots*, Int.
-//! J. Robotics Research 17(12), 1998). So the moving parts are an inertia `I` at each motor and a mass `m` at the effector:
+//! Two thirds of each forearm's mass count at the elbow and one third at the effector (Codourey, *Dynamic modeling of parallel
+//! robots*, Int. J. Robotics Research 17(12), 1998). So the moving parts are an inertia `I` at each motor and a mass `m` at the
+//! effector:
 //!
 //! ```text
 //! M = m 1 + I slopesᵀ slopes        c: the joints' accelerations while the effector moves straight on
 //! ```
 //!
-//! These are Lagrange's equations of `m v²/2 + Σ I (dθ/dt)²/2`, without gravity, which counts as compensated. They have no closed solution. An
-//! interval is integrated by the classical Runge–Kutta method in substeps. Work and losses are integrated along with the motion, so that
-//! the energy balance shows the error of the method.
+//! These are Lagrange's equations of `m v²/2 + Σ I (dθ/dt)²/2`, without gravity, which counts as compensated. They have no closed
+//! solution. An interval is integrated by the classical Runge–Kutta method in substeps. Work and losses are integrated along with
+//! the motion, so that the energy balance shows the error of the method.
 
 use super::geometry::{DeltaGeometry, DeltaPose, FALCON_GEOMETRY, Unreachable};
 use crate::plant::device::{Invalid, not_negative, positive};
@@ -80,14 +81,14 @@ impl DeltaDevice {
         self.masses.effector_kg + 3.0 * (1.0 - WITH_ELBOW) * self.masses.forearm_kg
     }
 
-    /// Inertia matrix `M` of the effector in a pose, kg.
+    /// Inertia matrix `M` of the effector at a position, kg.
     #[must_use]
     pub fn inertia_kg(&self, pose: &DeltaPose) -> Matrix3<f64> {
         Matrix3::identity() * self.effector_mass_kg()
             + pose.slopes.tr_mul(&pose.slopes) * self.joint_inertia_kg_m2()
     }
 
-    /// Damping matrix of the effector in a pose that the joints' damping causes, N·s/m.
+    /// Damping matrix of the effector at a position that the joints' damping causes, N·s/m.
     #[must_use]
     pub fn damping_n_s_per_m(&self, pose: &DeltaPose) -> Matrix3<f64> {
         pose.slopes.tr_mul(&pose.slopes) * self.joint_damping
@@ -105,7 +106,7 @@ impl DeltaDevice {
         wanted * (self.torque_n_m / most)
     }
 
-    /// The pose that the encoders measure: with the joint angles rounded to whole counts.
+    /// The position and joint angles that the encoders measure: the joint angles are rounded to whole counts.
     ///
     /// # Errors
     /// No position of the effector belongs to these counts.

@@ -1,15 +1,16 @@
 //! Geometry of a delta mechanism: joint angles for a position of its effector, and the reverse.
 //!
-//! Each leg has its own frame: `u` points from the base's centre through the leg's motor, `v` sideways, `w` up. With an arm of length `a` at
-//! an angle `θ`, the forearm closes the loop if (Stamper, *A three degree of freedom parallel manipulator with only translational degrees
-//! of freedom*, University of Maryland, PhD 97-4, 1997)
+//! Each leg has its own frame: `u` points from the base's centre through the leg's motor, `v` sideways, `w` up. With an arm of
+//! length `a` at an angle `θ`, the forearm closes the loop if (Stamper, *A three degree of freedom parallel manipulator with only
+//! translational degrees of freedom*, University of Maryland, PhD 97-4, 1997)
 //!
 //! ```text
 //! (u - a cos θ)² + (w - a sin θ)² = L²        L = ends + sqrt(b² - v²)
 //! ```
 //!
-//! This is linear in `cos θ` and `sin θ`, so the joint angles of a position are known in closed form. Newton's method gives the position for
-//! joint angles. The first derivative gives the rows of the joints' slopes (radians per metre), the second one their curvature.
+//! This is linear in `cos θ` and `sin θ`, so the joint angles of a position are known in closed form. Newton's method gives the
+//! position for joint angles. The first derivative gives the rows of the joints' slopes (radians per metre), the second one their
+//! curvature.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -109,7 +110,7 @@ impl DeltaGeometry {
         (Vector3::new(cos, sin, 0.0), Vector3::new(-sin, cos, 0.0))
     }
 
-    /// The pose with the effector at this position.
+    /// The joint angles and slopes for this position of the effector.
     ///
     /// # Errors
     /// The position cannot be reached, or is too close to a singular one.
@@ -132,11 +133,11 @@ impl DeltaGeometry {
             let far = libm::hypot(u, w);
             let cosine =
                 (far * far + self.arm_m * self.arm_m - length * length) / (2.0 * self.arm_m * far);
-            // At the motor's axis itself it is no number.
+            // At the motor's axis itself the cosine is NaN.
             if cosine.is_nan() || cosine.abs() >= 1.0 {
                 return Err(Unreachable::TooFar(i));
             }
-            // Of the two, the elbow outwards.
+            // Of the two solutions, the one with the elbow outwards.
             let angle = libm::atan2(w, u) - libm::acos(cosine);
             let (sin, cos) = libm::sincos(angle);
             let (x, w) = (u - self.arm_m * cos, w - self.arm_m * sin);
@@ -173,7 +174,7 @@ impl DeltaGeometry {
         })
     }
 
-    /// The pose with these joint angles, by Newton's method from a pose nearby.
+    /// The position of the effector for these joint angles, by Newton's method from a position nearby.
     ///
     /// # Errors
     /// There is no such position, or it is too close to a singular one.
@@ -189,14 +190,14 @@ impl DeltaGeometry {
                 return Ok(pose);
             }
             let step = pose.slopes.try_inverse().ok_or(Unreachable::Flat)? * off;
-            // Half of it where the whole leads out of reach.
+            // A shorter step if the whole step leads out of reach.
             let next = [1.0, 0.5, 0.25, 0.125]
                 .into_iter()
                 .find_map(|share| self.pose(pose.place_m + step * share).ok());
             pose = next.ok_or(Unreachable::NoPlace)?;
         }
         let off = joints_rad - pose.joints_rad;
-        // The last digit of an angle may never settle.
+        // The last digit of an angle may never settle, so a larger error is accepted in the end.
         match off.amax() <= 100.0 * AGREE_RAD {
             true => Ok(pose),
             false => Err(Unreachable::NoPlace),

@@ -99,15 +99,15 @@ impl HeldCoulomb {
         Some(loss)
     }
 
-    /// The time within the piece, as a fraction, at which a stuck device starts to move, with its direction. `None` if it stays
-    /// stuck.
+    /// The time, as a fraction of the piece of the tick, at which a stuck device starts to move, with its direction. `None` if it
+    /// stays stuck.
     fn breaks_away(&self, piece: &Piece, torque: f64) -> Option<(f64, Mode)> {
         let hand = &self.sliding.hand;
         let (k_p, b_p) = (hand.pad_stiffness, hand.pad_damping);
         [1.0, -1.0]
             .into_iter()
             .filter_map(|sign| {
-                // What is left of the static friction in this direction.
+                // Torque that is missing to break away in this direction, N·m.
                 let spare = self.breakaway - sign * torque;
                 Series::combine(-sign * k_p, &piece.strain, -sign * b_p, &piece.v_h, spare)
                     .first_negative()
@@ -140,8 +140,8 @@ impl HeldCoulomb {
                 };
                 let acceleration = (held + pad - device.damping * v) / device.inertia;
                 piece.v.0[k + 1] = step * acceleration;
-                // From rest a device only ever sets off along the torque that moved it. At break-away with equal levels
-                // of friction the net torque is zero, and rounding must not turn it round.
+                // From rest a device can start only in the direction of the torque that moves it. At break-away with equal levels
+                // of friction the net torque is zero, and rounding must not reverse the motion.
                 if k == 0 && v == 0.0 && sign * acceleration < 0.0 {
                     piece.v.0[1] = 0.0;
                 }
@@ -154,7 +154,7 @@ impl HeldCoulomb {
         piece
     }
 
-    /// Energy dissipated from the start of the piece to its fraction `until`.
+    /// Energy dissipated from the start of a piece of the tick to its fraction `until`.
     fn piece_loss(&self, piece: &Piece, mode: Mode, until: f64) -> Loss {
         let (device, hand) = (&self.sliding.device, &self.sliding.hand);
         let friction = match mode {

@@ -1,5 +1,5 @@
-//! A drive train: the device behind a motor current, with a compliant transmission to the knob, a hand, and nonlinear torques at the motor's
-//! shaft. All parts are optional; a scene file names them.
+//! A drive train: the device behind a motor current, with a compliant transmission to the knob, a hand, and nonlinear torques at
+//! the motor's shaft. All parts are optional; a scene file names them.
 //!
 //! ```text
 //!  u -> [ current ] -> tau                 k_t, c_t, gap                pad
@@ -8,9 +8,10 @@
 //!  imbalance --------------/
 //! ```
 //!
-//! All linear parts are one exact matrix step, as in the other plants of the parent module. The nonlinear parts ([`Shaft`], and the play of a
-//! transmission) are torques that are held during a substep. Their values are those at the substep's middle; friction is set-valued at the
-//! substep's end. So a train without nonlinear parts needs no substeps. With them, the linear part stays exact, however stiff it is.
+//! All linear parts are one exact matrix step, as in the other plants of the parent module. The nonlinear parts ([`Shaft`], and the
+//! play of a transmission) are torques that are held during a substep. Their values are those at the substep's middle; friction is
+//! set-valued at the substep's end. So a train without nonlinear parts needs no substeps. With them, the linear part stays exact,
+//! however stiff it is.
 
 mod bristles;
 mod friction;

@@ -117,14 +117,14 @@ fn dry(
         torque: torque.copysign(stopping),
         rests: false,
     };
-    // Whoever turns round comes to rest on the way, and has to break away again.
+    // A shaft that reverses comes to rest on the way and has to break away again.
     if before * free <= 0.0 && stopping.abs() <= sliding.breakaway {
         return Opposed {
             torque: stopping,
             rests: true,
         };
     }
-    // The level at the substep's mean velocity, of which the level at its start gives the end.
+    // The friction level at the substep's mean velocity. A first pass with the level at the start gives the velocity at the end.
     let first = level(sliding, stribeck, before).copysign(stopping);
     let torque = level(
         sliding,
