@@ -1,12 +1,12 @@
-//! Gives the linker the map of the board's memory, which lies at the repository's top level, and the scripts that use it; and the
-//! program a hash of its sources.
+//! Build script. Gives the linker the memory map of the board, which lies at the repository's top level, and the linker scripts
+//! that use it. Gives the program a hash of its sources.
 
 use std::path::{Path, PathBuf};
 
 fn main() {
     let folder = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
     let out = PathBuf::from(std::env::var("OUT_DIR").unwrap_or_default());
-    // The larger chip has room for the interrupts' code in a memory without wait states.
+    // The larger chip has memory without wait states for the interrupts' code.
     let is_large = std::env::var_os("CARGO_FEATURE_G474RE").is_some();
     let map = if is_large {
         "memory-g474re.x"
@@ -19,14 +19,14 @@ fn main() {
     }
     println!("cargo::rustc-link-search={}", out.display());
     println!("cargo::rustc-link-search={folder}");
-    // The first to name a piece of code has it.
+    // The first script that names a piece of code decides where it goes.
     let first = is_large.then_some("fast.x");
     for script in first.into_iter().chain(["link.x", "defmt.x"]) {
         println!("cargo::rustc-link-arg-bins=-T{script}");
     }
-    // Sections start on no page of a file system: the image is for a flash memory.
+    // Sections need not begin at a page of a file system, because the image is for a flash memory.
     println!("cargo::rustc-link-arg-bins=--nmagic");
-    // A symbol without a place: `touchstone flash` knows by it which board a program is for, and it costs no flash.
+    // A symbol that takes no flash. `touchstone flash` reads from it for which board a program is.
     for board in BOARDS {
         let symbol = board.replace('-', "_");
         println!("cargo::rustc-link-arg-bin={board}=--defsym=touchstone_board_{symbol}=0");
@@ -48,7 +48,7 @@ fn main() {
     println!("cargo::rustc-env=TOUCHSTONE_BUILD_HASH={hash:016x}");
 }
 
-/// The programs, each with its board's name.
+/// The names of the programs, one for each board.
 const BOARDS: [&str; 5] = [
     "nucleo-g474re",
     "nucleo-g474re-ihm16m1",
@@ -60,7 +60,7 @@ const BOARDS: [&str; 5] = [
 const FNV_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
 const FNV_PRIME: u64 = 0x100_0000_01b3;
 
-/// Adds a file, or a folder's files in the order of their names, to an FNV-1a hash.
+/// Adds a file, or the files of a folder in the order of their names, to an FNV-1a hash.
 fn add(path: &Path, hash: &mut u64) {
     if let Ok(entries) = std::fs::read_dir(path) {
         let mut entries: Vec<_> = entries

@@ -1,8 +1,8 @@
-//! What firmware uses of this crate, and nothing else: every law in the 32-bit and in the 16-bit format, set up from
-//! settings and run tick by tick.
+//! Everything that firmware uses of this crate: every control law in the 32-bit and in the 16-bit number format, set up from
+//! settings and run tick by tick (a tick is one control period).
 //!
-//! It is a library, so that it builds without an operating system; `cargo xtask float-free` looks at the code that the
-//! compiler makes of it.
+//! The example is a library, so that it builds without an operating system. `cargo xtask float-free` checks that the compiled code
+//! has no floating-point operations.
 #![no_std]
 
 use touchstone_control::environment::{
@@ -23,7 +23,7 @@ pub fn set_up(settings: &Settings) -> Result<Controller<Fixed32>, SettingsError>
     Controller::new(settings)
 }
 
-/// Same as [`set_up`], in 16 bits.
+/// Same as [`set_up`], in the 16-bit number format.
 ///
 /// # Errors
 /// Same as [`Controller::new`].
@@ -32,13 +32,13 @@ pub fn set_up_16(settings: &Settings) -> Result<Controller<Fixed16>, SettingsErr
     Controller::new(settings)
 }
 
-/// How many passivity bounds the settings violate.
+/// Returns how many passivity bounds the settings violate.
 #[inline(never)]
 pub fn bounds_left(settings: &Settings) -> usize {
     settings.warnings().count()
 }
 
-/// Encoder count to penetration.
+/// Converts an encoder count to the penetration into the wall.
 #[inline(never)]
 pub fn penetration(scale: &CountScale, count: i64) -> Position<Fixed32> {
     scale.penetration(count)
@@ -56,13 +56,13 @@ pub fn tick_16(wall: &mut Controller<Fixed16>, e: Position<Fixed16>) -> Force<Fi
     wall.tick(e)
 }
 
-/// What telemetry shows of a law.
+/// Returns the law's internal values that telemetry reports.
 #[inline(never)]
 pub fn view(wall: &Controller<Fixed32>) -> View<Fixed32> {
     wall.view()
 }
 
-/// Walls and detents behind one guard.
+/// Makes an environment of walls and detents whose forces pass one energy guard.
 ///
 /// # Errors
 /// Same as [`Environment::new`].
@@ -85,7 +85,7 @@ pub fn surrounded_tick(
     environment.tick(at, since_change)
 }
 
-/// Runs both energy observers without a law.
+/// Runs the exact and the thesis' energy observer for one control period, without a control law.
 #[inline(never)]
 pub fn observe(
     exact: &mut ExactObserver<Fixed32>,

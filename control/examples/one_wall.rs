@@ -1,4 +1,4 @@
-//! Encoder count to motor torque: a hand turns a knob into a virtual wall and out again.
+//! From encoder count to motor torque: a simulated hand turns a knob into a virtual wall and out again.
 
 use touchstone_control::{Controller, CountScale, Fixed32, Settings, SettingsError, Si};
 

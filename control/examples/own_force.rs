@@ -1,10 +1,12 @@
-//! A force of one's own behind the energy guard: a stiff end stop, sampled too slowly, throws a knob back without it.
+//! A user-defined force behind the energy guard. The force is a stiff end stop, sampled too slowly: without the guard it throws the
+//! knob back.
 
 use touchstone_control::{
     Fixed32, Force, Guard, GuardSettings, Guarded, GuardedDevice, Position, SettingsError, Si,
 };
 
-/// What the device is: the guard's bound holds for devices with at least this damping and at most this delay.
+/// Makes the guard from the device's properties. Its energy bound holds for devices with at least this damping and at most this
+/// delay.
 fn guard() -> Result<Guarded<Fixed32>, SettingsError> {
     let device = GuardedDevice {
         rate_hz: 1_000,               // ticks a second
@@ -21,12 +23,13 @@ fn guard() -> Result<Guarded<Fixed32>, SettingsError> {
     Ok(Guarded::new(Guard::new(&settings, &device)?))
 }
 
-/// Any force of position and velocity, along the angle: here a spring of 200 N·m/rad that pushes back above 0.
+/// The user's own force in N·m, from angle and velocity: here a spring of 200 N·m/rad that pushes back at angles above 0.
 fn own_force(angle_rad: f64, _velocity_rad_per_s: f64) -> f64 {
     (-200.0 * angle_rad.max(0.0)).max(-0.5)
 }
 
-/// A knob of 50 g·cm² is turned into the stop at 10 rad/s, and is left to itself; how much of its energy, J, it has when it comes out.
+/// Simulates a knob of 50 g·cm² that runs into the end stop at 10 rad/s. Returns the knob's kinetic energy in joules when it comes
+/// out.
 fn comes_out_with_j(mut guard: Option<Guarded<Fixed32>>) -> f64 {
     let (inertia_kg_m2, damping_n_m_s_per_rad, count_rad) = (5e-6, 1e-4, 0.000_383_5);
     let (mut angle_rad, mut velocity_rad_per_s) = (-0.02_f64, 10.0_f64);

@@ -1,6 +1,7 @@
-//! From settings to the coefficients of each law.
+//! Calculates the coefficients of each control law from the settings.
 //!
-//! A law by itself is small; one of any kind is not, and every way out of a function carries what it returns.
+//! The code builds one law at a time and avoids returning the enum of all laws: that enum is large, and each return path would copy
+//! it.
 
 use crate::choices::{IdealStep, OffsetUpdate, Regulate};
 use crate::filter::VirtualMass;
@@ -11,7 +12,7 @@ use crate::validate::{Field, SettingsError, gain, ratio};
 use crate::velocity::Velocity;
 use crate::{Compliance, Divisor, Energy, Force, Number, ObserverForm, Ratio, Stiffness};
 
-/// Settings that all laws share.
+/// The coefficients that all laws share.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Common<N: Number> {
     /// Desired stiffness: `k_de`.
@@ -25,7 +26,7 @@ fn stiffness<N: Number>(field: Field, value: Si) -> Result<Stiffness<N>, Setting
 }
 
 impl<N: Number> Common<N> {
-    /// The coefficients of valid settings.
+    /// Computes the shared coefficients from validated settings.
     pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
         settings.validate()?;
         Ok(Self {
@@ -41,7 +42,7 @@ impl<N: Number> Common<N> {
         })
     }
 
-    /// The spring with damping over a tick.
+    /// The spring law with this damping, given per tick in N·m/rad.
     pub const fn spring(&self, damping: Stiffness<N>) -> Spring<N> {
         Spring {
             desired: self.desired,
@@ -50,7 +51,7 @@ impl<N: Number> Common<N> {
         }
     }
 
-    /// A spring with virtual damping, and the filter of its velocity unless the law takes plain differences.
+    /// A spring with virtual damping. It has a velocity filter of its own unless the settings choose plain differences.
     pub fn damped(
         &self,
         settings: &Settings,
@@ -139,7 +140,7 @@ impl<N: Number> Common<N> {
         })
     }
 
-    /// The energy that the enhanced law lends at each contact.
+    /// Energy in joules that the enhanced law lends at each contact, so that the wall may give more than it took.
     fn credit(&self, settings: &Settings) -> Result<Energy<N>, SettingsError> {
         // The published observer reports the sampling leak as a gain, and so lends what it needs by itself.
         let lent = match settings.observer {
@@ -158,21 +159,21 @@ impl<N: Number> Common<N> {
     }
 }
 
-/// Virtual damping over a tick.
+/// Virtual damping per tick, `B/T`, in N·m/rad.
 fn damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>, SettingsError> {
     let per_tick = settings.derived().virtual_damping_per_tick;
     stiffness(Field::VirtualDamping, per_tick)
 }
 
-/// The damper of the enhanced law's spring, up to `k_v`. It is in proportion to `k_de`: with the same damper a wall of
-/// half the stiffness would creep for twice as long.
+/// Damping per tick of the enhanced law's spring, for stiffnesses `k_de` up to `k_v`. It is in proportion to `k_de`: with a
+/// constant damper a wall of half the stiffness would take twice as long to settle.
 pub(crate) fn soft_damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>, SettingsError> {
     let whole = settings.derived().virtual_damping_per_tick;
     let share = over(settings.k_desired, settings.k_soft);
     stiffness(Field::VirtualDamping, whole.saturating_mul(share))
 }
 
-/// A share over `k_v`.
+/// A fraction divided by the soft stiffness `k_v`, as a compliance.
 fn compliance<N: Number>(
     settings: &Settings,
     field: Field,
@@ -181,7 +182,7 @@ fn compliance<N: Number>(
     ratio::<N>(field, over(share, settings.k_soft)).map(Compliance)
 }
 
-/// A share per millisecond as a share per tick, at most 1, so that the offset is as fast at every rate.
+/// Converts a fraction per millisecond to a fraction per tick, at most 1, so that the offset is as fast at every control rate.
 #[inline]
 fn share_of_tick(settings: &Settings, per_ms: Si) -> Si {
     let per_s = per_ms.saturating_mul(const { Si::const_from_int(1000) });
@@ -236,7 +237,7 @@ fn virtual_mass<N: Number>(settings: &Settings) -> Result<VirtualMass<N>, Settin
     })
 }
 
-/// `c/k_v` (3.7) or `c/k_de`.
+/// The gain of the offset's ideal step: `c/k_v`, equation (3.7) of the thesis, or `c/k_de`, by [`crate::IdealStep`].
 fn ideal_step<N: Number>(settings: &Settings) -> Result<Compliance<N>, SettingsError> {
     let stiffness = match settings.ideal_step {
         IdealStep::Position => settings.k_soft,
@@ -247,7 +248,7 @@ fn ideal_step<N: Number>(settings: &Settings) -> Result<Compliance<N>, SettingsE
     ratio::<N>(Field::StepOfIdeal, over(share, stiffness)).map(Compliance)
 }
 
-/// Largest energy that a law stores: a quarter of the format, so that adding one tick's work can never saturate.
+/// Largest energy that a law stores: a quarter of the format's range, so that adding one tick's work can never saturate.
 fn energy_cap<N: Number>() -> Energy<N> {
     // 2^62 of 2^63 in the 32-bit format: 16384 J. Formats that cannot say so (16 bits: ±8 J) get a quarter of theirs.
     [16384, 4, 1]

@@ -1,4 +1,5 @@
-//! From settings to a running law: coefficients computed once, state beside them, one `tick`.
+//! Makes a running control law of settings: coefficients are computed once, the law's memory is kept beside them, and `tick` runs
+//! one control period.
 
 use crate::choices::{LawKind, OffsetUpdate, StatesKind};
 use crate::coefficients::{Common, soft_damper};
@@ -11,10 +12,11 @@ use crate::settings::Settings;
 use crate::validate::SettingsError;
 use crate::{Force, Guard, Guarded, Number, Position, States, Stiffness};
 
-/// A law chosen at run time, with its state. Each variant is an immutable configuration beside its memory.
+/// A law chosen at run time, with its memory. Each variant holds the immutable coefficients and the state that ticks change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AnyLaw<N: Number> {
-    /// Virtual spring, with or without damping; also the enhanced law below `k_v` (§3.1).
+    /// Virtual spring, with or without damping. The enhanced law for stiffnesses below `k_v` is this variant too (§3.1 of the
+    /// thesis).
     Spring(Spring<N>, SpringState),
     /// Virtual spring with virtual damping, whose velocity comes from its own filter.
     Damped(Damped<N>, DampedState<N>),
@@ -29,10 +31,10 @@ pub enum AnyLaw<N: Number> {
 }
 
 impl<N: Number> AnyLaw<N> {
-    /// Validates the settings and computes the coefficients of their law.
+    /// Validates the settings and computes the coefficients of the law that they choose.
     ///
     /// # Errors
-    /// A setting out of its range, or a coefficient that does not fit the number format.
+    /// A setting is out of its range, or a coefficient does not fit the number format.
     pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
         let common = Common::new(settings)?;
         let spring = |damping| Self::Spring(common.spring(damping), SpringState::default());
@@ -61,7 +63,8 @@ impl<N: Number> AnyLaw<N> {
         })
     }
 
-    /// Runs one control period: takes where the HIP is and how it moves, returns the force pushing out.
+    /// Runs one control period: takes the position and displacement of the hand's point (HIP), returns the force that pushes it
+    /// out.
     // A law called from two places, by itself and in an environment, would be a call in both, and another fifteen instructions and more.
     #[inline(always)]
     pub fn tick(&mut self, e: Sample<N>) -> Force<N> {
@@ -75,7 +78,7 @@ impl<N: Number> AnyLaw<N> {
         }
     }
 
-    /// Clears all memory.
+    /// Clears the law's memory, as after a motion outside the wall.
     pub fn forget(&mut self) {
         match self {
             Self::Spring(_, state) => *state = SpringState::default(),
@@ -100,28 +103,28 @@ impl<N: Number> AnyLaw<N> {
     }
 }
 
-/// A law, what it is told of the device, and what its force may be.
+/// A control law with the stage that gives it position and velocity (states), and the energy guard that limits its force.
 ///
 /// ```text
 /// e -> states -> law -> guard -> force
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Controller<N: Number> {
-    /// The law.
+    /// The control law with its memory.
     pub law: AnyLaw<N>,
-    /// The stage before the law.
+    /// The stage before the law, which gives position and velocity: measured or estimated.
     pub states: States<N>,
-    /// The stage after the law.
+    /// The energy guard after the law; `None` if the settings switch it off.
     pub guard: Option<Guarded<N>>,
     /// The force commanded at the last tick, after every later stage that may change it.
     commanded: Force<N>,
 }
 
 impl<N: Number> Controller<N> {
-    /// The law with its stages, at power-up.
+    /// Makes the law with its stages in the state at power-up.
     ///
     /// # Errors
-    /// A setting out of its range, or a coefficient that does not fit the number format.
+    /// A setting is out of its range, or a coefficient does not fit the number format.
     #[cold]
     #[inline(never)]
     pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
@@ -136,7 +139,7 @@ impl<N: Number> Controller<N> {
         Ok(Self::of_parts(law, states, guard))
     }
 
-    /// A controller of a law, its source of states and its guard, each already made of its settings.
+    /// Makes a controller of a law, its source of states and its guard, each already made of settings.
     #[must_use]
     pub fn of_parts(law: AnyLaw<N>, states: States<N>, guard: Option<Guarded<N>>) -> Self {
         Self {
@@ -147,7 +150,7 @@ impl<N: Number> Controller<N> {
         }
     }
 
-    /// The stage before the law.
+    /// The stage before the law that the settings choose: measured or estimated position and velocity.
     pub(crate) fn states_of(settings: &Settings) -> Result<States<N>, SettingsError> {
         Ok(match settings.states {
             StatesKind::Measured => States::default(),
@@ -160,9 +163,10 @@ impl<N: Number> Controller<N> {
         })
     }
 
-    /// A law as it was made takes the place of this one, for the next arming: all memory is new but the guard's account.
+    /// Replaces this controller's memory with that of a new controller, for the next arming. Only the energy in the guard's account
+    /// is kept.
     ///
-    /// In place, since a law is some hundred bytes and a control interrupt has no time to carry them about.
+    /// The replacement is in place: a law has some hundred bytes, and a control interrupt has no time to copy them more often.
     pub fn resume(&mut self, fresh: &Self) {
         let before = self.guard.as_ref().map(Guarded::account);
         *self = *fresh;
@@ -180,7 +184,7 @@ impl<N: Number> Controller<N> {
         self.tick_with_change(e, None)
     }
 
-    /// Same as [`Controller::tick`], for a penetration that was also measured when the force changed since the last tick.
+    /// Same as [`Controller::tick`], with a second penetration that was measured at the last change of force.
     #[inline]
     pub fn tick_with_change(&mut self, e: Position<N>, at_change: Option<Position<N>>) -> Force<N> {
         self.states.commanded(self.commanded);
@@ -193,7 +197,8 @@ impl<N: Number> Controller<N> {
         force
     }
 
-    /// What became of the last tick's force, where a later stage changed it: estimator and guard then count with that.
+    /// Reports the force that really was commanded, if a later stage changed the last tick's force. Estimator and guard then
+    /// calculate with it.
     #[inline]
     pub fn commanded(&mut self, force: Force<N>) {
         self.commanded = force;
@@ -202,7 +207,7 @@ impl<N: Number> Controller<N> {
         }
     }
 
-    /// The force is switched off, after the last tick or without one: [`Guard::switched_off`].
+    /// Reports that the force is switched off, with or without a tick before: see [`Guard::switched_off`].
     ///
     /// [`Guard::switched_off`]: crate::Guard::switched_off
     pub fn switched_off(&mut self) {
@@ -212,7 +217,7 @@ impl<N: Number> Controller<N> {
         }
     }
 
-    /// What became of the last tick's force.
+    /// The force commanded at the last tick, after every later stage that changed it.
     #[must_use]
     pub const fn last_commanded(&self) -> Force<N> {
         self.commanded

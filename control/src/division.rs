@@ -1,9 +1,8 @@
-//! A double word by a word, on a machine that divides words only.
+//! Division of a double word (64 bits) by a word (32 bits), on a machine that divides words only.
 //!
-//! A Cortex-M4 divides 32 bits by 32, and the routine that a compiler puts in for 64 bits takes some 300 instructions at
-//! worst. But what the laws divide *by* is always a word, and then the schoolbook's way needs three divisions of the
-//! machine's own, and two where the quotient is a word too. Where the machine divides 64 bits, it does; the quotients are
-//! the same.
+//! A Cortex-M4 divides 32 bits by 32 bits. The routine that a compiler inserts for 64 bits takes some 300 instructions at worst.
+//! But the laws always divide *by* a word. Long division then needs three divisions of the machine, and two where the quotient is a
+//! word too. A machine that divides 64 bits uses its own division; the quotients are the same.
 
 /// `floor(dividend / divisor)`; `None` for a divisor of zero.
 #[inline]
@@ -15,8 +14,8 @@ pub fn quotient(dividend: u64, divisor: u32) -> Option<u64> {
     }
 }
 
-/// `floor(dividend / divisor)` where that is a word, that is for `dividend < divisor · 2^32`, with the part of the dividend that
-/// it accounts for; for all else, any words.
+/// `floor(dividend / divisor)` for a quotient of one word, that is for `dividend < divisor · 2^32`. The second value is the
+/// quotient times the divisor. For any other dividend the result has no meaning.
 #[inline(always)]
 pub fn short_quotient(dividend: u64, divisor: u32) -> (u32, u64) {
     if cfg!(target_pointer_width = "32") {
@@ -48,15 +47,15 @@ macro_rules! long_division {
         }
 
         $(#[$doc])*
-        /// The reciprocal for a quotient of one word.
+        /// Division of a double word by a word, for a quotient of one word.
         #[inline(always)]
         fn $short(dividend: $wide, divisor: $word) -> $word {
             const WORD: u32 = <$word>::BITS;
             const HALF: u32 = WORD / 2;
             const LOW: $word = <$word>::MAX >> HALF;
 
-            /// One digit of half a word: `(rest · 2^HALF + next) / divisor` and the remainder, for `rest < divisor` and a
-            /// divisor whose highest bit is set.
+            /// One digit of half a word in a long division: `(rest · 2^HALF + next) / divisor` and the remainder. Needs `rest <
+            /// divisor` and a divisor whose highest bit is set.
             #[inline(always)]
             fn digit(rest: $word, next: $word, divisor: $word) -> ($word, $word) {
                 // Its highest bit is set; that it is said once more spares the machine a look whether it divides by 0.
@@ -100,7 +99,7 @@ long_division!(
     long_32, short_32, u32, u64
 );
 long_division!(
-    /// The 8-bit version of the same source, small enough to be checked exhaustively.
+    /// The 8-bit version of the same source, which a test checks for every input.
     #[cfg(test)]
     long_8, short_8, u8, u16
 );
@@ -128,7 +127,7 @@ mod tests {
         }
     }
 
-    /// Words that are hard to divide with: powers of two and their neighbours, all ones, half and half.
+    /// Words that are difficult cases of a division: powers of two and their neighbours, all bits set, half of the bits set.
     fn hard_words() -> Vec<u32> {
         let mut words = vec![0, u32::MAX, 0xffff_0000, 0x8000_ffff, 0x7fff_8000];
         for bit in 0..32 {

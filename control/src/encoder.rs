@@ -1,44 +1,46 @@
-//! Converts the encoder count to penetration: the first step of the tick, in integers on every machine.
+//! Converts the encoder count to the penetration into a wall: the first step of each tick, in integers on every machine.
 
 use crate::number::Saturates as _;
 use crate::{Number, Position, Si};
 
-/// Fractional bits of the angle of one count. 48 keep a turn of 40,000 counts exact to 1.4e-10 rad.
+/// Fractional bits of the angle of one count. With 48 bits a turn of 40,000 counts is exact to 1.4e-10 rad.
 const STEP_BITS: u32 = 48;
-/// Bits of the step beyond those that [`Si`] has.
+/// Fractional bits that the angle of one count has beyond those of [`Si`].
 const LOST: u32 = STEP_BITS - Si::FRAC_NBITS;
-/// `round(2 π · 2^48)`.
+/// A turn in rad with 48 fractional bits: `round(2 π · 2^48)`.
 const TURN: i64 = 1_768_559_438_007_110;
 
-/// Angle of an encoder's counts relative to a wall's surface.
+/// Converts an encoder's counts to angles relative to a wall's surface.
 ///
-/// **No end after many turns.** [`CountScale::angle`], [`CountScale::turn`] and [`CountScale::moved`] are the same at every turn, bit for bit:
-/// the counts are reduced to a turn before anything is rounded.
+/// **The error does not grow over many turns.** [`CountScale::angle`], [`CountScale::turn`] and [`CountScale::moved`] are the same at every turn,
+/// bit for bit: the counts are reduced to a turn before anything is rounded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CountScale {
     /// Angle of one count, rad, with [`STEP_BITS`] fractional bits.
     step: i64,
     surface: Si,
-    /// Counts of a turn.
+    /// Encoder counts per turn.
     counts: i64,
-    /// Share of a turn of one count, 2^-64, to the nearest.
+    /// One count as a fraction of a turn, in units of 2^-64, rounded to the nearest.
     share: u64,
-    /// Half a turn as the encoder counts it: where there is a count, its angle, so that both directions meet there.
+    /// Angle of half a turn in rad. If a count lies at half a turn, this is that count's angle, so that both directions of rotation
+    /// give the same value.
     half_turn: Si,
 }
 
-/// A count split into whole turns, to the nearest, and the rest; for a count below zero the parts of its negative.
+/// A count split into the nearest number of whole turns and the remaining counts. For a negative count the parts are those of its
+/// modulus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Turned {
     turns: i64,
-    /// The resting error is at most half a turn.
+    /// Counts that remain beyond the whole turns, at most half a turn.
     rest: i64,
     below: bool,
 }
 
 impl CountScale {
-    /// The scale of an encoder with this number of counts a revolution (all edges counted) and a surface at an angle
-    /// in rad. `None` for an encoder without counts.
+    /// The scale of an encoder with this number of counts per turn (after quadrature decoding) and a wall's surface at an angle in
+    /// rad. `None` for 0 counts.
     #[must_use]
     pub fn new(counts_per_rev: u32, surface: Si) -> Option<Self> {
         let counts = i64::from(counts_per_rev);
@@ -78,14 +80,15 @@ impl CountScale {
         }
     }
 
-    /// The angle of at most half a turn, to the nearest step.
+    /// Angle in rad of a number of counts of at most half a turn, rounded to the nearest step of [`Si`].
     #[inline(always)]
     fn within_turn(&self, rest: i64) -> Si {
         let size = nearest(rest.wrapping_abs().wrapping_mul(self.step));
         Si::from_bits(if rest < 0 { size.wrapping_neg() } else { size })
     }
 
-    /// Where in its turn a count is, as a share of the turn in 2^-32: that of a turn more is the same, that of `-count` its negative.
+    /// Position of a count within its turn, as a fraction of the turn in units of 2^-32. A whole turn more gives the same value,
+    /// and `-count` the negative value.
     #[inline]
     #[must_use]
     pub fn turn(&self, count: i64) -> i32 {
@@ -100,7 +103,7 @@ impl CountScale {
         .cast_signed()
     }
 
-    /// The distance of a number of counts, rounded towards zero to a step of the format, saturating.
+    /// Distance in rad of a number of counts, rounded towards zero to a step of the number format; saturates.
     #[inline]
     #[must_use]
     pub fn moved<N: Number>(&self, counts: i64) -> Position<N> {
@@ -116,22 +119,23 @@ impl CountScale {
         Position(N::saturating_signal(way))
     }
 
-    /// Same encoder with another surface.
+    /// The scale of the same encoder with another surface.
     #[inline(always)]
     #[must_use]
     pub fn before(self, surface: Si) -> Self {
         Self { surface, ..self }
     }
 
-    /// Angle of a count, whatever the surface: that of `-count` is its negative, and that of a turn more is the turn more, exactly.
+    /// Angle of a count in rad from count 0, whatever the surface. `-count` gives the exact negative, and a turn more in counts
+    /// exactly one turn more in angle.
     #[inline(never)]
     #[must_use]
     pub fn angle(&self, count: i64) -> Si {
         self.on_steps(count, Si::DELTA)
     }
 
-    /// The angle in whole steps of this size, a power of two: within a turn to the nearest step; a turn is a whole
-    /// number of steps.
+    /// The angle of a count as a multiple of `step`, which is a power of two. Within a turn it is rounded to the nearest step; a
+    /// whole turn is a whole number of steps.
     #[inline]
     #[must_use]
     pub fn on_steps(&self, count: i64, step: Si) -> Si {
@@ -142,7 +146,7 @@ impl CountScale {
         if below { size.saturating_neg() } else { size }
     }
 
-    /// Same as [`CountScale::penetration`], with counts that start `turns` whole turns further on, before another surface.
+    /// Same as [`CountScale::penetration`] for another surface, with counts whose origin lies `turns` whole turns further on.
     #[inline(always)]
     #[must_use]
     pub fn penetration_from<N: Number>(&self, turns: i32, surface: Si, count: i64) -> Position<N> {
@@ -150,9 +154,9 @@ impl CountScale {
         self.behind(surface, count.saturating_sub(from))
     }
 
-    /// Penetration for a count, to the step below in the format, saturating: `e = 2π count / counts_per_rev - x_s`.
+    /// Penetration of a count, rounded down to a step of the number format: `e = 2π count / counts_per_rev - x_s`. It saturates.
     ///
-    /// Counts reach ±32,767 rad before they saturate.
+    /// Angles reach ±32,767 rad before the calculation itself saturates.
     #[inline]
     #[must_use]
     pub fn penetration<N: Number>(&self, count: i64) -> Position<N> {
@@ -167,7 +171,7 @@ impl CountScale {
     }
 }
 
-/// An angle to the nearest of such steps, a power of two; that of the mirrored angle is its negative.
+/// Rounds an angle to the nearest multiple of `step`, a power of two. The negative angle gives the exact negative.
 #[inline(always)]
 pub(crate) fn on_step(angle: Si, step: Si) -> Si {
     let bits = angle.to_bits();
@@ -179,7 +183,7 @@ pub(crate) fn on_step(angle: Si, step: Si) -> Si {
     })
 }
 
-/// From [`STEP_BITS`] fractional bits to those of [`Si`], to the nearest.
+/// Rounds an angle from [`STEP_BITS`] fractional bits to those of [`Si`], to the nearest.
 const fn nearest(size: i64) -> i64 {
     size.wrapping_add(1 << (LOST - 1)) >> LOST
 }

@@ -1,47 +1,47 @@
-//! Virtual-mass filter (thesis §3.5), discretised by backward Euler.
+//! The virtual mass of the enhanced law as a filter (thesis §3.5), discretised by backward Euler.
 //!
-//! A virtual mass hangs on the HIP by a spring `k_f` and a damper `c_f`, and is damped to ground by `c_env`. With
+//! A virtual mass hangs on the hand's point (HIP) by a spring `k_f` and a damper `c_f`, and is damped to ground by `c_env`. With
 //! `d = T v_f`, everything in N·m/rad (`M = m/T²`, `C = c_f/T`, `G = c_env/T`) and `D = M + k_f + C + G`, one tick is
 //!
 //! ```text
-//! N0 = M d + k_f (x - x_f) + C Δx        what drives the mass before the wall's force f_p
+//! N0 = M d + k_f (x - x_f) + C Δx        drives the mass, without the wall's force f_p
 //! d' = (N0 - f_p) / D   towards zero     x_f' = x_f + d'
 //! F  = k_f (x - x_f') + C (Δx - d')      force on the HIP
 //! ```
 //!
-//! Backward Euler is passive at the HIP's discrete port for every `M, k_f, C, G >= 0`; `F` is passive at the physical port
-//! where the device damps at least `k_f T/2 + c_f`. `d'` is one quotient of exact sums rounded towards zero. What the
-//! rounding leaves, `r = N0 - f_p - D d'`, has the sign of `d'`, so it acts like dry friction and can only dissipate.
+//! Backward Euler is passive at the HIP's discrete port for every `M, k_f, C, G >= 0`. The force `F` is passive at the physical port
+//! if the device's damping is at least `k_f T/2 + c_f`. `d'` is one quotient of exact sums rounded towards zero. The remainder of that
+//! rounding, `r = N0 - f_p - D d'`, has the sign of `d'`, so it acts like dry friction and can only dissipate energy.
 //! `f_p` is chosen from the mass' position *before* the update, which can inject energy unless `c_env >= k_v T/2`.
 
 use crate::{Divisor, Energy, Force, Number, Position, Stiffness, Tension};
 
-/// Coefficients of the virtual mass.
+/// Coefficients of the virtual mass, damping and inertia per tick, all in N·m/rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VirtualMass<N: Number> {
-    /// Inertia: `m/T²`.
+    /// Inertia of the mass per tick squared: `m/T²`.
     pub inertia: Stiffness<N>,
-    /// Stiffness: `k_f`.
+    /// Stiffness `k_f` of the spring between HIP and mass.
     pub stiffness: Stiffness<N>,
-    /// Damping: `c_f/T`.
+    /// Damping per tick between HIP and mass: `c_f/T`.
     pub damping: Stiffness<N>,
-    /// `m/T² + k_f + c_f/T + c_env/T`, never zero.
+    /// Sum `D` of the coefficients: `m/T² + k_f + c_f/T + c_env/T`, never zero.
     pub total: Stiffness<N>,
-    /// `D`, prepared as a divisor.
+    /// The sum `total`, prepared as a divisor.
     pub by_total: Divisor<N>,
 }
 
-/// State of the virtual mass, in penetration.
+/// State of the virtual mass, measured from the wall's surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MassState<N: Number> {
-    /// Penetration of the mass, `x_f - x_s`.
+    /// Penetration of the mass into the wall, `x_f - x_s`.
     pub position: Position<N>,
-    /// Displacement of the last tick, `T v_f`.
+    /// Displacement of the mass in the last tick, `T v_f`.
     pub moved: Position<N>,
 }
 
 impl<N: Number> MassState<N> {
-    /// The filter after a displacement.
+    /// The state of the mass after this displacement.
     #[inline(always)]
     #[must_use]
     pub fn moved_by(self, step: Position<N>) -> Self {
@@ -53,10 +53,9 @@ impl<N: Number> MassState<N> {
 }
 
 impl<N: Number> VirtualMass<N> {
-    /// Everything that drives the mass but the wall: `M d + k_f (e - e_f) + C Δe`.
+    /// The sum that drives the mass, without the wall's force: `M d + k_f (e - e_f) + C Δe`.
     ///
-    /// `validate` keeps the sum of the coefficients so small that the sum of products cannot overflow: it is at most
-    /// `total · 2^(BITS-1)`, and `total` at most a quarter of the word.
+    /// The sum cannot overflow: it is at most `total · 2^(BITS-1)`, and `validate` keeps `total` to at most a quarter of the word.
     #[inline(always)]
     pub fn drive(&self, mass: &MassState<N>, e: Position<N>, moved: Position<N>) -> Tension<N> {
         (self.inertia * mass.moved)
@@ -64,14 +63,14 @@ impl<N: Number> VirtualMass<N> {
             .plus_fitting(self.damping * moved)
     }
 
-    /// The sum that drives the mass while the HIP is not coupled to it: its own motion alone.
+    /// The sum that drives the mass while it is not coupled to the HIP: the inertia term of its own motion alone.
     #[inline(always)]
     pub fn coast(&self, mass: &MassState<N>) -> Tension<N> {
         self.inertia * mass.moved
     }
 
-    /// Displacement under the drive and the wall's force, rounded towards zero and kept within the range of positions:
-    /// the observer must count exactly what the mass moves.
+    /// Displacement of the mass under the driving sum and the wall's force. It is rounded towards zero and kept within the range of
+    /// positions, because the energy observer must count exactly the displacement that the mass makes.
     #[inline(always)]
     pub fn displacement(
         &self,
@@ -84,14 +83,14 @@ impl<N: Number> VirtualMass<N> {
         from + step - from
     }
 
-    /// The wall's force under which the mass moves outward by exactly `out`, rounded up (so that the mass never moves further
-    /// than its forces say); 0 where it would have to pull.
+    /// The wall's force under which the mass moves outward by exactly `out`. It is rounded up, so that the mass never moves further
+    /// than its forces say, and is 0 where the wall would have to pull.
     #[inline(always)]
     pub fn force_for_retreat(&self, drive: Tension<N>, out: Position<N>) -> Force<N> {
         drive.plus_fitting(self.total * out).outward_up()
     }
 
-    /// Force on the HIP after the mass has moved.
+    /// Force of spring and damper on the HIP after the mass has moved.
     #[inline(always)]
     pub fn coupling(&self, mass: &MassState<N>, e: Position<N>, moved: Position<N>) -> Force<N> {
         (self.stiffness * (e - mass.position))
@@ -99,14 +98,14 @@ impl<N: Number> VirtualMass<N> {
             .towards_zero()
     }
 
-    /// Where the mass rests with the HIP at `e` if the wall is a spring `k` without offset: `e k_f / (k_f + k)`.
+    /// Position at which the mass rests with the HIP at `e`, if the wall is a spring `k` without offset: `e k_f / (k_f + k)`.
     #[inline(always)]
     pub fn rest(&self, e: Position<N>, stiffness_sum: &Divisor<N>) -> Position<N> {
         (self.stiffness * e).per(stiffness_sum)
     }
 
-    /// Energy in the coupling spring for a stretch, rounded up; `None` where its force is beyond the format, since a
-    /// saturated force would understate the energy.
+    /// Energy in the coupling spring at this stretch, rounded up. `None` if the spring's force is beyond the format: a saturated
+    /// force would give too small an energy.
     #[inline(always)]
     pub fn stored(&self, stretch: Position<N>) -> Option<Energy<N>> {
         let tension = self.stiffness * stretch.modulus();

@@ -85,7 +85,7 @@ pub use states::States;
 pub use table::Choice;
 pub use validate::{Field, SettingsError, Warning};
 
-/// The code of the README, compiled and run.
+/// The README's code example, which a test compiles and runs.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 pub struct Readme;

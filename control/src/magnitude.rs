@@ -1,8 +1,8 @@
-//! The numeric heart on **unsigned magnitudes**: what the proofs are about, and what they finish on.
+//! The nonlinear arithmetic steps on **unsigned magnitudes**. The machine-checked proofs are about these functions.
 //!
-//! Signed products and quotients defeat every solver tried at full width; the same facts about magnitudes take seconds. So
-//! the nonlinear steps live here, on `u8`/`u16`/`u32` words with products in the next width, and the signed [`Number`]
-//! functions are thin edges around them. The same source at 8 bits is checked exhaustively.
+//! Solvers cannot finish the signed products and quotients at full width; the same facts about magnitudes take seconds. So the
+//! nonlinear steps are here, on `u8`/`u16`/`u32` words with products in the next width. The signed [`Number`] functions only add
+//! signs to them. A test checks the same source at 8 bits for every input.
 //!
 //! [`Number`]: crate::Number
 
@@ -10,54 +10,53 @@ use crate::division;
 use core::fmt::Debug;
 use core::hint::cold_path;
 
-/// A word and the double-width word that holds its products without loss.
+/// An unsigned integer and the integer of twice its width, which holds products without loss.
 pub trait Word: Copy + Debug + Ord + 'static {
     /// An integer of twice the width.
     type Wide: Copy + Debug + Ord + 'static;
     /// Number of bits of the word.
     const BITS: u32;
-    /// Zero.
+    /// Zero as a word.
     const ZERO: Self;
     /// The largest magnitude of the signed word of this width: `2^(BITS-1) - 1`.
     const MAX_SIGNED: Self;
-    /// Zero.
+    /// Zero in the double width.
     const WIDE_ZERO: Self::Wide;
-    /// The value 1 in this word's format.
+    /// The integer 1 in the double width.
     const WIDE_ONE: Self::Wide;
     /// The largest magnitude of the signed double-width word.
     const WIDE_MAX_SIGNED: Self::Wide;
 
-    /// The exact product.
+    /// The exact product of two words.
     fn times(self, other: Self) -> Self::Wide;
-    /// Quotient and the part of `wide` that it accounts for: `(q, q · self)` with `q = floor(wide / self)`.
-    /// For `self = 0` the quotient is 0.
+    /// Returns the quotient `q = floor(wide / self)` and the product `q · self`. For `self = 0` the quotient is 0.
     fn divides(self, wide: Self::Wide) -> (Self::Wide, Self::Wide);
-    /// [`Word::divides`] where the quotient is a signed word's magnitude: `None` where it is larger than `MAX_SIGNED`.
+    /// [`Word::divides`] for a quotient of at most `MAX_SIGNED`: `None` where the quotient is larger.
     fn divides_within(self, wide: Self::Wide) -> Option<(Self, Self::Wide)>;
-    /// `wide` as a word if it fits below the signed limit, else that limit.
+    /// `wide` as a word, limited to `MAX_SIGNED`.
     fn narrow(wide: Self::Wide) -> Self;
-    /// The word if it is a signed word's magnitude, else the largest of these.
+    /// The word, limited to `MAX_SIGNED`.
     fn at_most_signed(self) -> Self;
-    /// The word in the double width.
+    /// The word converted to the double width.
     fn widen(self) -> Self::Wide;
-    /// The word with the bits of both.
+    /// The bitwise OR of the two words.
     fn with(self, bit: Self) -> Self;
-    /// The bit of the word that stands for `2^position`.
+    /// The word `2^position`, a single bit.
     fn bit(position: u32) -> Self;
-    /// `wide >> bits`, the floor of the quotient by a power of two.
+    /// `wide >> bits`: `wide` divided by `2^bits`, rounded down.
     fn shift_down(wide: Self::Wide, bits: u32) -> Self::Wide;
     /// `a - b`, 0 where `b` is larger.
     fn minus(a: Self::Wide, b: Self::Wide) -> Self::Wide;
-    /// `a + b`, at most the signed limit of the double width.
+    /// `a + b`, limited to `WIDE_MAX_SIGNED`.
     fn plus(a: Self::Wide, b: Self::Wide) -> Self::Wide;
 }
 
 macro_rules! word {
     ($word:ty, $wide:ty, $divide:ident, $quotient:expr, $short:expr) => {
-        /// `(floor(wide / by), floor(wide / by) · by)`; for `by = 0` both are 0.
+        /// Returns `(q, q · by)` with `q = floor(wide / by)`; for `by = 0` both are 0.
         ///
-        /// The one division of the laws. It hands out the product with the quotient, so that no caller multiplies a second
-        /// time, which is what lets a solver follow the callers.
+        /// This is the only division of the control laws. It returns the product with the quotient, so that no caller multiplies a
+        /// second time. That lets a solver follow the callers.
         #[inline(always)]
         pub fn $divide(wide: $wide, by: $word) -> ($wide, $wide) {
             match $quotient(wide, by) {
@@ -174,23 +173,23 @@ word!(
     division::short_quotient
 );
 
-/// Result of a passivity step: the energy left and the force allowed.
+/// Result of a passivity step: the stored energy that is left, and the largest force allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Step<W: Word> {
-    /// Energy after the step.
+    /// Stored energy after the step.
     pub energy: W::Wide,
-    /// Magnitude of the force allowed.
+    /// Magnitude of the allowed force.
     pub force: W,
 }
 
-/// Passivity step with a displacement that is already known (thesis 2.1–2.4, in magnitudes).
+/// One passivity step for a displacement that is already known (equations 2.1–2.4 of the thesis, in magnitudes).
 ///
-/// `inward`: the displacement is against the force, so the wall absorbs. Otherwise the wall gives energy away: if the stored
-/// energy does not suffice, the force becomes the quotient rounded towards zero and the energy left is **the remainder of
-/// that very division**, `0 <= energy' < moved`: nothing is multiplied a second time.
+/// `inward`: the displacement is against the force, so the wall absorbs energy. Otherwise the wall gives energy away. If the stored
+/// energy does not suffice, the force becomes the quotient of energy and displacement, rounded towards zero. The energy left is
+/// **the remainder of that division**, `0 <= energy' < moved`, so nothing is multiplied a second time.
 ///
-/// For every input: `energy' <= energy + force'·moved` inward (equal below the cap), `energy' = energy - force'·moved`
-/// outward, `force' <= force`, no overflow.
+/// For every input: `energy' <= energy + force'·moved` inward (equal below the cap), `energy' = energy - force'·moved` outward,
+/// `force' <= force`, no overflow.
 #[inline(always)]
 pub fn passivity_step<W: Word>(energy: W::Wide, force: W, moved: W, inward: bool) -> Step<W> {
     let work = force.times(moved);
@@ -215,18 +214,18 @@ pub fn passivity_step<W: Word>(energy: W::Wide, force: W, moved: W, inward: bool
     }
 }
 
-/// Result of a retreat that stored energy pays for: how far it goes, and the energy left.
+/// Result of an outward motion that stored energy pays for: the distance, and the energy left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Retreat<W: Word> {
     /// Displacement: `floor(energy / force)`, saturating.
     pub moved: W,
-    /// `energy - force · moved`, never negative.
+    /// Energy left: `energy - force · moved`, never negative.
     pub rest: W::Wide,
 }
 
-/// How far a body may move outward against the full force before the stored energy is used up, and the rest of the division.
+/// How far a body may move outward against the full force before the stored energy is used up, and the remainder of that division.
 ///
-/// For every input with a force: `force·moved + rest = energy`. Without one, nothing moves.
+/// For every input with a force: `force·moved + rest = energy`. With a force of 0 the displacement is 0.
 #[inline(always)]
 pub fn affordable<W: Word>(energy: W::Wide, force: W) -> Retreat<W> {
     let (quotient, accounted) = force.divides(energy);
@@ -252,7 +251,7 @@ pub struct Root<W: Word> {
     pub square: W::Wide,
 }
 
-/// Takes the candidate, a root with one more binary digit, if its square does not exceed the radicand.
+/// Returns the candidate, a root with one more binary digit, if its square does not exceed the radicand; else the root so far.
 #[inline(always)]
 pub fn root_digit<W: Word>(so_far: Root<W>, radicand: W::Wide, candidate: W) -> Root<W> {
     let square = candidate.times(candidate);
@@ -266,7 +265,7 @@ pub fn root_digit<W: Word>(so_far: Root<W>, radicand: W::Wide, candidate: W) -> 
     }
 }
 
-/// `floor(sqrt(radicand))`, digit by digit from the top: one product and one comparison per digit, no division.
+/// `floor(sqrt(radicand))`, computed digit by digit from the highest: one product and one comparison per digit, no division.
 #[inline]
 pub fn root<W: Word>(radicand: W::Wide) -> Root<W> {
     let mut found = Root {
@@ -280,13 +279,13 @@ pub fn root<W: Word>(radicand: W::Wide) -> Root<W> {
     found
 }
 
-/// `floor(gain · x)` with `bits` fractional bits in the gain, saturating.
+/// `floor(gain · x)` for a gain with `bits` fractional bits, saturating.
 #[inline(always)]
 pub fn scale<W: Word>(gain: W, x: W, bits: u32) -> W {
     W::narrow(W::shift_down(gain.times(x), bits))
 }
 
-/// `floor(wide / divisor)`, saturating to the word.
+/// `floor(wide / divisor)`, limited to the range of a word.
 #[inline(always)]
 pub fn quotient<W: Word>(wide: W::Wide, divisor: W) -> W {
     divisor

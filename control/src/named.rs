@@ -1,17 +1,17 @@
-//! Settings by their path and a text, as scenes, boards and other languages name them.
+//! Sets a setting by its path and a text, as scene files, boards and bindings to other languages name it.
 
 use crate::{Choice, Field, Settings};
 
-/// Why [`Settings::set_by_path`] set nothing.
+/// Why [`Settings::set_by_path`] did not set a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NotSet {
     /// No setting has this path.
     UnknownPath,
-    /// The text is no value of this setting: no decimal number, or none of its words.
+    /// The text is no value of this setting: not a decimal number, or not one of the setting's words.
     NoValue,
 }
 
-/// Parses a text as a value of this kind; `None` if it is no such value.
+/// Parses a text as a value of this type; `None` if it is no such value.
 macro_rules! parse {
     ($text:ident: choice ($choice:ident)) => {
         Choice::of_word($text)
@@ -24,7 +24,7 @@ macro_rules! parse {
     };
 }
 
-/// Writes the row with that path.
+/// Sets the setting that has this path in the table of settings.
 macro_rules! set {
     ($settings:ident $path:ident $text:ident:
         timing { $($timing:tt)* } wall { $($wall:tt)* } law { $($law:tt)* }
@@ -48,13 +48,13 @@ macro_rules! set {
 }
 
 impl Settings {
-    /// Sets a setting by its path, as scenes write it, to a decimal number or a word:
+    /// Sets the setting with this path, as scene files write it, to a decimal number or a word:
     /// `settings.set_by_path("wall.k_desired_n_m_per_rad", "5")`, `settings.set_by_path("law.kind", "tdpa")`.
     ///
-    /// Ranges depend on each other, so they are checked once all are set: [`Settings::validate`].
+    /// Ranges depend on each other, so [`Settings::validate`] checks them after all settings are set.
     ///
     /// # Errors
-    /// No setting has this path, or the text is no value for it. Nothing is changed then.
+    /// No setting has this path, or the text is no value for it. The settings then stay unchanged.
     pub fn set_by_path(&mut self, path: &str, text: &str) -> Result<(), NotSet> {
         crate::law_settings!(set self path text:);
         Err(NotSet::UnknownPath)

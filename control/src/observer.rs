@@ -1,41 +1,40 @@
-//! Energy observers: two forms of the same sum, and what each may promise.
+//! Energy observers: two ways to sum the energy that a wall takes from a hand, and what each sum guarantees.
 //!
-//! Under a zero-order hold the force that acted over the last displacement is the previous one:
+//! A force is held over a tick (zero-order hold), so the force that acted over the last displacement is the previous one:
 //! - [`ObserverForm::Exact`]: `E(n) = E(n-1) + f(n-1) (e(n) - e(n-1))`, the true energy of the port, without a velocity;
-//! - [`ObserverForm::Thesis`] (2.1, 2.4): `E(n) = E(n-1) + f(n) (e(n) - e(n-1))`, which reports the sampling leak with the
-//!   opposite sign. A controller that chooses `f(n)` can keep *this sum* from ever becoming negative, and that says nothing
-//!   about the port.
+//! - [`ObserverForm::Thesis`], equations (2.1) and (2.4): `E(n) = E(n-1) + f(n) (e(n) - e(n-1))`, which counts the energy leak of sampling with
+//!   the opposite sign. A controller that chooses `f(n)` can keep *this sum* from becoming negative. That says nothing about the true energy.
 
 use crate::{Energy, Force, Number, Position, Stiffness};
 
 crate::choice! {
-    /// The force that an observer pairs with the displacement that just happened.
+    /// The force that an energy observer multiplies with the last displacement.
     ObserverForm {
-        /// The previous force: the true energy of the port under a zero-order hold.
+        /// The previous force, which acted over the displacement: the sum is the true energy under a zero-order hold.
         #[default]
         Exact = "exact",
-        /// The new force, thesis (2.1) and (2.4).
+        /// The new force, as in equations (2.1) and (2.4) of the thesis.
         Thesis = "thesis",
     }
 }
 
-/// `c/T · Δ²`: the energy that a damper took over one displacement, rounded down.
+/// Energy in joules that a damper took over one displacement, `c/T · Δ²`, rounded down.
 #[inline(always)]
 pub fn damping_loss<N: Number>(damping: Stiffness<N>, moved: Position<N>) -> Energy<N> {
     (damping * moved).towards_zero() * moved
 }
 
-/// The exact observer without a law, for monitoring.
+/// The exact energy observer on its own, for monitoring without a control law.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ExactObserver<N: Number> {
-    /// Energy so far, J.
+    /// Energy taken from the hand so far, J.
     pub energy: Energy<N>,
     position: Position<N>,
     force: Force<N>,
 }
 
 impl<N: Number> ExactObserver<N> {
-    /// Starts at a position, with no force and no energy.
+    /// Starts the sum at a position, with no force and no energy.
     #[must_use]
     pub fn new(position: Position<N>) -> Self {
         Self {
@@ -45,7 +44,7 @@ impl<N: Number> ExactObserver<N> {
         }
     }
 
-    /// Takes the new position and the force that will act from now on; returns the energy up to now.
+    /// Takes the new position and the force that will act from now on. Returns the energy in joules up to this position.
     #[inline(always)]
     pub fn tick(&mut self, position: Position<N>, force: Force<N>) -> Energy<N> {
         self.energy = self.energy + self.force * (position - self.position);
@@ -55,16 +54,16 @@ impl<N: Number> ExactObserver<N> {
     }
 }
 
-/// The thesis' observer on its own.
+/// The thesis' energy observer on its own, without a control law.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ThesisObserver<N: Number> {
-    /// Energy so far, J.
+    /// Energy taken from the hand so far by the thesis' sum, J.
     pub energy: Energy<N>,
     position: Position<N>,
 }
 
 impl<N: Number> ThesisObserver<N> {
-    /// Starts at a position, with no energy.
+    /// Starts the sum at a position, with no energy.
     #[must_use]
     pub fn new(position: Position<N>) -> Self {
         Self {
@@ -73,7 +72,7 @@ impl<N: Number> ThesisObserver<N> {
         }
     }
 
-    /// Takes the new position and the new force; returns the sum of thesis (1.4d).
+    /// Takes the new position and the new force. Returns the energy sum of equation (1.4d) of the thesis.
     #[inline(always)]
     pub fn tick(&mut self, position: Position<N>, force: Force<N>) -> Energy<N> {
         self.energy = self.energy + force * (position - self.position);

@@ -35,13 +35,13 @@ macro_rules! quantity {
             pub fn zero() -> Self {
                 Self(Default::default())
             }
-            /// The smaller of two.
+            /// The smaller of two values.
             #[inline(always)]
             #[must_use]
             pub fn min(self, other: Self) -> Self {
                 if other < self { other } else { self }
             }
-            /// The larger of two.
+            /// The larger of two values.
             #[inline(always)]
             #[must_use]
             pub fn max(self, other: Self) -> Self {
@@ -68,7 +68,7 @@ quantity!(
     Compliance(Ratio)
 );
 quantity!(
-    /// Pure number.
+    /// A dimensionless number.
     Ratio(Ratio)
 );
 quantity!(
@@ -76,7 +76,7 @@ quantity!(
     Energy(Energy)
 );
 quantity!(
-    /// Stiffness × position, unrounded: N·m (N).
+    /// Stiffness times position before rounding to a force: N·m (N).
     Tension(Product)
 );
 
@@ -104,36 +104,37 @@ macro_rules! signal_quantity {
             }
         }
         impl<N: Number> $name<N> {
-            /// The smallest step of the format.
+            /// The smallest step of the number format.
             #[inline(always)]
             #[must_use]
             pub fn quantum() -> Self {
                 Self(N::QUANTUM)
             }
-            /// Modulus.
+            /// The modulus (absolute value).
             #[inline(always)]
             #[must_use]
             pub fn modulus(self) -> Self {
                 Self(N::modulus(self.0))
             }
-            /// Modulus where the caller knows that it fits.
+            /// The modulus without an overflow check; the caller guarantees that it fits.
             #[inline(always)]
             #[must_use]
             pub fn modulus_fitting(self) -> Self {
                 Self(N::modulus_fitting(self.0))
             }
-            /// Limited to `-limit..=limit`.
+            /// The value limited to `-limit..=limit`.
             #[inline(always)]
             #[must_use]
             pub fn within(self, limit: Self) -> Self {
                 self.min(limit).max(-limit)
             }
-            /// An SI value to the step of the format that is next towards zero; `None` outside the format.
+            /// Converts an SI value, rounding towards zero to a step of the format; `None` outside the format.
             #[must_use]
             pub fn from_si(si: Si) -> Option<Self> {
                 N::signal(si).map(Self)
             }
-            /// The value in SI, exact. The fixed formats have it, since each of their steps is a step of [`Si`].
+            /// The exact value in SI units. Only the fixed-point formats have this method: each of their steps is a whole number of
+            /// steps of [`Si`].
             #[must_use]
             pub fn to_si(self) -> Si
             where
@@ -162,8 +163,8 @@ impl<N: Number> Mul<Force<N>> for Compliance<N> {
     }
 }
 impl<N: Number> Ratio<N> {
-    /// This share of a displacement plus the deformation of a spring under a force, rounded down once. The caller
-    /// knows that it does not overflow.
+    /// This ratio of the displacement `x` plus the deformation of a spring under the force `f`, rounded down once. The caller
+    /// guarantees that nothing overflows.
     #[inline(always)]
     #[must_use]
     pub fn of_and_fitting(self, x: Position<N>, spring: Compliance<N>, f: Force<N>) -> Position<N> {
@@ -179,7 +180,7 @@ impl<N: Number> Mul<Position<N>> for Ratio<N> {
 }
 impl<N: Number> Mul<Position<N>> for Force<N> {
     type Output = Energy<N>;
-    /// Work, exact.
+    /// Force times displacement: the exact work.
     #[inline(always)]
     fn mul(self, d: Position<N>) -> Energy<N> {
         Energy(N::work(self.0, d.0))
@@ -200,12 +201,12 @@ impl<N: Number> Sub for Energy<N> {
     }
 }
 impl<N: Number> Energy<N> {
-    /// An SI value, exact; `None` outside the format.
+    /// Converts an SI value exactly; `None` outside the format.
     #[must_use]
     pub fn from_si(si: Si) -> Option<Self> {
         N::energy(si).map(Self)
     }
-    /// The value in J, rounded down to a step of [`Si`] (2.3e-10 J); for the fixed formats.
+    /// The value in J, rounded down to a step of [`Si`] (2.3e-10 J). Only the fixed-point formats have this method.
     #[must_use]
     pub fn to_si(self) -> Si
     where
@@ -213,32 +214,32 @@ impl<N: Number> Energy<N> {
     {
         self.0.lossy_into()
     }
-    /// `self + other` where the caller knows that it fits.
+    /// `self + other` without an overflow check; the caller guarantees that the sum fits.
     #[inline(always)]
     #[must_use]
     pub fn plus_fitting(self, other: Self) -> Self {
         Self(N::add_energy_fitting(self.0, other.0))
     }
-    /// `self - other` where the caller knows that it fits.
+    /// `self - other` without an overflow check; the caller guarantees that the difference fits.
     #[inline(always)]
     #[must_use]
     pub fn minus_fitting(self, other: Self) -> Self {
         Self(N::sub_energy_fitting(self.0, other.0))
     }
-    /// The energy in the digits of a position, rounded down; the caller knows that it does not overflow. A stiffness
-    /// of `1/d` turns it into the force that this energy pays for over `d`.
+    /// The energy rounded down to the precision of a position, without an overflow check. Multiplied by a stiffness `1/d`, it gives
+    /// the force that this energy allows over the distance `d`.
     #[inline(always)]
     #[must_use]
     pub fn digits_fitting(self) -> Position<N> {
         Position(N::energy_digits_fitting(self.0))
     }
-    /// `|e| / |d|` rounded towards zero: the force that moves exactly this energy, or less, over `d`.
+    /// `|e| / |d|` rounded towards zero: the force whose work over the displacement `d` is at most this energy.
     #[inline(always)]
     #[must_use]
     pub fn per_displacement(self, d: Position<N>) -> Force<N> {
         Force(N::energy_per(self.0, d.0))
     }
-    /// How far `f` may be pushed back until this energy is used up, and the energy left then.
+    /// Distance over which the force `f` can be pushed back until this energy is used up, and the energy left.
     #[inline(always)]
     #[must_use]
     pub fn affordable(self, f: Force<N>) -> (Position<N>, Self) {
@@ -260,67 +261,67 @@ impl<N: Number> Sub for Tension<N> {
         Self(N::sub_product(self.0, other.0))
     }
 }
-/// A stiffness prepared to be divided by at every tick.
+/// A stiffness prepared as a divisor, so that each tick divides fast.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Divisor<N: Number>(pub N::Divisor);
 
 impl<N: Number> Divisor<N> {
-    /// Prepares a stiffness; not for a tick.
+    /// Prepares a stiffness as a divisor. The preparation is slow: call it before the ticks, not in one.
     #[must_use]
     pub fn of(k: Stiffness<N>) -> Self {
         Self(N::divisor(k.0))
     }
 }
 impl<N: Number> Tension<N> {
-    /// `self + other` where the caller knows that it fits.
+    /// `self + other` without an overflow check; the caller guarantees that the sum fits.
     #[inline(always)]
     #[must_use]
     pub fn plus_fitting(self, other: Self) -> Self {
         Self(N::add_fitting(self.0, other.0))
     }
-    /// `self - other` where the caller knows that it fits.
+    /// `self - other` without an overflow check; the caller guarantees that the difference fits.
     #[inline(always)]
     #[must_use]
     pub fn minus_fitting(self, other: Self) -> Self {
         Self(N::sub_fitting(self.0, other.0))
     }
-    /// Rounded down, where the caller knows that it fits.
+    /// The tension rounded down to a force, without an overflow check; the caller guarantees that it fits.
     #[inline(always)]
     #[must_use]
     pub fn down_fitting(self) -> Force<N> {
         Force(N::round_down_fitting(self.0))
     }
-    /// The force outwards, rounded towards zero: 0 where the tension pulls inwards.
+    /// The outward force, rounded towards zero; 0 where the tension pulls inwards.
     #[inline(always)]
     #[must_use]
     pub fn outward(self) -> Force<N> {
         Force(N::positive_down(self.0))
     }
-    /// The force outwards, rounded up: 0 where the tension pulls inwards.
+    /// The outward force, rounded up; 0 where the tension pulls inwards.
     #[inline(always)]
     #[must_use]
     pub fn outward_up(self) -> Force<N> {
         Force(N::positive_up(self.0))
     }
-    /// [`Tension::over`] the stiffness that the divisor was made of.
+    /// [`Tension::over`] for a stiffness that is prepared as a divisor.
     #[inline(always)]
     #[must_use]
     pub fn per(self, k: &Divisor<N>) -> Position<N> {
         Position(N::divide_by(self.0, &k.0))
     }
-    /// Rounded towards zero.
+    /// The tension rounded towards zero to a force.
     #[inline(always)]
     #[must_use]
     pub fn towards_zero(self) -> Force<N> {
         Force(N::round_to_zero(self.0))
     }
-    /// Rounded towards plus infinity.
+    /// The tension rounded towards plus infinity to a force.
     #[inline(always)]
     #[must_use]
     pub fn rounded_up(self) -> Force<N> {
         Force(N::round_up(self.0))
     }
-    /// The position that this tension holds in a spring, towards zero.
+    /// Stretch of a spring `k` under this tension, rounded towards zero.
     #[inline(always)]
     #[must_use]
     pub fn over(self, k: Stiffness<N>) -> Position<N> {
@@ -328,7 +329,7 @@ impl<N: Number> Tension<N> {
     }
 }
 impl<N: Number> Force<N> {
-    /// The force with the digits of a [`Tension`].
+    /// The force converted exactly to a [`Tension`], which has more fractional digits.
     #[inline(always)]
     #[must_use]
     pub fn lift(self) -> Tension<N> {

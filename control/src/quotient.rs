@@ -1,9 +1,9 @@
-//! Divisions of settings. No tick makes one: each is long, of 128 bits, and the smaller board's flash is short, so there is one of each in
-//! a program.
+//! Divisions for settings. They are 128 bits wide and slow, so no tick uses them. Each is a single function, because the smaller
+//! board has little flash.
 
 use crate::Si;
 
-/// `a / b` towards zero, saturating; the largest value with the sign of `a` for `b = 0`.
+/// `a / b` rounded towards zero, saturating. For `b = 0` it is the largest value with the sign of `a`.
 #[cold]
 #[inline(never)]
 #[must_use]
@@ -15,7 +15,7 @@ pub fn quotient(a: Si, b: Si) -> Si {
     }
 }
 
-/// `a / b` for a divisor that is meant to be positive; for any other the largest value.
+/// `a / b` for a positive divisor; for a divisor of 0 or less the largest value.
 pub(crate) fn over(a: Si, b: Si) -> Si {
     if b <= Si::ZERO {
         Si::MAX

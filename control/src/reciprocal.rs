@@ -1,14 +1,14 @@
-//! Quotients by a divisor that stays, without a division.
+//! Quotients by a constant divisor, without a division.
 //!
-//! A law divides by the same few stiffnesses at every tick. What a division would find anew each time is found once: for the
-//! divisor shifted up until its highest bit is set, `2^(W-1) <= d < 2^W`, the inverse `m = floor((2^k - 1)/d)` with
+//! A law divides by the same few stiffnesses at every tick. So a constant inverse is calculated once. For the
+//! divisor shifted up until its highest bit is set, `2^(W-1) <= d < 2^W`, it is `m = floor((2^k - 1)/d)` with
 //! `k = 3W - 1`. Then, for every `n < 2^(W-1) d`,
 //!
 //! ```text
 //! floor(n/d) = floor((n + 1) m / 2^k)
 //! ```
 //!
-//! exactly (Robison, "N-bit unsigned division via N-bit multiply-add", 2005). For let `e = 2^k - m d`, so `1 <= e <= d`; then
+//! exactly (Robison, "N-bit unsigned division via N-bit multiply-add", 2005). Proof: let `e = 2^k - m d`, so `1 <= e <= d`; then
 //! `(n + 1) m/2^k = (n + 1)/d - (n + 1) e/(2^k d)`. That is less than `(n + 1)/d`, hence below the next whole number after
 //! `floor(n/d)`; and it is at least `n/d`, since `(n + 1) e <= 2^(W-1) d · d < 2^k`. `m` is below `2^2W`: a double word.
 
@@ -19,16 +19,17 @@ macro_rules! reciprocal {
         pub struct $name {
             /// The divisor.
             pub divisor: $word,
-            /// The power of two that shifts the divisor up; to multiply by it is to shift, in fewer instructions.
+            /// The power of two that shifts the divisor up until its highest bit is set. Multiplying by it shifts in fewer
+            /// instructions.
             pub scale: $word,
-            /// `m` above.
+            /// The inverse `m` of the shifted divisor `d`: `floor((2^k - 1)/d)` with `k = 3W - 1` for words of `W` bits.
             pub inverse: $wide,
         }
 
         impl $name {
             const WORD: u32 = <$word>::BITS;
 
-            /// Prepares a divisor. By 0 every quotient is 0.
+            /// Prepares a divisor. For a divisor of 0 every quotient is 0.
             pub fn new(divisor: $word) -> Self {
                 let shift = divisor.leading_zeros();
                 // A shift by all bits of the word is one by none: the scale of the divisor 0, which is not used.
@@ -73,11 +74,11 @@ macro_rules! reciprocal {
     };
 }
 reciprocal!(
-    /// A word of 32 bits to divide by.
+    /// A 32-bit divisor prepared for fast division.
     Reciprocal32, u32, u64, high_64
 );
 reciprocal!(
-    /// The 8-bit version of the same source, small enough to be checked exhaustively.
+    /// The 8-bit version of the same source, which a test checks for every input.
     Reciprocal8, u8, u16, high_16
 );
 #[cfg(test)]
@@ -104,7 +105,7 @@ fn high_16(a: u16, b: u16) -> u16 {
 mod tests {
     use super::{Reciprocal8, Reciprocal16, Reciprocal32};
 
-    /// Every dividend of 16 bits, by every divisor of 8.
+    /// Checks every 16-bit dividend with every 8-bit divisor.
     #[test]
     fn every_quotient_of_8_bits() {
         for divisor in 0..=u8::MAX {
@@ -120,7 +121,8 @@ mod tests {
         }
     }
 
-    /// Where a quotient steps, for every divisor of 16 bits: at a multiple and just below, small, large and saturated.
+    /// Checks every 16-bit divisor where the quotient changes: at a multiple and just below, for small, large and saturated
+    /// quotients.
     #[test]
     fn every_divisor_of_16_bits() {
         for divisor in 0..=u16::MAX {
@@ -215,7 +217,7 @@ mod tests {
         random(100_000);
     }
 
-    /// 2^32 quotients: `cargo test --release -p touchstone-control -- --ignored`, a minute or so.
+    /// Checks 2^32 random quotients, in about a minute: `cargo test --release -p touchstone-control -- --ignored`.
     #[test]
     #[ignore = "a minute in a release build"]
     fn four_thousand_million_random_words() {

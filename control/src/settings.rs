@@ -1,7 +1,7 @@
-//! Settings: what a user chooses, in SI, exact and without floats. So a microcontroller validates the very same values
-//! with the same code as the desktop.
+//! The settings that a user chooses, in SI units, exact and without floats. So a microcontroller validates the same values with the
+//! same code as the desktop.
 
-/// An SI value in `I32F32`: ±2.1e9 in steps of 2.3e-10.
+/// An SI value in the fixed-point format `I32F32`: ±2.1e9 in steps of 2.3e-10.
 pub type Si = fixed::types::I32F32;
 
 use crate::choices::*;
@@ -13,10 +13,10 @@ macro_rules! structs {
         $($(#[$doc:meta])* $group:ident $Group:ident { $($rows:tt)* })+
     ) => {
         structs! { @struct
-            /// Everything that a law needs to know, in SI.
+            /// All settings of a control law, its wall, the estimator and the guard, in SI units.
             Settings { $($timing)* $($wall)* $($law)* } {
                 $($(#[$doc])* $group $Group)+
-                /// How finely the position is measured. Not a row: it follows from the encoder.
+                /// Resolution of the measured position. It follows from the encoder, so the table of settings has no row for it.
                 position PositionSettings
             }
         }
@@ -60,7 +60,7 @@ macro_rules! thesis {
 }
 
 impl Settings {
-    /// The law as the thesis builds it: below its own passivity bounds, on measured states, without a guard.
+    /// The enhanced law as the thesis builds it: on measured states, without a guard, with stiffnesses within its passivity bounds.
     #[must_use]
     pub fn thesis() -> Self {
         let mut settings = Self {
@@ -73,15 +73,15 @@ impl Settings {
     }
 }
 
-/// How finely the position is measured.
+/// Resolution of the measured position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PositionSettings {
-    /// A count of the encoder, or else twice the largest error of a measured position, rad (m); 0 where it is exact.
+    /// One encoder count, or else twice the largest error of a measured position, rad (m); 0 for an exact position.
     pub count: Si,
 }
 
 impl PositionSettings {
-    /// The settings for an encoder with this number of counts a revolution, at least one; rounded up.
+    /// The resolution of an encoder with this number of counts per turn, at least one; rounded up.
     #[must_use]
     pub fn of_counts_per_rev(counts: u32) -> Self {
         let counts = Si::saturating_from_num(counts.max(1));
@@ -92,7 +92,7 @@ impl PositionSettings {
 }
 
 impl Default for PositionSettings {
-    /// The thesis' encoder, 40,000 counts.
+    /// The thesis' encoder, 40,000 counts per turn.
     fn default() -> Self {
         Self {
             count: const { Si::lit("0.000157079633") },

@@ -1,18 +1,18 @@
-//! Where a law's input comes from: the measured position, or an estimator.
+//! The source of a law's position and velocity: the measured position, or a state estimator.
 
 use crate::estimator::{Estimator, EstimatorState};
 use crate::law::Sample;
 use crate::{Force, Number, Position};
 
-/// The stage before the law.
+/// The stage before the law, which gives it position and displacement per tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum States<N: Number> {
     /// The measured penetration, and its change since the last tick.
     Measured {
-        /// Penetration of the last tick.
+        /// Penetration measured at the last tick.
         last: Position<N>,
     },
-    /// Penetration and velocity at the time at which the force will act.
+    /// A state estimator: penetration and velocity predicted for the time at which the force will act.
     Estimated(Estimator<N>, EstimatorState<N>),
 }
 
@@ -25,7 +25,7 @@ impl<N: Number> Default for States<N> {
 }
 
 impl<N: Number> States<N> {
-    /// The law's input for a measured penetration.
+    /// Returns the law's input, position and displacement, for a measured penetration.
     #[inline]
     pub fn sample(&mut self, e: Position<N>) -> Sample<N> {
         match self {
@@ -38,7 +38,7 @@ impl<N: Number> States<N> {
         }
     }
 
-    /// Clears all memory.
+    /// Clears the memory of the last position or of the estimator.
     pub fn forget(&mut self) {
         match self {
             Self::Measured { last } => *last = Position::zero(),
@@ -46,7 +46,7 @@ impl<N: Number> States<N> {
         }
     }
 
-    /// The force that was commanded, after every stage that may change it.
+    /// Reports to the estimator the force that was commanded, after every stage that may change it.
     #[inline]
     pub fn commanded(&mut self, force: Force<N>) {
         if let Self::Estimated(estimator, state) = self {

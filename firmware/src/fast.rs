@@ -1,8 +1,9 @@
-//! The interrupts' code in the memory that is fetched from without wait states (`fast.x`): its copy, before anything else runs.
+//! Copies the interrupts' code at start-up, before other code runs, to the memory without wait states that `fast.x` names.
 
 use core::arch::global_asm;
 
-// Called by the start-up, with a stack and nothing else: in assembly, as no variable has its value yet. Whole words, of which the section is made.
+// The start-up code calls this function with nothing but a stack. It is in assembly, because no variable has its value yet. It
+// copies whole words, because the section consists of words.
 global_asm!(
     ".syntax unified",
     ".section .text.__pre_init, \"ax\", %progbits",
@@ -18,7 +19,7 @@ global_asm!(
     "ldmia r2!, {{r3}}",
     "stmia r0!, {{r3}}",
     "b 2b",
-    // What was written is code: nothing is fetched before it is there (ARMv7-M, A3.5.4).
+    // The copied words are code: the barriers make sure that no instruction is fetched before it is written (ARMv7-M, A3.5.4).
     "3: dsb",
     "isb",
     "bx lr",

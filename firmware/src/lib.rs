@@ -1,10 +1,10 @@
-//! Touchstone on a microcontroller: registers and wiring.
+//! Touchstone's program for microcontrollers: access to registers, and wiring.
 //!
-//! Nothing is decided here. An interrupt reads registers into a plain struct, calls one function of `touchstone-drive`, and
-//! writes the plain struct that it returns to registers. Which interrupt may do what is in `docs/firmware.md`.
+//! It makes no decisions. An interrupt reads registers into a plain struct, calls one function of `touchstone-drive`, and writes
+//! the plain struct that the function returns to registers. `docs/firmware.md` says which interrupt may do what.
 #![no_std]
 
-// The log goes to the probe, if there is one; it is dropped where nobody reads it.
+// The log goes to a debug probe; without one it is dropped.
 use defmt_rtt as _;
 
 #[cfg(not(any(
@@ -16,7 +16,7 @@ use defmt_rtt as _;
 )))]
 compile_error!("which board? --no-default-features --features <board>");
 
-// Two boards in one build would be two modules of one name.
+// Two boards in one build would define the module twice.
 #[cfg(feature = "b-g431b-esc1")]
 #[path = "board/b_g431b_esc1.rs"]
 pub mod board;

@@ -1,6 +1,8 @@
 //! Tries all inputs of properties that have few enough: `every [NAME]`, `every --list`.
 //!
-//! Products and a root on three axes at 8 bits are too hard for the solvers, and have no more than 2^32 inputs. For quotients with 2^24 inputs, solvers take longer than trying each input. The body that runs here is the one that every test samples, compiled with overflow checks and debug assertions (`--profile every`). So at this width it is a proof that needs no solver.
+//! Products and a root on three axes at 8 bits are too hard for the solvers, and have no more than 2^32 inputs. For quotients with
+//! 2^24 inputs, solvers take longer than trying each input. The body that runs here is the one that every test samples, compiled
+//! with overflow checks and debug assertions (`--profile every`). So at this width it is a proof that needs no solver.
 //!
 //! ```text
 //! cargo xtask prove --every
@@ -108,7 +110,7 @@ impl Every {
     /// Goes to the next input; `false` if there is none with the same first digit.
     #[inline(always)]
     fn advance(&mut self) -> bool {
-        // What was not asked for after a refused assumption does not count.
+        // Numbers that the property no longer asked for after a refused assumption do not count.
         self.known = self.known.min(self.at.max(1));
         while self.known > 1 {
             let (value, bits) = &mut self.digits[self.known - 1];
@@ -183,7 +185,7 @@ fn of_one_first(body: fn(&mut Every), first: u64) -> Found {
     loop {
         (source.at, source.cover_at, source.rejected) = (0, 0, false);
         body(&mut source);
-        // The first number has fewer bits than 8, and this is none of its values.
+        // The first number has fewer bits than 8, and this value does not fit them.
         if source.digits[0].0 >> source.digits[0].1 != 0 {
             return Found::default();
         }

@@ -49,7 +49,7 @@ fn roots(out: &mut impl Write, draws: u64) -> Result<()> {
             writeln!(out, "root_64 {n} {by_digits} {}", root::root_64(n))?;
             let half = (n >> 32) as u32 >> random.below(32);
             writeln!(out, "root_32 {half} {}", root::root_32(half))?;
-            // One of its four highest bits is set then.
+            // After the shift one of the four highest bits is set.
             let high = n.max(1) << (n.max(1).leading_zeros() & !3);
             writeln!(out, "root_high_64 {high} {}", root::root_high_64(high))?;
             let half = (high >> 32) as u32;
@@ -111,16 +111,16 @@ fn enhanced_laws(out: &mut impl Write, wanted_ticks: u64) -> Result<()> {
     let mut random = Random(6);
     let mut ticks = 0;
     while ticks < wanted_ticks {
-        // The theorems are of the wall without the damper beside it, which adds to the answer and changes no memory.
+        // The theorems are about the wall without the damper beside it. That damper adds to the force and changes no memory.
         let settings = Settings {
             virtual_damping: Si::ZERO,
             ..any_law(&mut random, LawKind::EnhancedSfa)
         };
-        // Below `k_v` it is a plain spring.
+        // Below `k_v` the enhanced law is a plain spring.
         let Ok(AnyLaw::Enhanced(law, mut state)) = AnyLaw::<Fixed32>::new(&settings) else {
             continue;
         };
-        // The divisors are of the settings themselves, towards zero in the digits of a gain.
+        // The code's divisors are calculated from the settings, rounded towards zero to a gain's digits.
         let series = i128::from((settings.filter.stiffness + settings.k_soft).to_bits() >> 20);
         let it = specified_enhanced(&law, series);
         write!(out, "enhanced")?;
@@ -272,7 +272,7 @@ fn strays(random: &mut Random, settings: &mut GuardSettings, device: &mut Guarde
         9 => device.force_limit = end(random, whole(1000)),
         10 => device.force_limit = end(random, whole(128)),
         11 => device.count = end(random, Si::lit("0.1")),
-        // A tick moves a quarter of the format, more or less; or nearly as much, all of it under the old force.
+        // A largest displacement of about a quarter of the format; or nearly as much, all of it under the old force.
         12 => settings.overspeed = whole(32).saturating_mul(Si::from_num(device.rate_hz.min(1000))),
         13 => {
             device.rate_hz = 1 + random.below(30) as u32;
@@ -313,7 +313,7 @@ fn guards(out: &mut impl Write, wanted_ticks: u64) -> Result<()> {
             } else {
                 bits(0)
             };
-            // Armed again with what is left: after a tick that commanded none, or under a force.
+            // Armed again with the energy that is left: after a tick that commanded no force, or under a force.
             let ends = random.below(60);
             let told = bits(if ends == 0 { 0 } else { random.signed(31) });
             let answer = law.tick_with_change(

@@ -116,7 +116,7 @@ pub(crate) fn in_ranges(settings: &Settings) -> bool {
         && not_negative(filter.ground_damping)
         && settings.k_soft > Si::ZERO
         && filter.stiffness > Si::ZERO
-        // What the format of 32 bits still shows.
+        // The smallest force that the 32-bit format can hold.
         && settings.force_limit >= Si::from_bits(1 << 8)
         && settings.rate_hz > 0
         && (!compensated || settings.k_desired < filter.stiffness)

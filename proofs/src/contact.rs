@@ -67,7 +67,7 @@ property! {
         let now = if turned { Direction::along(1, false) } else { normal };
         let mut track = Track::default();
         let first = track.sample(&touch(from, normal, was));
-        // As of one degree of freedom: from the surface.
+        // The first sample is that of one axis: from the surface.
         assert!(first == Sample::measured(position(was), Position::zero()));
         assert!(track.normal().is_none() && track.depth() == Position::zero());
         assert!(place_bits(track.moved(&touch(from, normal, was))) == [0; 3]);
@@ -176,7 +176,7 @@ property! {
                 assert!(turned >= cosine - 6);
                 let size = squares(parts(&told.normal));
                 assert!(((ONE - 8) * (ONE - 8)..=ONE * ONE).contains(&size));
-                // Out of a ball there is no other way to ask for than the one towards its closest point, by the whole angle.
+                // A ball offers no other direction than that to its closest point, so the surface point turns by the whole angle.
                 let between = along(&last, parts(&nearest.normal));
                 assert!(!round || between < 10 - ONE || turned <= cosine + 6 && along(&nearest.normal, parts(&told.normal)) >= between);
                 let out = if round { ball.exit(at, &told.normal, &side) } else { box_.exit(at, &told.normal, &side) };
@@ -190,9 +190,9 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): friction sticks to its anchor while the stretch is at most what the normal force holds. Beyond that it
-    /// slides, cut to the kinetic limit, and sticks again below three quarters of it. It pulls against the stretch; without a
-    /// normal force nothing is kept.
+    /// P4 (geometry): friction sticks to its anchor while the stretch (distance from the anchor) is at most what the normal force
+    /// holds. Beyond that it slides, cut to the kinetic limit, and sticks again below three quarters of it. It pulls against the
+    /// stretch; without a normal force nothing is kept.
     equation "z = x - anchor; slides: |z| > s f_n; cut to k f_n where longer; F = -k z towards zero"
     over "reaches of 4 bits, stiffness of 3 bits, normal force of 3 bits; a place of 4 bits along one axis and of 3 along another, eight times as large, from rest and slid"
     by sampled fn p4_friction_sticks_and_slides(s) {
@@ -227,7 +227,7 @@ property! {
             assert!(squares(stretch) <= reach(kinetic) * reach(kinetic) && state.sliding);
             let shorter = stretch.iter().zip(z).all(|(cut, z)| cut.abs() <= z.abs() && cut * z >= 0);
             assert!(shorter);
-            // No more than three quanta an axis is lost, and it points as it did.
+            // At most three quanta per axis are lost, and the stretch keeps its direction.
             let lost = (reach(kinetic) - 5).max(0);
             let turned = stretch[0] * z[1] - stretch[1] * z[0];
             assert!(turned.abs() <= 3 * (z[0].abs() + z[1].abs()));
@@ -249,8 +249,8 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): where the surface turns, the stretch of friction is turned into the new tangent plane and does not get
-    /// longer; the anchor follows.
+    /// P4 (geometry): where the surface turns, the stretch of friction (distance from its anchor) is turned into the new tangent
+    /// plane and does not get longer; the anchor follows.
     equation "|z'| <= |z|, z' = z - (n·z) n to 3 quanta, z' = x - anchor' to 3 quanta"
     over "normals of 3 bits along two axes, a stretch of 4 bits along two axes, four times as large, the HIP at rest"
     by sampled fn p4_friction_turns(s) {
@@ -282,9 +282,9 @@ property! {
             panic!("nothing is held");
         };
         let left = less(at, anchor);
-        // Laid once into the plane for the anchor and once more for the stretch: two quanta an axis each.
+        // The anchor is turned into the plane, and so is the stretch: two quanta per axis each.
         assert!(of == normal && less(left, after).iter().all(|x| x.abs() <= 3));
-        // On a surface that does not turn the anchor stays, to the bit.
+        // On a surface that does not turn, the anchor stays bit for bit.
         let aside = [at[0] + 1, at[1], 0];
         let _ = law.tick(&mut state, &touch(aside, normal, 1), force(127));
         assert!(state.sliding || state.contact.is_some_and(|hold| place_bits(hold.anchor) == anchor));

@@ -1,10 +1,12 @@
-//! A device's control tick, from the readings to the drive's command. Whatever its parts answer, the code asks them the same questions as its specification and calculates the same from the answers. Samples run six ticks in a row with the real parts.
+//! A device's control tick, from the readings to the drive's command. Whatever its parts answer, the code asks them the same
+//! questions as its specification and calculates the same from the answers. Samples run six ticks in a row with the real parts.
 //!
 //! ```text
 //! output, memory = spec(memory, input, answers)     p11_control_tick
 //! ```
 //!
-//! Many of the parts have harnesses of their own: the counter (`device::p9_*`), the fault machine (`device::p10_*`), count to penetration (`settings::p6_penetration*`), law and guard (`refines`), the torque that fades in and its current (`drive::p4_*`).
+//! Many of the parts have harnesses of their own: the counter (`device::p9_*`), the fault machine (`device::p10_*`), count to
+//! penetration (`settings::p6_penetration*`), law and guard (`refines`), the torque that fades in and its current (`drive::p4_*`).
 
 use crate::device::{any_command, any_context, any_state};
 use crate::source::Source;
@@ -47,7 +49,7 @@ fn same_law(device: &Device, own: &Own) {
 #[cfg(kani)]
 fn same_law(_: &Device, _: &Own) {}
 
-/// The device's parts for the specification: the real parts on samples, the recorded answers under the model checker.
+/// The device's parts for the specification: the real parts in random tests, the recorded answers under the model checker.
 struct Own {
     config: Config,
     supervisor: Supervisor,
@@ -75,7 +77,7 @@ impl Parts for Own {
         let fresh = Calibration::new(self.config.calibration);
         let mut running = self.calibration.unwrap_or(fresh);
         let progress = running.tick(tick, count, &self.input.current);
-        // The checker has answers in its place, which remembers nothing.
+        // The checker uses recorded answers instead of this law, which then has no memory.
         if cfg!(not(kani)) {
             self.calibration = Some(running);
         }
@@ -87,7 +89,7 @@ impl Parts for Own {
     fn changes_over(&mut self) -> bool {
         let waited = core::mem::take(&mut self.waits);
         if waited {
-            // The checker has the same ones.
+            // Under the checker, code and specification have the same settings.
             if cfg!(not(kani)) {
                 self.config = self.next;
             }
@@ -171,7 +173,7 @@ fn position(bits: i32) -> Position<Fixed32> {
 fn any_position<S: Source>(s: &mut S) -> Position<Fixed32> {
     position(s.i32())
 }
-/// An option that is sometimes `None` on samples; under the model checker always `Some`, to save a case.
+/// An option that is sometimes `None` in random tests; under the model checker always `Some`, to save a case.
 fn some_sampled<S: Source, T>(s: &mut S, any: impl FnOnce(&mut S) -> T) -> Option<T> {
     if cfg!(kani) { None } else { some(s, any) }
 }
@@ -202,7 +204,7 @@ fn any_config<S: Source>(s: &mut S) -> Option<Config> {
 }
 fn any_memory<S: Source>(s: &mut S) -> Memory {
     let last = any_position(s);
-    // Of a short way a law has more to say.
+    // On samples mostly a short displacement, at which the law's force varies more.
     let way = |s: &mut S| {
         if s.shortcut() {
             position(s.i16().into())
@@ -338,15 +340,16 @@ replaced_property! {
     (touchstone_control::Controller::is_beyond_reach, crate::device_parts::is_beyond_reach)
     (touchstone_drive::device::torque_of, crate::device_parts::torque)
     (<touchstone_drive::command::AnyDrive as touchstone_drive::command::Drive>::command, crate::device_parts::command)]
-    /// P11 (refinement): a control tick is its specification, from the reading to the drive's command, with the whole memory. Code
-    /// and specification ask the parts the same questions, whatever these answer. Law and supervisor are asked in the same order.
+    /// P11 (refinement): a control tick equals its specification, from the reading to the drive's command, with the whole memory.
+    /// Code and specification ask the parts the same questions, whatever these answer. Law and supervisor are asked in the same
+    /// order.
     equation "output, memory = spec(memory, input, answers); on => armed or calibrating, no fault, a good reading"
     over "memory, input and command, settings that wait; three phases or analogue, steps of fading in, force limits; without a measurement; under the checker one tick, whatever the parts answer, by samples six of the parts as they are"
     by minisat fn p11_control_tick(s) {
         let Some(config) = any_config(s) else {
             return;
         };
-        // Of two sets at once the checker makes too much; which of them a tick uses samples see.
+        // The checker's formula would be too large with two configurations. Samples check which one a tick uses.
         let next = if cfg!(kani) { config } else { any_config(s).unwrap_or(config) };
         let mut device = Device::of(config, any_memory(s));
         let waits = s.bool();

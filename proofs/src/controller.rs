@@ -1,4 +1,5 @@
-//! The controller around its law. A tick is the law and then the guard, for any law. The controller keeps the force that later stages report to it.
+//! The controller around its law. A tick is the law and then the guard, for any law. The controller keeps the force that later
+//! stages report to it.
 //!
 //! ```text
 //! f = guard(law(e, e - e(n-1)))                p11_controller_tick

@@ -45,7 +45,7 @@ property! {
     over "count, last and new reading"
     fn p9_ends32(s) {
         let (last, reading) = (s.u32(), s.u32());
-        // Anywhere, or near the end.
+        // Anywhere in the range, or near its end.
         let count = if s.shortcut() { i64::MAX - i64::from(s.u16()) } else { s.i64() };
         let mut unwrap = Unwrap32::new(last, count);
         let moved = i128::from(reading.wrapping_sub(last).cast_signed());
@@ -166,7 +166,7 @@ property! {
         let changed = machine.handle(event);
         let after = machine.state();
         assert!(changed == (after != before));
-        // No short circuits: the compiler would split the check in two, one of them unreachable.
+        // `&` instead of `&&`: the compiler would split the check in two, one of them unreachable.
         cover!(s, changed & (after == State::Armed), "armed");
         cover!(s, changed & (after == State::Calibrating) & (before == State::Stopped), "again");
         if changed {

@@ -1,13 +1,19 @@
-//! Division and roots for the model checker at 32 bits: any result that has the known facts, and the same result for the same question.
+//! Division and roots for the model checker at 32 bits: any result that has the known facts, and the same result for the same
+//! question.
 //!
-//! A quotient is here any number that has the facts of [`facts`], as a product is in [`crate::multiplied`]. The specification's next question gets the code's answer if it is the same question. The part of the dividend that the quotient accounts for is a product with the facts of products. A `divided_property!` replaces divisions and roots of code and specification by the functions of this file, and products by those of [`crate::multiplied`].
+//! A quotient is here any number that has the facts of [`facts`], as a product is in [`crate::multiplied`]. The specification's
+//! next question gets the code's answer if it is the same question. The part of the dividend that the quotient accounts for is a
+//! product with the facts of products. A `divided_property!` replaces divisions and roots of code and specification by the
+//! functions of this file, and products by those of [`crate::multiplied`].
 //!
 //! ```text
 //! q b <= a, a - q b < b, and q < 2^31 where a < 2^31 b     p3_quotient, obligations/check.py
 //! r < 2^31 where r^2 <= x < 2^62                           p3_root, obligations/check.py
 //! ```
 //!
-//! That the code's operations have these facts is proved by `heart::p1_divide`, `p1_affordable`, `p6_quotient` and `p5_root_digit`, and for signed numbers by `edges::p1_edge_*` and `p6_edge_divide`. That the reciprocal gives the same is shown in `control/src/reciprocal.rs`. Settings are divided in 128 bits; of those quotients a proof uses only the sign.
+//! That the code's operations have these facts is proved by `heart::p1_divide`, `p1_affordable`, `p6_quotient` and `p5_root_digit`,
+//! and for signed numbers by `edges::p1_edge_*` and `p6_edge_divide`. That the reciprocal gives the same is shown in
+//! `control/src/reciprocal.rs`. Settings are divided in 128 bits; of those quotients a proof uses only the sign.
 
 use crate::{cover, property};
 #[cfg(kani)]
@@ -122,7 +128,7 @@ pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Fi
     FixedI64::from_bits(any)
 }
 
-/// The known facts of quotients and roots.
+/// The facts of quotients and roots that the model checker assumes.
 pub mod facts {
     /// The facts of a quotient, and of the part of the dividend that it accounts for. A quotient beyond a signed word has no such
     /// part.
@@ -132,7 +138,7 @@ pub mod facts {
         (quotient < 1 << 31) == fits
             && (!fits || part <= dividend && dividend - part < u64::from(divisor))
     }
-    /// The facts of a root.
+    /// Whether a result has the facts of a square root.
     #[must_use]
     pub fn is_root(radicand: u64, root: u32) -> bool {
         radicand >= 1 << 62 || root < 1 << 31
@@ -220,13 +226,13 @@ mod by_one_quotient {
         Signal::from_bits(if negative { -size } else { size })
     }
 
-    /// Replaces [`touchstone_control::magnitude::divide_u32`] under the model checker: gives any answer, and the same for the same
-    /// question.
+    /// Replaces [`touchstone_control::magnitude::divide_u32`] under the model checker: the code gets any result, and the same one
+    /// for equal arguments.
     pub fn divide(wide: u64, by: u32) -> (u64, u64) {
         quotient(wide, by)
     }
-    /// Replaces [`touchstone_control::magnitude::Word::divides_within`] under the model checker: gives any answer, and the same for
-    /// the same question.
+    /// Replaces [`touchstone_control::magnitude::Word::divides_within`] under the model checker: the code gets any result, and the
+    /// same one for equal arguments.
     pub fn divides_within(by: u32, wide: u64) -> Option<(u32, u64)> {
         let (quotient, part) = quotient(wide, by);
         (quotient <= HIGHEST).then_some((quotient as u32, part))
@@ -240,7 +246,7 @@ mod by_one_quotient {
             inverse: 0,
         }
     }
-    /// Replaces [`Number::divide_by`] under the model checker: gives any answer, and the same for the same question.
+    /// Replaces [`Number::divide_by`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn divide_by(p: i64, k: &Reciprocal32) -> Signal {
         signed(quotient(p.unsigned_abs(), k.divisor).0, p < 0)
     }
@@ -256,7 +262,8 @@ mod by_one_quotient {
         };
         (signed(moved, false), Energy::from_bits(rest))
     }
-    /// Replaces [`crate::spec::over`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`crate::spec::over`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn over(a: i128, b: i128) -> i128 {
         assert!(
             u64::try_from(a).is_ok() && u32::try_from(b).is_ok() && b > 0,
@@ -295,7 +302,8 @@ mod by_one_quotient {
         }
         product
     }
-    /// Replaces [`crate::spec::times`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`crate::spec::times`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn times(a: i128, b: i128) -> i128 {
         let (a, b) = (word(a), word(b));
         product(a, b, beside(a.unsigned_abs(), b.unsigned_abs())).into()
@@ -320,14 +328,14 @@ mod by_one_quotient {
         ROOT[made].store(any, Relaxed);
         any
     }
-    /// Replaces [`Number::root`] under the model checker: gives any answer, and the same for the same question.
+    /// Replaces [`Number::root`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn root(e: Energy) -> Signal {
         if e.to_bits() <= 0 {
             return Signal::ZERO;
         }
         signed(root_of(e.to_bits() as u64).into(), false)
     }
-    /// Replaces [`Number::root_of_four`] under the model checker: gives any answer, and the same for the same question.
+    /// Replaces [`Number::root_of_four`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn root_of_four(k: Gain) -> Gain {
         if k.to_bits() <= 0 {
             return Gain::ZERO;
@@ -335,7 +343,8 @@ mod by_one_quotient {
         let radicand = u64::from(k.to_bits() as u32) << (Gain::FRAC_NBITS + 2);
         Gain::from_bits(root_of(radicand).min(HIGHEST as u32) as i32)
     }
-    /// Replaces [`crate::spec::fba::root`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`crate::spec::fba::root`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn specified_root(x: i128) -> i128 {
         if x <= 0 {
             return 0;

@@ -67,10 +67,10 @@ property! {
             1 => 24,
             _ => 31,
         };
-        // Of two words it does not wrap.
+        // A product of two words does not wrap.
         let exact = i64::from(x).wrapping_mul(i64::from(y));
         let found = product(x, y, digits);
-        // What a floor is, as obligations/check.py has it; at the end of the format, that it is beyond.
+        // The definition of rounding down, as in obligations/check.py. At the end of the format the exact product lies beyond.
         let back = i64::from(found) << digits;
         assert!(found == i32::MIN || back <= exact);
         assert!(found == i32::MAX || exact - back < 1 << digits);
@@ -85,7 +85,7 @@ property! {
         let way = such!(s, s.i64(), |way| way.unsigned_abs() < 1 << 32, "type of words");
         let share = s.u16();
         let part = share_of(way, share);
-        // Of 33 bits and 16 it does not wrap.
+        // A product of 33 and 16 bits does not wrap.
         let exact = way.wrapping_mul(i64::from(share)) + (1 << 15);
         assert!(part << 16 <= exact && exact - (part << 16) < 1 << 16);
         cover!(s, part < 0, "back");
@@ -172,7 +172,7 @@ replaced_property! {
     over "torque, share of the current that the temperature leaves, direction of the encoder, current limit; torque constants whose inverse fits, under the checker whatever a product is"
     by kissat fn p4_current32(s) {
         let mut motor = DeviceSettings::default().motor;
-        // Neither is negative: the settings' ranges.
+        // The ranges of settings keep both from being negative.
         let (limit, constant) = (s.u32() >> 1, s.u64() >> 1);
         motor.current_limit_a = Si::from_bits(i64::from(limit) << 16);
         motor.torque_constant_n_m_per_a = Si::from_bits(constant.cast_signed());

@@ -14,14 +14,14 @@ macro_rules! edges {
             type N = $number;
 
             property! {
-                /// P1 (energy): the signed passivity step is the unsigned step (`heart`) of the magnitudes; negative energies and
-                /// forces count as 0.
+                /// P1 (energy): the signed passivity step is the unsigned step in [`crate::heart`] of the magnitudes; negative
+                /// energies and forces count as 0.
                 equation "(E', f') = heart(max(E, 0), max(f, 0), |d|, d >= 0)"
                 over "energy, force, displacement"
                 by $products fn p1_edge_step(s) {
                     let (energy, force, moved) = (N::any_energy(s), N::any_force(s), N::any_position(s));
                     let (after, shown) = N::passivity_step(energy.0, force.0, moved.0);
-                    // The operands in the words of the code: a solver that knows terms then sees the same products.
+                    // The operands are written as in the code, so that a solver with terms recognises the same products.
                     let heart = magnitude::passivity_step::<$word>(
                         energy.0.to_bits().max(0).unsigned_abs(),
                         force.0.max(Force::<N>::zero().0).to_bits().unsigned_abs(),
@@ -36,7 +36,7 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P1 (energy): the signed retreat is the unsigned one (`heart`); negative energies count as 0.
+                /// P1 (energy): the signed retreat is the unsigned one in [`crate::heart`]; negative energies count as 0.
                 equation "(m, r) = heart(max(E, 0), |f|)"
                 over "force and stored energy"
                 by $quotients fn p1_edge_affordable(s) {
@@ -66,7 +66,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P1 (energy): the force that works off an energy deficit is the unsigned quotient (`heart`).
+                /// P1 (energy): the force that works off an energy deficit is energy divided by displacement, by the unsigned
+                /// function in [`crate::heart`].
                 equation "|E / d| = heart(|E|, |d|)"
                 over "displacement and energy"
                 by $quotients fn p1_edge_per(s) {
@@ -83,15 +84,15 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P2 (rounding): a scaled signal keeps its sign; its magnitude is the unsigned `scale` (`heart`) of the
-                /// magnitudes.
+                /// P2 (rounding): a scaled signal (position or force) keeps its sign; its magnitude is the unsigned `scale` in
+                /// [`crate::heart`] of the magnitudes.
                 equation "|r x| = heart(|r|, |x|), sign of x"
                 over "ratio >= 0 and signal"
                 by $bits fn p2_edge_scale(s) {
                     let (ratio, x) = (N::any_ratio(s), N::any_position(s));
                     assume!(s, ratio.0 >= 0, "validate");
                     let scaled = (ratio * x).0.to_bits();
-                    // The operands in the words of the code, as above.
+                    // The operands are written as in the code, as above.
                     let heart = magnitude::scale::<$word>(
                         ratio.0.to_bits() as $word,
                         x.0.to_bits().unsigned_abs(),
@@ -104,7 +105,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P6 (rounding): the quotient keeps the sign of the tension; its magnitude is the unsigned quotient (`heart`).
+                /// P6 (rounding): the quotient keeps the sign of the tension; its magnitude is the unsigned quotient in
+                /// [`crate::heart`].
                 equation "|p / k| = heart(|p|, |k|), sign of p"
                 over "stiffness above 0 and tension"
                 by $quotients fn p6_edge_divide(s) {
@@ -167,8 +169,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P3 (arithmetic): a sum of signals is exact or at the end of the range; calculating it in a wider word loses
-                /// nothing.
+                /// P3 (arithmetic): a sum of signals (positions and forces) is exact or at the end of the range; calculating it in
+                /// a wider word loses nothing.
                 equation "a + b = min(max(a + b, lowest), highest)"
                 over "pair of signals"
                 fn p3_sums_saturate(s) {

@@ -170,7 +170,8 @@ macro_rules! enhanced {
             }
             property! {
                 /// P1 (energy), hand-over: the virtual mass starts with no more energy than the contact has. The coupling's stored
-                /// energy is subtracted; if the energy does not cover a stretch, the stretch is 0. The energy is not negative.
+                /// energy is subtracted; if the energy does not cover the coupling's stretch, the mass starts without a stretch.
+                /// The energy is not negative.
                 equation "0 <= E' <= max(E, 0)"
                 over "valid configuration, memory at the end of a first contact, any energy up to the cap"
                 by $solver fn p1_hand_over(s) {
@@ -180,7 +181,7 @@ macro_rules! enhanced {
                         |state| law.holds(&state) && state.contact == Contact::First,
                         "invariant, kept by p4_first_contact"
                     );
-                                        // The last outward displacement is a fact; it may have cost more than was stored.
+                                        // The last outward displacement has happened; it may have cost more than was stored.
                     state.energy = N::any_energy(s);
                     assume!(s, state.energy <= law.energy_cap, "what tick passes: capped in the line before");
                     let before = state.energy;
@@ -265,7 +266,7 @@ macro_rules! enhanced {
                         assert!(force == Force::zero());
                         assert_reached!(state == EnhancedState { last: e, ..EnhancedState::default() });
                     }
-                    // In first contact the surface is the undeformed wall's.
+                    // In the first contact phase the surface is that of the undeformed wall.
                     assert!(before.contact == Contact::Augmenting || e > Position::zero() || state.contact == Contact::Free);
                     cover!(s, before.contact == Contact::Augmenting && state.contact == Contact::Free, "leaves");
                 }

@@ -1,6 +1,8 @@
-//! P11 (refinement): a tick of the state estimator is a tick of its specification (`spec/estimator.rs`), with results and the whole memory.
+//! P11 (refinement): a tick of the state estimator is a tick of its specification (`spec/estimator.rs`), with results and the whole
+//! memory.
 //!
-//! Each product of a weight and a part is one unknown number for code and specification ([`crate::weighed`]). So the properties hold for any weights for which no sum overflows. `estimator::p3_*` show that for the weights that settings give.
+//! Each product of a weight and a part is one unknown number for code and specification ([`crate::weighed`]). So the properties
+//! hold for any weights for which no sum overflows. `estimator::p3_*` show that for the weights that settings give.
 //!
 //! ```text
 //! apply(x, d, g, f) = spec(x, d, g, f)         p11_estimator_flow, p11_estimator_ahead
@@ -19,7 +21,7 @@ use touchstone_control::{Estimator, Fixed32, Force};
 
 type N = Fixed32;
 
-/// The specification's form of a flow.
+/// Converts a prediction (state transition over a time) to the specification's type.
 #[must_use]
 pub fn flow<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>) -> spec::Flow<COMMANDS> {
     spec::Flow {
@@ -29,7 +31,7 @@ pub fn flow<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>) -> spec::Flow<COMMA
         commands: flow.commands.map(|weights| weights.map(Int::from)),
     }
 }
-/// The specification's form of the estimator's coefficients.
+/// Converts the estimator's coefficients to the specification's type.
 #[must_use]
 pub fn specified(law: &Estimator<N>) -> spec::Estimator {
     spec::Estimator {
@@ -39,7 +41,7 @@ pub fn specified(law: &Estimator<N>) -> spec::Estimator {
         limit: law.limit.0.to_bits().into(),
     }
 }
-/// The specification's form of a motion.
+/// Converts a motion to the specification's type.
 #[must_use]
 pub fn motion(of: &EstimatedMotion<N>) -> spec::Motion {
     spec::Motion {
@@ -48,7 +50,7 @@ pub fn motion(of: &EstimatedMotion<N>) -> spec::Motion {
         g: of.pushed.0.into(),
     }
 }
-/// The specification's form of the estimator's memory.
+/// Converts the estimator's memory to the specification's type.
 #[must_use]
 pub fn memory(of: &EstimatorState<N>) -> spec::Memory {
     spec::Memory {
@@ -58,8 +60,7 @@ pub fn memory(of: &EstimatorState<N>) -> spec::Memory {
 }
 
 weighed_property! {
-    /// P11 (refinement): the motion at the end of the flow from one sample to the next, with three commands, is the
-    /// specification's.
+    /// P11 (refinement): the motion predicted from one sample to the next, with three commands, equals the specification's.
     equation "(x⁻, d⁻) = spec(x, d, g, f)"
     over "weights, motion in the invariant, commands"
     by minisat fn p11_estimator_flow(s) {
@@ -74,7 +75,7 @@ weighed_property! {
     }
 }
 weighed_property! {
-    /// P11 (refinement): the motion at the end of the flow from a sample to when the next command acts, with two commands, is the
+    /// P11 (refinement): the motion predicted from a sample to when the next command acts, with two commands, equals the
     /// specification's.
     equation "(x, d) = spec(x, d, g, f)"
     over "weights, motion in the invariant, commands"
@@ -90,7 +91,8 @@ weighed_property! {
     }
 }
 flowed_property! {
-    /// P11 (refinement): the correction of a motion by a measured position is the specification's; both restart on the same inputs.
+    /// P11 (refinement): the correction of a motion by a measured position equals the specification's; both restart on the same
+    /// inputs.
     equation "(x', d', g') = spec(x, d, g, f, e)"
     over "weights, motion in the invariant, commands, measured position"
     by minisat fn p11_estimator_corrected(s) {
@@ -107,7 +109,7 @@ flowed_property! {
     }
 }
 corrected_property! {
-    /// P11 (refinement): a tick of the estimator is the specification's, with results and memory.
+    /// P11 (refinement): a tick of the estimator equals the specification's, with results and memory.
     equation "(memory', e', Δe') = spec(memory, e)"
     over "weights, memory in the invariant or before the first sample, measured position"
     by minisat fn p11_estimator_tick(s) {
@@ -128,7 +130,7 @@ corrected_property! {
     }
 }
 property! {
-    /// P11 (refinement): a commanded force, limited, is remembered in front of the older ones.
+    /// P11 (refinement): a commanded force, limited, becomes the latest of the remembered commands.
     equation "f' = (min(max(f, -limit), limit), f_1, f_2)"
     over "limit not negative, memory, force"
     by cadical fn p11_estimator_commanded(s) {

@@ -34,7 +34,7 @@ fn any_flow<S: Source, const COMMANDS: usize>(
 ) -> Flow<N, COMMANDS> {
     let one = i64::from(ONE);
     let limit = i64::from(limit.0.to_bits()).max(1);
-    // Of samples only: a division is nothing that the checker should follow for nothing.
+    // Only for samples: the checker need not follow a division.
     let share = if s.shortcut() {
         (2 * ONE_TORQUE).min(RAD / limit) * ticks / COMMANDS as i64
     } else {
@@ -54,8 +54,8 @@ fn times(weight: i32, limit: i64) -> i64 {
     i64::from(weight) * limit
 }
 
-/// The bounds of a flow of up to `ticks`: `V <= t`, `X <= t`, `βV <= 1`. All commands at the limit together reduce position or
-/// displacement by less than 2 rad per tick.
+/// The bounds of a prediction of up to `ticks`: `V <= t`, `X <= t`, `βV <= 1`. All commands at the limit together reduce position
+/// or displacement by less than 2 rad per tick.
 fn flow_ok<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>, ticks: i32, limit: i64) -> bool {
     let within = |x: i32, most: i32| x >= 0 && x <= most;
     let most = 2 * RAD * i64::from(ticks);
@@ -72,7 +72,7 @@ fn flow_ok<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>, ticks: i32, limit: i
         && taken(1)
 }
 
-/// Estimator with any weights; on samples mostly weights that settings can give.
+/// Estimator with any weights; in random tests mostly weights that settings can give.
 pub fn any<S: Source>(s: &mut S) -> Estimator<N> {
     let one = i64::from(ONE);
     let limit = Force(fixed::types::I8F24::from_bits(weight(
@@ -100,11 +100,11 @@ pub fn ok(estimator: &Estimator<N>) -> bool {
         && (0..=2 * ONE).contains(&pushed)
 }
 
-/// Any motion; on samples one within the invariant.
+/// Any motion; in random tests one within the invariant.
 pub fn any_motion<S: Source>(s: &mut S) -> EstimatedMotion<N> {
     let mut state = |bits: u32| {
         let any = s.i64();
-        // Within ±2^bits at once, where that is no proof.
+        // Limits samples to ±2^bits at once; not for a proof.
         Wide64(if s.shortcut() { any >> (9 - bits) } else { any })
     };
     EstimatedMotion {
@@ -121,7 +121,7 @@ pub fn holds(motion: &EstimatedMotion<N>) -> bool {
         && motion.pushed.within(2)
 }
 
-/// Any commands within the limit.
+/// A list of past commands, each with any value within the limit.
 pub fn any_commands<S: Source>(s: &mut S, limit: Force<N>) -> [i32; TAPS] {
     let most = limit.0.to_bits().max(0);
     core::array::from_fn(|_| s.i32().clamp(-most, most))
@@ -150,8 +150,8 @@ limited_property! {
     }
 }
 property! {
-    /// P3 (no overflow): no sum of a flow overflows, from any motion in the invariant and under any commands within the limit. The
-    /// result is below 160 rad and 21 rad per tick.
+    /// P3 (no overflow): no sum of a prediction overflows, from any motion in the invariant and under any commands within the
+    /// limit. The result is below 160 rad and 21 rad per tick.
     equation "|x + V d + X g - Σ q f| < 160 rad"
     over "weights as settings give them, motion in the invariant, commands"
     by minisat fn p3_flow_fits32(s) {
@@ -168,7 +168,7 @@ property! {
 }
 bounded_property! {
     /// P3 (no overflow): a correction keeps the invariant, or the estimator restarts at the measured position; no sum overflows.
-    /// The corrected position is at most as far from the measured one as before. This holds for any end of the flow that
+    /// The corrected position is at most as far from the measured one as before. This holds for any result of the prediction that
     /// `p3_flow_fits32` allows.
     equation "|x' - e| <= |e - x⁻|, invariant"
     over "weights as settings give them, motion in the invariant, commands, measured position"
@@ -183,7 +183,7 @@ bounded_property! {
             assert!(holds(&after));
             let surprise = N::widen(measured.0).minus_fitting(expected);
             let rest = N::widen(measured.0).minus_fitting(after.position);
-            // A part is cut downwards: by one of its steps at most.
+            // A part is rounded down, so it can be wrong by one of its steps.
             assert_reached!(rest.0.unsigned_abs() <= surprise.0.unsigned_abs() + (1 << 26));
         }
         cover!(s, after.is_some_and(|after| after.position != expected), "corrected");
@@ -207,8 +207,8 @@ property! {
     }
 }
 property! {
-    /// P2 (rounding): a signal that becomes a state and a signal again is unchanged. A state becomes the nearest signal, or the end
-    /// of the range.
+    /// P2 (rounding): a signal (position or force) that becomes a state and a signal again is unchanged. A state becomes the
+    /// nearest signal, or the end of the range.
     equation "narrow(widen(x)) = x, |2^30 narrow(w) - w| <= 2^29"
     over "signal, state"
     by cadical fn p2_narrow32(s) {

@@ -40,7 +40,7 @@ pub mod fact {
             -1
         }
     }
-    /// Fact of a product: its size is at most the gain times the largest magnitude of a signal.
+    /// Fact of a product: its size is at most the gain times the largest magnitude of a signal (position or force).
     pub fn product_size(result: i64, gain: i64) -> bool {
         gain < 0 || result.unsigned_abs() <= gain.unsigned_abs() << 31
     }
@@ -156,7 +156,7 @@ impl Number for Facts32 {
     fn sub_product(a: i64, b: i64) -> i64 {
         Fixed32::sub_product(a, b)
     }
-    // That these two fit is checked by the checker, and by every sampled test.
+    // The model checker and every sampled test check that these two fit.
     fn add_fitting(a: i64, b: i64) -> i64 {
         Fixed32::add_fitting(a, b)
     }
@@ -204,7 +204,7 @@ impl Number for Facts32 {
     fn sub_energy(a: Energy, b: Energy) -> Energy {
         Fixed32::sub_energy(a, b)
     }
-    // That these two fit is checked by the checker, and by every sampled test.
+    // On samples mostly a short displacement, at which the law's force varies more.
     fn add_energy_fitting(a: Energy, b: Energy) -> Energy {
         Fixed32::add_energy_fitting(a, b)
     }
@@ -217,7 +217,7 @@ impl Number for Facts32 {
     fn modulus_fitting(a: Signal) -> Signal {
         Fixed32::modulus_fitting(a)
     }
-    // Nothing is known of it but that it is a word.
+    // Nothing is known of the result except that it is a word.
     fn scale_both_fitting(r: Signal, x: Signal, q: Signal, y: Signal) -> Signal {
         signal(known!(
             "ScaleBoth",
@@ -249,7 +249,7 @@ impl Number for Facts32 {
         } else {
             Fixed32::affordable(e, f)
         };
-        // Outside the contract nothing is known; the laws never leave it.
+        // Outside this contract nothing is known; the laws never leave it.
         let inside = stored >= 0 && force > 0;
         let moved = known!("Moved", bits(_exact_moved), |y| word(y)
             && (!inside || y >= 0));
@@ -278,7 +278,7 @@ pub mod fixed32 {
     use crate::{assume, cover, property};
 
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `Scale`: a scaled signal is 0 or keeps its sign.
+        /// P3 (arithmetic): `Fixed32` has the fact `Scale`: a scaled signal (position or force) is 0 or keeps its sign.
         equation "sign(|r| x) = sign(x) or 0"
         over "pair of words"
         by kissat fn p3_fact_scale(s) {
@@ -289,8 +289,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `Product` on the sign. It holds for all gains, although `validate` keeps them
-        /// non-negative.
+        /// P3 (arithmetic): `Fixed32` has the fact `Product`: a product has the sign of its factors' product. It holds for all
+        /// gains, although `validate` keeps them non-negative.
         equation "sign(k x) = sign(k) sign(x)"
         over "pair of words"
         by kissat fn p3_fact_product_sign(s) {
@@ -301,7 +301,7 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `Product` on the size. The product is exact
+        /// P3 (arithmetic): `Fixed32` has the fact `Product` on the size: at most the gain times 2^31. The product is exact
         /// (`multiplied::p1_products_are_exact`); two solvers show its size over the integers in `obligations/check.py`.
         equation "|k x| <= k 2^31"
         over "pair of words"
@@ -313,7 +313,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the facts `Product` and `Work` on the size. Both are the same product of two words.
+        /// P3 (arithmetic): `Fixed32` has the facts `Product` and `Work` on the size: a product of two words is at most 2^62,
+        /// whatever the words stand for.
         equation "|f d| <= 2^62"
         over "pair of words"
         by kissat fn p3_fact_work_size(s) {
@@ -324,7 +325,7 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `Work` on the sign of force times displacement.
+        /// P3 (arithmetic): `Fixed32` has the fact `Work`: force times displacement has the sign of the product.
         equation "sign(f d) = sign(f) sign(d)"
         over "pair of words"
         by kissat fn p3_fact_work_sign(s) {
@@ -346,7 +347,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `DivideBy`: a quotient by a prepared divisor is 0 or has the dividend's sign.
+        /// P3 (arithmetic): `Fixed32` has the fact `DivideBy`: a quotient by a prepared divisor (stored reciprocal) is 0 or has the
+        /// dividend's sign.
         equation "sign(p / k) = sign(p) or 0"
         over "double word and word"
         by kissat fn p3_fact_divide_by(s) {
@@ -357,7 +359,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the fact `Per` on energy divided by displacement.
+        /// P3 (arithmetic): `Fixed32` has the fact `Per`: energy divided by displacement has a size, of which nothing else is
+        /// known.
         equation "|E / d| >= 0"
         over "double word and word"
         by kissat fn p3_fact_per(s) {
@@ -380,7 +383,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the facts `Moved` and `Rest` on a retreat and the energy left.
+        /// P3 (arithmetic): `Fixed32` has the facts `Moved` and `Rest`: a retreat is not negative, and the energy that is left is
+        /// between 0 and the energy before.
         equation "m >= 0, 0 <= r <= E"
         over "stored energy, force above 0"
         by minisat fn p3_fact_affordable(s) {
@@ -392,7 +396,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the facts `StepEnergy` and `StepForce` for an outward displacement.
+        /// P3 (arithmetic): `Fixed32` has the facts `StepEnergy` and `StepForce`: in an outward passivity step neither energy nor
+        /// force grows or gets negative.
         equation "0 <= E' <= E, 0 <= f' <= f"
         over "stored energy, force, displacement below 0"
         by minisat fn p3_fact_step_outward(s) {
@@ -404,7 +409,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3 (arithmetic): `Fixed32` has the facts `StepEnergy` and `StepForce` for an inward displacement.
+        /// P3 (arithmetic): `Fixed32` has the facts `StepEnergy` and `StepForce`: in an inward passivity step the energy does not
+        /// shrink, and the force stays.
         equation "E' >= E, f' = f"
         over "stored energy, force, displacement from 0"
         by kissat fn p3_fact_step_inward(s) {

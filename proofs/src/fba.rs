@@ -110,7 +110,7 @@ macro_rules! fba {
                     let loss = i128::from(F::of_energy(damping_loss(law.device_damping, moved).0));
                     let cap = i128::from(F::of_energy(law.energy_cap.0));
                     let worked = i128::from(F::of_energy(before.energy.0)) + work;
-                    // Only a deficit of the whole format, 32 kJ, would be cut off.
+                    // Only a deficit of the whole format, 32 kJ, would be limited.
                     let lowest = -2 * cap;
                     assert!(worked < lowest || i128::from(F::of_energy(state.energy.0)) == (worked + loss).min(cap));
                     cover!(s, state.energy < before.energy, "gives");

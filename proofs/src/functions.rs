@@ -24,8 +24,8 @@ pub struct Functions32;
 mod memo {
     use core::sync::atomic::{AtomicI64, AtomicUsize, Ordering::Relaxed};
 
-    /// Number of rows of a record: more questions than one tick and its property ask of one operation. Further questions are
-    /// answered without record, which proves less, never more.
+    /// Number of rows of a record: more calls than one tick and its property make of one operation. Further calls are not recorded,
+    /// which proves less, never more.
     const ROWS: usize = 6;
     type Row = [AtomicI64; 5];
 
@@ -203,7 +203,7 @@ impl Number for Functions32 {
     fn sub_energy(a: Energy, b: Energy) -> Energy {
         Facts32::sub_energy(a, b)
     }
-    // That these two fit is checked by the checker, and by every sampled test.
+    // The model checker and every sampled test check that these two fit.
     fn add_energy_fitting(a: Energy, b: Energy) -> Energy {
         Facts32::add_energy_fitting(a, b)
     }
@@ -216,7 +216,7 @@ impl Number for Functions32 {
     fn modulus_fitting(a: Signal) -> Signal {
         Facts32::modulus_fitting(a)
     }
-    // Without memory, which proves less, never more: no property asks for it twice.
+    // Not recorded, which proves less, never more: no property asks for it twice.
     fn scale_both_fitting(r: Signal, x: Signal, q: Signal, y: Signal) -> Signal {
         Facts32::scale_both_fitting(r, x, q, y)
     }

@@ -1,6 +1,7 @@
 //! The energy guard: one tick from every memory, for every configuration that `Guard::new` can give.
 //!
-//! That the guard's account is a lower bound of the true energy account is proved on paper, in `docs/energy-guard.md`. The properties here prove that the code keeps that account: the sum, its limits, the reserve, and the bound on the force.
+//! That the guard's account is a lower bound of the true energy account is proved on paper, in `docs/energy-guard.md`. The
+//! properties here prove that the code keeps that account: the sum, its limits, the reserve, and the bound on the force.
 //!
 //! ```text
 //! f D <= A  if  D/reach <= 1      p1_force_is_paid
@@ -25,7 +26,7 @@ pub fn room<N: Format>(x: &Position<N>) -> bool {
     *x >= Position::zero() && N::of_signal(x.0) <= quarter::<N>()
 }
 
-/// The product of two signed words.
+/// The exact product of two signed words of the format.
 pub fn times<N: Format>(a: i64, b: i64) -> N::Exact {
     N::exact(a) * N::exact(b)
 }
@@ -117,7 +118,7 @@ impl<N: Format> Valid<N> for Guard<N> {
         state.account <= self.capacity
             && allowed(state.force)
             && allowed(state.older)
-            // A deficit, after overspeed: no force, and one that the format holds.
+            // An energy deficit after an over-speed: no force acts, and the format holds the deficit.
             && (state.account >= Energy::zero()
                 || still && N::of_energy(state.account.0) > -(N::of_energy(N::energy_cap().0)))
     }
@@ -219,7 +220,7 @@ macro_rules! guard {
                     let charged = change_bits * N::exact(N::of_signal(under.0));
                     let quantum = change_bits.max(-change_bits);
                     assert!(charged >= -quantum);
-                    // Rounded down by less than the quantum that the slack holds.
+                    // Rounded down by less than the quantum that `slack` contains.
                     let exact = N::exact(N::of_signal_ratio(law.stray.0)) * (change_bits * change_bits);
                     assert!((charged + quantum) << N::SIGNAL_BITS >= exact);
                     cover!(s, charged > none && change < Force::zero(), "a fall of the force");
@@ -405,8 +406,8 @@ macro_rules! guard {
 }
 
 guard!(
-    /// At 32 bits, the width of the firmware: the same bodies on samples, as no solver follows products of three unknown numbers at
-    /// that width.
+    /// At 32 bits, the width of the firmware: the same bodies in random tests, as no solver follows products of three unknown
+    /// numbers at that width.
     w32, Fixed32, by sampled, sum sampled
 );
 guard!(

@@ -173,7 +173,8 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P2 (rounding): scaling a signal by a gain rounds towards zero: `scale(g, x) · 2^bits <= g·x`.
+                /// P2 (rounding): scaling a signal (position or force) by a gain rounds towards zero: `scale(g, x) · 2^bits <=
+                /// g·x`.
                 equation "(g x >> b) 2^b <= g x"
                 over "gain and signal"
                 by $bits
@@ -238,7 +239,7 @@ pub mod root8 {
     }
 }
 
-/// Quotients by a prepared divisor, which is used for many dividends.
+/// Quotients by a prepared divisor (stored reciprocal), which is used for many dividends.
 pub mod reciprocal {
     use super::*;
     use fixed::FixedI32;
@@ -246,8 +247,8 @@ pub mod reciprocal {
     use touchstone_control::{Fixed32, Number};
 
     property! {
-        /// P3/P6: the quotient by a prepared divisor is the plain quotient, for every dividend and divisor at 8 bits. All inputs
-        /// are tried, as a solver takes longer for two divisions and a product.
+        /// P3/P6: the quotient by a prepared divisor (stored reciprocal) is the plain quotient, for every dividend and divisor at 8
+        /// bits. All inputs are tried, as a solver takes longer for two divisions and a product.
         equation "q = min(floor(n / d), highest)"
         over "word and double word"
         by sampled fn p6_reciprocal_8(s) {
@@ -261,8 +262,8 @@ pub mod reciprocal {
         }
     }
     property! {
-        /// P3/P6: the quotient by a prepared divisor is the plain quotient, on samples at 32 bits. `obligations/` proves its
-        /// arithmetic over the integers.
+        /// P3/P6: the quotient by a prepared divisor (stored reciprocal) is the plain quotient, in random tests at 32 bits.
+        /// `obligations/` proves its arithmetic over the integers.
         equation "q = min(floor(n / d), highest)"
         over "double word and word"
         by sampled fn p6_reciprocal_32(s) {
@@ -275,8 +276,8 @@ pub mod reciprocal {
         }
     }
     property! {
-        /// P6 (rounding): the quotient is the leading digits of a product, scaled dividend times inverse. This is proved for
-        /// inverses with one digit and with two.
+        /// P6 (rounding): the quotient by a prepared divisor is the leading digits of a product: the scaled dividend times the
+        /// stored inverse. It is proved for inverses with one binary digit set and with two.
         equation "q = ((n 2^scale + 1) inverse / 2^64) / 2^31"
         over "dividend below 2^62; inverses 2^63 and 2^62 + 2^33, divisors 2^31"
         by cadical fn p6_leading_digits32(s) {
@@ -316,8 +317,8 @@ pub mod reciprocal {
             inverse: 0,
         }
     }
-    /// Replaces `Reciprocal32::quotient` under the model checker: any magnitude that fits a word, and the same for the same
-    /// question.
+    /// Replaces `Reciprocal32::quotient` under the model checker: any magnitude that fits a word, and the same one for equal
+    /// arguments.
     #[cfg(kani)]
     pub fn any_quotient(by: &Reciprocal32, dividend: u64) -> u32 {
         use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -326,7 +327,7 @@ pub mod reciprocal {
         let question = [1, by.divisor.into(), dividend];
         let same = (0..3).all(|at| ASKED[at].load(Relaxed) == question[at]);
         kani::assume(!same || ASKED[3].load(Relaxed) == u64::from(answer));
-        // Of nothing there is none.
+        // The quotient of 0 is 0.
         kani::assume(answer <= i32::MAX as u32 && (dividend > 0 || answer == 0));
         for at in 0..3 {
             ASKED[at].store(question[at], Relaxed);
@@ -347,7 +348,7 @@ pub mod algebra32 {
         by cvc5 fn p1_smaller_force(s) {
             let (saved_force, smaller, moved) = (s.u64(), s.u64(), s.u64());
             assume!(s, saved_force <= 1 << 31 && smaller <= 1 << 31 && moved <= 1 << 31, "types of the callers");
-            // At most 2^32 · 2^31: nothing wraps. (With the checks of that beside the identity no solver finishes.)
+            // At most 2^32 · 2^31, so nothing wraps. No solver finishes if it also has to check for wrapping.
             let work = smaller.wrapping_mul(moved);
             let saved = saved_force.wrapping_mul(moved);
             assert!(saved.wrapping_add(work) == saved_force.wrapping_add(smaller).wrapping_mul(moved));

@@ -8,9 +8,9 @@
 //! file per law follows, then filter, settings, encoder, fault machine and the drive's arithmetic.
 // Bodies name the checker's macros only under the checker.
 #![cfg_attr(kani, allow(missing_docs))]
-// The one file-wide cast habit: samples of `bits` bits are narrowed on purpose.
+// Samples of `bits` bits are narrowed by casts on purpose.
 #![allow(clippy::missing_panics_doc)]
-// The list of what a property replaces is long.
+// The list of functions that a property replaces is long.
 #![recursion_limit = "1024"]
 
 /// An assertion that is not followed by a cover in its block. Under the model checker it is a cover as well, as an assertion that

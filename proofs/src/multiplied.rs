@@ -1,6 +1,10 @@
 //! Multiplication for the model checker at 32 bits: any result that has the known facts, and the same result for the same question.
 //!
-//! That a tick equals its specification does not depend on what a product *is*. Code and specification multiply the same numbers, and then add, shift and compare the results. No solver follows these products at 32 bits, so a `multiplied_property!` replaces the multiplications of code and specification by the functions of this file. A product is here any number that has the facts of [`facts`]. The specification's next question gets the code's answer if it is the same question. What holds for every such product holds for the real one.
+//! That a tick equals its specification does not depend on what a product *is*. Code and specification multiply the same numbers,
+//! and then add, shift and compare the results. No solver follows these products at 32 bits, so a `multiplied_property!` replaces
+//! the multiplications of code and specification by the functions of this file. A product is here any number that has the facts of
+//! [`facts`]. The specification's next question gets the code's answer if it is the same question. What holds for every such
+//! product holds for the real one.
 //!
 //! ```text
 //! a <= c, b <= d  implies  a b <= c d                 p3_product_in_order, obligations/check.py
@@ -9,7 +13,8 @@
 //! the code's multiplications are exact products       p1_products_are_exact, edges::p1_edge_work
 //! ```
 //!
-//! Questions are recognised by their order: first those of the settings, then those of the memory, the code and the specification. A question that comes in another order than the code's gets an answer of which nothing is known. That proves less, never more.
+//! Questions are recognised by their order: first those of the settings, then those of the memory, the code and the specification.
+//! A question that comes in another order than the code's gets an answer of which nothing is known. That proves less, never more.
 
 use crate::{cover, property};
 use touchstone_control::magnitude::Word;
@@ -18,7 +23,7 @@ use touchstone_control::{Fixed32, Number};
 type Signal = <Fixed32 as Number>::Signal;
 type Gain = <Fixed32 as Number>::Gain;
 
-/// The known facts of products of magnitudes.
+/// The facts of products of magnitudes that the model checker assumes.
 pub mod facts {
     /// Whether two products are in order: smaller factors give a product that is not larger.
     #[must_use]
@@ -83,7 +88,8 @@ property! {
     }
 }
 property! {
-    /// P1 (energy): the code's product of a gain and a signal is the exact product, and so is that of two magnitudes.
+    /// P1 (energy): the code's product of a gain and a signal (position or force) is the exact product, and so is that of two
+    /// magnitudes.
     equation "p = k x"
     over "gain and signal, two magnitudes"
     by kissat fn p1_products_are_exact(s) {
@@ -122,14 +128,14 @@ macro_rules! multiplied_property {
     };
 }
 
-/// Marks of whose questions follow (memory, code, specification); without the model checker they do nothing.
+/// Marks of whose products follow (memory, code, specification); without the model checker they do nothing.
 #[cfg(not(kani))]
 mod questions {
-    /// Marks the following questions as those of the memory.
+    /// Marks that the products from now on are those of the law's memory.
     pub fn of_memory() {}
-    /// Marks the following questions as those of the code.
+    /// Marks that the products from now on are those of the code.
     pub fn of_code() {}
-    /// Marks the following questions as those of the specification.
+    /// Marks that the products from now on are those of the specification.
     pub fn of_specification() {}
 }
 #[cfg(not(kani))]
@@ -144,14 +150,14 @@ mod by_one_product {
     use core::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
     use touchstone_control::{Fixed32, Number};
 
-    /// Rows of the table: where the questions of the memory and of the code begin, and its end, which no property reaches.
+    /// Rows of the record of products: where those of the memory and of the code begin, and the end, which no property reaches.
     const MEMORY: usize = 5;
     const CODE: usize = 6;
     const END: usize = 13;
-    /// Row of the next question, and whether the specification asks.
+    /// Row of the next product in the record, and whether the specification asks for it.
     static AT: AtomicUsize = AtomicUsize::new(0);
     static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
-    /// The row after the code's last question.
+    /// The row of the record after the code's last product.
     static ASKED: AtomicUsize = AtomicUsize::new(CODE);
     static LEFT: [AtomicU32; END] = [const { AtomicU32::new(0) }; END];
     static RIGHT: [AtomicU32; END] = [const { AtomicU32::new(0) }; END];
@@ -178,7 +184,7 @@ mod by_one_product {
         let factors = [LEFT[at].load(Relaxed), RIGHT[at].load(Relaxed)];
         (factors, FOUND[at].load(Relaxed))
     }
-    /// The row after the code's last question.
+    /// The row of the record after the code's last product.
     fn asked() -> usize {
         if specifies() {
             ASKED.load(Relaxed)
@@ -207,7 +213,7 @@ mod by_one_product {
             of += 1;
         }
     }
-    /// Assumes the facts of a single product.
+    /// Assumes that a product is in order with the products of the factors [`facts::FACTORS`], which are known.
     pub fn known([a, b]: [u32; 2], found: u64) {
         let known = [facts::products(a), facts::products(b)];
         let mut i = 0;
@@ -219,7 +225,7 @@ mod by_one_product {
         }
     }
 
-    /// The product of two magnitudes.
+    /// The product of two magnitudes: any number with the known facts.
     pub fn magnitude(a: u32, b: u32) -> u64 {
         let at = AT.load(Relaxed);
         AT.store(at + 1, Relaxed);
@@ -264,24 +270,25 @@ mod by_one_product {
         x as i32
     }
 
-    /// Replaces [`touchstone_control::magnitude::Word::times`] under the model checker: gives any answer, and the same for the same
-    /// question.
+    /// Replaces [`touchstone_control::magnitude::Word::times`] under the model checker: the code gets any result, and the same one
+    /// for equal arguments.
     pub fn words(a: u32, b: u32) -> u64 {
         magnitude(a, b)
     }
-    /// Replaces [`Number::product`] under the model checker: gives any answer, and the same for the same question.
+    /// Replaces [`Number::product`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn product(k: Gain, x: Signal) -> i64 {
         product_of(k.to_bits(), x.to_bits())
     }
-    /// Replaces [`Number::work`] under the model checker: gives any answer, and the same for the same question.
+    /// Replaces [`Number::work`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn work(f: Signal, d: Signal) -> <Fixed32 as Number>::Energy {
         <Fixed32 as Number>::Energy::from_bits(product_of(f.to_bits(), d.to_bits()))
     }
-    /// Replaces [`crate::spec::times`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`crate::spec::times`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn times(a: i128, b: i128) -> i128 {
         i128::from(product_of(word(a), word(b)))
     }
-    /// Replaces [`crate::guard::times`] under the model checker: gives any answer, and the same for the same question.
+    /// Replaces [`crate::guard::times`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn exact<N: Format>(a: i64, b: i64) -> N::Exact {
         N::exact(times(a.into(), b.into()) as i64)
     }

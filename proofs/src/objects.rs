@@ -1,6 +1,7 @@
 //! Virtual objects at 8 bits: closest surface point, and way out in a direction. Each is compared with the surface by Pythagoras.
 //!
-//! All inputs of each object are tried (`cargo xtask prove --every objects`), as solvers cannot follow products and roots on three axes.
+//! All inputs of each object are tried (`cargo xtask prove --every objects`), as solvers cannot follow products and roots on three
+//! axes.
 //!
 //! ```text
 //! ball       R - depth = floor |v|, normal along v          p4_ball_nearest
@@ -19,7 +20,7 @@ use touchstone_control::{Fixed8, Number, Position};
 
 pub(crate) type N = Fixed8;
 
-/// The value 1 of a signal, in quanta; components of directions end one quantum below.
+/// The value 1 of a signal (position or force), in quanta; components of directions end one quantum below.
 pub(crate) const ONE: i64 = 1 << <N as Format>::SIGNAL_BITS;
 /// The centre of every object in these properties, in quanta.
 const CENTRE: [i64; 3] = [3, -6, 3];
@@ -45,7 +46,7 @@ pub(crate) fn place<S: Source>(s: &mut S, width: u32) -> [i64; 3] {
 pub(crate) fn direction<S: Source>(s: &mut S, width: u32) -> Option<Direction<N>> {
     Direction::of(vector(place(s, width)))
 }
-/// One of the six directions along the axes.
+/// A random one of the six directions along the axes.
 pub(crate) fn axis<S: Source>(s: &mut S) -> Direction<N> {
     Direction::along((s.bits(2) % 3) as usize, s.bool())
 }
@@ -56,7 +57,7 @@ pub(crate) fn squares(v: [i64; 3]) -> i64 {
 pub(crate) fn parts(u: &Direction<N>) -> [i64; 3] {
     u.0.map(N::of_signal)
 }
-/// A place relative to the centre.
+/// A place relative to [`CENTRE`], in quanta.
 fn from_centre(at: [i64; 3]) -> [i64; 3] {
     let ([x, y, z], [a, b, c]) = (at, CENTRE);
     [x - a, y - b, z - c]
@@ -92,7 +93,7 @@ property! {
     equation "depth = R - floor |v|, normal = v/|v|"
     over "places of 5 bits an axis from the centre, radius up to 31 quanta, side or none"
     by sampled fn p4_ball_nearest(s) {
-        // From the centre: of places from the origin samples hardly ever meet it.
+        // The place is relative to the centre; samples of places from the origin would hardly ever meet it.
         let (radius, v, side) = (s.bits(5).cast_signed(), place(s, 5), axis(s));
         let none = Direction([position(0).0; 3]);
         let side = if s.bool() { none } else { side };
@@ -195,7 +196,7 @@ property! {
     }
 }
 
-/// Largest sideways error of a normal at a cylinder's rim, over the distance from the rim, in quanta.
+/// Largest sideways error of the point to which a normal at a cylinder's rim leads, in quanta.
 const RIM: f64 = 2.5;
 /// Step between the sizes of cylinders, in quanta.
 const STEP: i64 = 3;
@@ -240,7 +241,7 @@ property! {
         if wall < 0 && cap < 0 {
             let square = wall * wall + cap * cap;
             assert!(depth <= 0 && depth * depth <= square && (3 - depth) * (3 - depth) >= square);
-            // Of the way from the rim, of which each part along an axis was shortened by up to two quanta.
+            // The normal is compared with the way from the rim, whose parts along the axes were shortened by up to two quanta.
             let mut way = across.map(|x| x as f64 * -wall as f64 / (squares(across) as f64).sqrt());
             way[axis] = (along.signum() * -cap) as f64;
             let size = way.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -293,7 +294,7 @@ fn plate<S: Source>(s: &mut S, width: u32, at: u32) -> (Plate<N>, [i64; 3], [i64
     };
     (Plate { body, axis }, at, from_centre(at))
 }
-/// Whether a place is over a plate.
+/// Whether a place is over a plate, so that a way along its normal meets the plate.
 fn is_over(plate: &Plate<N>, x: [i64; 3]) -> bool {
     let half = plate.body.half.0.map(bits);
     (0..3).all(|i| i == plate.axis.min(2) || x[i].abs() <= half[i])
@@ -340,7 +341,7 @@ property! {
         };
         let way = plate.exit(vector(at), &u, &side).map(bits);
         let seen = plate.nearest(vector(at), &side);
-        // Of an axis that is a quantum shorter than 1, rounded down.
+        // The axis' direction is a quantum shorter than 1; the cosine is rounded down.
         let cosine = (parts(&u)[axis] * parts(&side)[axis]).div_euclid(ONE);
         if !is_over(&plate, x) || cosine <= 0 {
             assert_reached!(way.is_none());

@@ -82,7 +82,7 @@ mod by_one_answer {
     const WORDS: usize = 9;
     type Words = [i64; WORDS];
 
-    /// The code's question to a part, and its answer. Each part is asked once in a tick.
+    /// Record of the code's call of a part of the tick: arguments and result. Each part is called once in a tick.
     struct Piece {
         asked: AtomicUsize,
         question: [AtomicI64; WORDS],
@@ -158,7 +158,7 @@ mod by_one_answer {
         N::of_signal(f.0).into()
     }
 
-    /// Replaces [`EnhancedSfa::offset`] under the model checker: gives any answer, and the same for the same question.
+    /// Replaces [`EnhancedSfa::offset`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn offset<N: Format>(
         _: &EnhancedSfa<N>,
         state: &EnhancedState<N>,
@@ -191,7 +191,8 @@ mod by_one_answer {
         OFFSET.told(question, [N::of_signal(any.0), 0, 0]);
         any
     }
-    /// Replaces [`Enhanced::offset`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`Enhanced::offset`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn specified_offset(_: &Enhanced, m: &Memory, e: Int) -> Int {
         let question = words([
             m.contact as Int,
@@ -223,13 +224,15 @@ mod by_one_answer {
         );
         any
     }
-    /// Replaces [`Enhanced::drive`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`Enhanced::drive`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn specified_drive(_: &Enhanced, mass: Int, mass_moved: Int, e: Int, moved: Int) -> Int {
         let any: i64 = kani::any();
         DRIVE.again(words([mass, mass_moved, e, moved]), [any, 0, 0])[0].into()
     }
 
-    /// Replaces [`EnhancedSfa::affordable_move`] under the model checker: gives any answer, and the same for the same question.
+    /// Replaces [`EnhancedSfa::affordable_move`] under the model checker: the code gets any result, and the same one for equal
+    /// arguments.
     pub fn affordable_move<N: Format>(
         law: &EnhancedSfa<N>,
         from: Position<N>,
@@ -267,7 +270,8 @@ mod by_one_answer {
         *energy = any.0;
         (any.1, any.2)
     }
-    /// Replaces [`Enhanced::paid_move`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`Enhanced::paid_move`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn paid_move(
         _: &Enhanced,
         energy: Int,
@@ -301,14 +305,15 @@ mod by_one_answer {
         );
         (any.0.0, any.1.0)
     }
-    /// Replaces [`crate::spec::tdpa::passive`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`crate::spec::tdpa::passive`] under the model checker: the specification gets the result that the code got for
+    /// equal arguments.
     pub fn passive(energy: Int, wanted: Int, moved: Int, _: Int) -> (Int, Int) {
         let any: (i64, i32) = (kani::any(), kani::any());
         let told = STEP.again(words([energy, wanted, moved]), [any.0, any.1.into(), 0]);
         (told[0].into(), told[1].into())
     }
 
-    /// Replaces [`VirtualMass::coupling`] under the model checker: gives any answer, and the same for the same question.
+    /// Replaces [`VirtualMass::coupling`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn coupling<N: Format>(
         _: &VirtualMass<N>,
         mass: &MassState<N>,
@@ -322,7 +327,8 @@ mod by_one_answer {
         );
         any
     }
-    /// Replaces [`Enhanced::coupled`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`Enhanced::coupled`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn coupled(_: &Enhanced, mass: Int, mass_moved: Int, e: Int, moved: Int) -> Int {
         let any: i32 = kani::any();
         COUPLING.again(words([mass, mass_moved, e, moved]), [any.into(), 0, 0])[0].into()
@@ -356,7 +362,8 @@ mod by_one_answer {
         BOOKED.told(words(question), [N::of_energy(any.0), 0, 0]);
         any
     }
-    /// Replaces [`crate::spec::guard::Guard::booked`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`crate::spec::guard::Guard::booked`] under the model checker: the specification gets the result that the code got
+    /// for equal arguments.
     pub fn specified_booked(
         _: &crate::spec::guard::Guard,
         m: &crate::spec::guard::Memory,

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! plane      depth = h - floor(n·x)                          p4_plane_nearest
-//! facets     the nearest plane; at a tie the last one        p4_facets_nearest
+//! facets     nearest plane; at a tie the last tick's         p4_facets_nearest
 //! edge       below both: the higher; else the distance       p4_edge_nearest
 //! corner     its free space is an edge                       p4_corner_nearest
 //! ```
@@ -148,7 +148,7 @@ fn seen_from(planes: &[Plane<N>; 2], at: [i64; 3]) -> ([i64; 2], i64, i64) {
     let cosine = along(&one.normal, parts(&other.normal));
     (above, cosine, ONE * ONE - cosine * cosine)
 }
-/// The product `a b` of two signals, rounded towards zero.
+/// The product `a b` of two signals (positions and forces), rounded towards zero.
 fn times(a: i64, b: i64) -> i64 {
     a * b / ONE
 }
@@ -183,11 +183,11 @@ property! {
             other
         } else {
             assume!(s, sine2 > ONE * ONE / 4, "Edge::new: flatter edges are less exact, as it says");
-            // By the law of cosines, of the two heights.
+            // Square of the distance to the edge from both heights, by the law of cosines.
             let (square, far) = (ONE * ONE * (a * a + b * b) - 2 * cosine * ONE * a * b, -depth);
             assert!(far >= 0 && (far + EDGE) * (far + EDGE) * sine2 >= square);
             assert!((far - EDGE).max(0) * (far - EDGE).max(0) * sine2 <= square);
-            // Between both normals.
+            // The normal lies between those of both planes.
             let turn = |u: &Direction<N>, v: &Direction<N>| parts(u)[0] * parts(v)[2] - parts(u)[2] * parts(v)[0];
             let sign = turn(&one, &other).signum();
             let aside = EDGE * ONE * ONE;
@@ -229,7 +229,7 @@ property! {
         let free = Edge::new(planes.map(|plane| plane.flipped())).nearest(vector(at), &Direction::default());
         assert!(bits(seen.depth) == -bits(free.depth));
         assert!(parts(&seen.normal) == parts(&free.normal).map(|x| -x));
-        // Of the opposite normal the part is rounded the other way.
+        // With the opposite normal the part along it is rounded the other way.
         let below = |plane: &Plane<N>| -along(&plane.normal.opposite(), at) - bits(plane.height);
         let inside = planes.iter().any(|plane| below(plane) < 0);
         assert!(inside == (bits(seen.depth) > 0) || inside && bits(seen.depth) == 0);
@@ -253,7 +253,7 @@ property! {
             let free = plane.normal.opposite();
             let below = along(&free, at) + bits(plane.height);
             if below > 0 {
-                // The cosine of the normal that is turned about twice.
+                // The cosine with the normal that was reversed twice.
                 let out = slanted(below, along(&plane.normal, parts(&u)));
                 longest = longest.and_then(|longest| Some(out?.max(longest)));
             }

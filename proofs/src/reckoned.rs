@@ -1,6 +1,10 @@
-//! Products and quotients of settings for the model checker: any answer, and the same answer for the same question (`answers.rs`). Validation is replaced as well (`stand_ins.rs`).
+//! Products and quotients of settings for the model checker: any answer, and the same answer for the same question (`answers.rs`).
+//! Validation is replaced as well (`stand_ins.rs`).
 //!
-//! How coefficients follow from settings does not depend on what the products and quotients are. A `reckoned_property!` replaces each by any number. Code or specification gets the same answer if it asks the same question again. For the estimator's 56-bit numbers, the specification's n-th question gets the answer to the code's n-th, and nothing else is known of that answer. Of an answer in settings one fact is known:
+//! How coefficients follow from settings does not depend on what the products and quotients are. A `reckoned_property!` replaces
+//! each by any number. Code or specification gets the same answer if it asks the same question again. For the estimator's 56-bit
+//! numbers, the specification's n-th question gets the answer to the code's n-th, and nothing else is known of that answer. Of an
+//! answer in settings one fact is known:
 //!
 //! ```text
 //! a, b >= 0  =>  a b >= 0, a / b >= 0     accepted::p8_product64, p8_quotient_sign64
@@ -77,8 +81,8 @@ macro_rules! limited_property {
         }
     };
 }
-/// Defines a property of the estimator's flows and correction, in which its 56-bit products and quotients and the device's motion
-/// over a time are replaced.
+/// Defines a property of the estimator's predictions and correction, in which its 56-bit products and quotients and the device's
+/// motion over a time are replaced.
 #[macro_export]
 macro_rules! timed_property {
     ($($property:tt)*) => {
@@ -94,7 +98,7 @@ macro_rules! timed_property {
         }
     };
 }
-/// Defines a property of the estimator's coefficients, in which its ratios, whole flows and corrections are replaced;
+/// Defines a property of the estimator's coefficients, in which its ratios, whole predictions and corrections are replaced;
 /// `timed_property!` is about those.
 #[macro_export]
 macro_rules! flow_property {
@@ -119,10 +123,10 @@ macro_rules! flow_property {
     };
 }
 
-/// Marks that the following calls come from the specification.
+/// Marks of who asks for products and quotients (code or specification); without the checker they do nothing.
 #[cfg(not(kani))]
 mod questions {
-    /// Does nothing: properties on samples do not record who asks.
+    /// Does nothing: properties in random tests do not record who asks.
     pub fn of_specification() {}
 }
 #[cfg(not(kani))]

@@ -1,4 +1,4 @@
-//! P11 (refinement): the enhanced law's tick and each of its parts are their specification, as in `refines.rs`.
+//! P11 (refinement): the enhanced law's tick and each of its parts equal their specification, as in `refines.rs`.
 //!
 //! ```text
 //! tick(state, e, Δe) = spec(state, e, Δe)     p11_enhanced_*, p11_augmenting_*
@@ -64,7 +64,7 @@ macro_rules! refines {
 
             divided_property! {
                 $products
-                /// P11 (refinement), enhanced law: the tick outside the wall and at the touch is its specification.
+                /// P11 (refinement), enhanced law: the tick outside the wall and at the touch equals its specification.
                 equation "(memory', f) = spec(memory, e, Δe)"
                 over "valid configuration, memory in the invariant outside, sample"
                 by $solver fn p11_enhanced_touch(s) {
@@ -85,7 +85,7 @@ macro_rules! refines {
             }
             first_property! {
                 $products
-                /// P11 (refinement), enhanced law: the tick in the first contact phase, until the motion reverses, is its
+                /// P11 (refinement), enhanced law: the tick in the first contact phase, until the motion reverses, equals its
                 /// specification.
                 equation "(memory', f) = spec(memory, e, Δe)"
                 over "valid configuration, memory in the invariant in first contact, sample that does not turn back inside"
@@ -112,7 +112,7 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11 (refinement), enhanced law: the hand-over to the virtual mass that keeps the force is its specification.
+                /// P11 (refinement), enhanced law: the hand-over to the virtual mass that keeps the force equals its specification.
                 equation "memory' = spec(memory)"
                 over "valid configuration that keeps the force, memory in the invariant in first contact, a deficit included"
                 by $solver fn p11_hand_over_force(s) {
@@ -135,7 +135,7 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11 (refinement), enhanced law: the hand-over that puts the virtual mass at rest between its springs is its
+                /// P11 (refinement), enhanced law: the hand-over that puts the virtual mass at rest between its springs equals its
                 /// specification.
                 equation "memory' = spec(memory)"
                 over "valid configuration that starts without an offset, memory in the invariant in first contact, a deficit included"
@@ -159,7 +159,7 @@ macro_rules! refines {
             }
             multiplied_property! {
                 $products
-                /// P11 (refinement), enhanced law: the step of the offset is its specification (Algorithm 3.1, lines 7 to 13).
+                /// P11 (refinement), enhanced law: the step of the offset equals its specification (Algorithm 3.1, lines 7 to 13).
                 equation "O' = spec(memory, e)"
                 over "valid configuration, memory in the invariant after the first contact, position"
                 by $solver fn p11_offset(s) {
@@ -177,7 +177,7 @@ macro_rules! refines {
             }
             composed_property! {
                 $products
-                /// P11 (refinement), enhanced law with the exact observer: the tick after the first contact phase is its
+                /// P11 (refinement), enhanced law with the exact observer: the tick after the first contact phase equals its
                 /// specification: virtual mass, energy and force on the hand.
                 equation "(memory', f) = spec(memory, e, Δe)"
                 over "valid configuration, memory in the invariant after the first contact, sample"
@@ -199,7 +199,7 @@ macro_rules! refines {
             }
             composed_property! {
                 $products
-                /// P11 (refinement), enhanced law with the thesis' observer: the tick after the first contact phase is its
+                /// P11 (refinement), enhanced law with the thesis' observer: the tick after the first contact phase equals its
                 /// specification.
                 equation "(memory', f) = spec(memory, e, Δe)"
                 over "valid configuration, memory in the invariant after the first contact, sample"
@@ -220,7 +220,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11 (refinement), enhanced law: the drive of the virtual mass and the coupling's force are their specification.
+                /// P11 (refinement), enhanced law: the drive of the virtual mass and the coupling's force equal their
+                /// specification.
                 equation "N0 = M d + k_f (e - x) + C Δe, f = floor(k_f (e - x) + C (Δe - d))"
                 over "valid configuration, memory in the invariant after the first contact, sample"
                 by $solver fn p11_mass_forces(s) {
@@ -243,8 +244,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11 (refinement), enhanced law: the move of the virtual mass is its specification if the energy covers it at the
-                /// requested force.
+                /// P11 (refinement), enhanced law: the move of the virtual mass equals its specification if the energy covers it at
+                /// the requested force.
                 equation "(E', f, d') = spec(E, N0, f_wanted)"
                 over "valid configuration, position, drive, wanted force, stored energy"
                 by $solver fn p11_move_at_full_force(s) {
@@ -267,8 +268,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11 (refinement), enhanced law: the move of the virtual mass is its specification if the energy covers it only
-                /// with a smaller force.
+                /// P11 (refinement), enhanced law: the move of the virtual mass equals its specification if the energy covers it
+                /// only with a smaller force.
                 equation "(E', f, d') = spec(E, N0, f_wanted)"
                 over "valid configuration, position, drive, wanted force, stored energy"
                 by $solver fn p11_move_held_back(s) {
@@ -291,7 +292,7 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11 (refinement), enhanced law: the move of the virtual mass is its specification if the mass is pulled out
+                /// P11 (refinement), enhanced law: the move of the virtual mass equals its specification if the mass is pulled out
                 /// without a force.
                 equation "(E', f, d') = spec(E, N0, f_wanted)"
                 over "valid configuration, position, drive, wanted force, stored energy"
@@ -317,7 +318,7 @@ macro_rules! refines {
 }
 
 refines!(
-    /// At 8 bits, on samples.
+    /// At 8 bits, in random tests.
     w8, Fixed8, at8, by sampled, products plain
 );
 refines!(

@@ -4,7 +4,7 @@
 //! Guard::new(settings, device) = spec(settings, device)              p11_guard_validated32, p11_guard_settings32
 //! its warnings                                                       p11_guard_warned64
 //! settings.estimator(rate, limit) = spec(settings, rate, limit)      p11_estimator_validated32, p11_estimator_settings32
-//! its flows, of any device                                           p11_flow_tick32, p11_flow_ahead32
+//! its predictions, of any device                                     p11_flow_tick32, p11_flow_ahead32
 //! its correction, of any device and angle                            p11_correction32
 //! V, X of two devices                                                p11_integrals64
 //! ```
@@ -23,7 +23,7 @@ use touchstone_control::{
 
 type N = Fixed32;
 
-/// Any setting; on samples mostly from 0 to `most`.
+/// Any setting; in random tests mostly from 0 to `most`.
 pub fn setting<S: Source>(s: &mut S, most: i64) -> Si {
     let bits = s.i64();
     Si::from_bits(if s.shortcut() {
@@ -39,11 +39,11 @@ pub fn bits(x: Si) -> Int {
     x.to_bits().into()
 }
 
-/// Any settings of the guard with any device; on samples often ones that are accepted.
+/// Any settings of the guard with any device; in random tests often ones that are accepted.
 pub fn any_guard_settings<S: Source>(s: &mut S) -> (GuardSettings, GuardedDevice) {
     const ONE: i64 = 1 << 32;
     let rate_hz = s.u32();
-    // Of samples only: a division is nothing that the checker should follow for nothing.
+    // Only for samples: the checker need not follow a division.
     let (rate_hz, tick) = if s.shortcut() {
         let rate_hz = 1 + rate_hz % 10_000;
         (rate_hz, ONE / i64::from(rate_hz))
@@ -73,7 +73,7 @@ pub fn any_guard_settings<S: Source>(s: &mut S) -> (GuardSettings, GuardedDevice
     (settings, device)
 }
 
-/// The specification's form of a user's guard settings and device.
+/// Converts a user's guard settings and device to the specification's type.
 #[must_use]
 pub fn specified_settings(
     settings: &GuardSettings,
@@ -113,7 +113,7 @@ reckoned_property! {
     }
 }
 reckoned_property! {
-    /// P11 (refinement): the warnings for the guard's settings are the specification's.
+    /// P11 (refinement): the warnings for the guard's settings equal the specification's.
     equation "needed > capacity, refill = 0; needed = f D (1 + late) + f δ/2"
     over "settings of the guard in their ranges, rate, force limit, count"
     by minisat fn p11_guard_warned64(s) {
@@ -128,7 +128,7 @@ reckoned_property! {
     }
 }
 validated_property! {
-    /// P11 (refinement): for accepted settings the guard, or its refusal, is the specification's.
+    /// P11 (refinement): for accepted settings the guard, or its refusal, equals the specification's.
     equation "Guard::new(settings, device) = spec(settings, device)"
     over "settings of the guard, rate, force limit, count"
     by minisat fn p11_guard_settings32(s) {
@@ -167,7 +167,8 @@ fn any_device<S: Source>(s: &mut S) -> (DeviceInTicks, estimator::Device) {
 }
 
 timed_property! {
-    /// P11 (refinement): the flow of a device over a tick is the specification's, and fits words for the same devices.
+    /// P11 (refinement): the coefficients that predict a device's motion over a tick equal the specification's, and fit words for
+    /// the same devices.
     equation "V, X, β V, q (X(s) - X(r)), q (V(s) - V(r)) of a tick"
     over "loss, q, delay"
     by minisat fn p11_flow_tick32(s) {
@@ -181,8 +182,8 @@ timed_property! {
     }
 }
 timed_property! {
-    /// P11 (refinement): the flow from a sample to when the next command begins to act is the specification's, and fits words for
-    /// the same devices.
+    /// P11 (refinement): the coefficients that predict a device's motion from a sample to the next command's start equal the
+    /// specification's, and fit words for the same devices.
     equation "V, X, β V, q (X(s) - X(r)), q (V(s) - V(r)) of the delay"
     over "loss, q, delay"
     by minisat fn p11_flow_ahead32(s) {
@@ -196,7 +197,7 @@ timed_property! {
     }
 }
 timed_property! {
-    /// P11 (refinement): the estimator's correction gains are the specification's, and fit words for the same devices.
+    /// P11 (refinement): the estimator's correction gains equal the specification's, and fit words for the same devices.
     equation "α = 1 - z³/ρ, V γ = (1 - z)³, V β = 2 + ρ - 3z - α - X γ"
     over "loss, angle of the poles"
     by minisat fn p11_correction32(s) {
@@ -211,7 +212,7 @@ timed_property! {
         cover!(s, expected.is_none(), "refused");
     }
 }
-/// Any settings of the estimator and a rate in Hz; on samples many of them are valid.
+/// Any settings of the estimator and a rate in Hz; in random tests many of them are valid.
 fn any_estimator_settings<S: Source>(s: &mut S) -> (EstimatorSettings, u32) {
     const ONE: i64 = 1 << 32;
     let rate = s.u32();
@@ -229,7 +230,7 @@ fn any_estimator_settings<S: Source>(s: &mut S) -> (EstimatorSettings, u32) {
     };
     (settings, rate)
 }
-/// The specification's form of a user's estimator settings.
+/// Converts a user's estimator settings to the specification's type.
 fn specified_estimator(settings: &EstimatorSettings) -> estimator::Settings {
     estimator::Settings {
         bandwidth: bits(settings.bandwidth_hz),
@@ -268,8 +269,8 @@ property! {
     }
 }
 flow_property! {
-    /// P11 (refinement): for accepted settings the estimator, or its refusal, is the specification's; an estimator that is accepted
-    /// is bounded.
+    /// P11 (refinement): for accepted settings the estimator, or its refusal, equals the specification's; an estimator that is
+    /// accepted is bounded.
     equation "settings.estimator(rate, limit) = spec(settings, rate, limit)"
     over "settings of the estimator, rate, force limit"
     by minisat fn p11_estimator_settings32(s) {
@@ -287,7 +288,7 @@ flow_property! {
     }
 }
 property! {
-    /// P11 (refinement): `V` (how far a device's motion carries it in a time) and `X` (how far a push moves it) are the
+    /// P11 (refinement): `V` (how far a device's motion carries it in a time) and `X` (how far a push moves it) equal the
     /// specification's sums to the last digit, for two devices and times.
     equation "V = Σ (-β)^k t^(k+1)/(k+1)!, X = Σ (-β)^k t^(k+2)/(k+2)!"
     over "loss 5/4 over one tick, 1/8 over two"

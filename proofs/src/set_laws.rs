@@ -65,7 +65,7 @@ fn made(settings: &Settings) -> Option<AnyLaw<N>> {
     found
 }
 reckoned_property! {
-    /// P11 (refinement): damping and inertia per tick are the specification's, and so is whether the enhanced law is a spring.
+    /// P11 (refinement): damping and inertia per tick equal the specification's, and so is whether the enhanced law is a spring.
     equation "2 c_i/T, m/T², c_f/T, c_env/T, c_i/T, b/T;  k_de <= k_v"
     over "settings of the law"
     by minisat fn p11_derived64(s) {
@@ -84,7 +84,7 @@ reckoned_property! {
         cover!(s, found.mass_per_tick2 > settings.filter.mass, "a mass");
     }
 }
-/// Checks that the spring for the settings is the specification's.
+/// Checks that the spring for the settings equals the specification's.
 fn spring_is_specified<S: Source>(s: &mut S, settings: &Settings) {
     let accepted = settings.validate().is_ok();
     let found = made(settings);
@@ -111,7 +111,7 @@ fn spring_is_specified<S: Source>(s: &mut S, settings: &Settings) {
 }
 lawful_property! {
     not_plain
-    /// P11 (refinement): the spring for the settings, or its refusal, is the specification's.
+    /// P11 (refinement): the spring for the settings, or its refusal, equals the specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, limit"
     over "settings of the law"
     by minisat fn p11_spring_settings32(s) {
@@ -122,7 +122,7 @@ lawful_property! {
 }
 lawful_property! {
     not_plain
-    /// P11 (refinement): the spring with virtual damping for the settings, or its refusal, is the specification's.
+    /// P11 (refinement): the spring with virtual damping for the settings, or its refusal, equals the specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, b/T, limit"
     over "settings of the law"
     by minisat fn p11_damped_settings32(s) {
@@ -145,7 +145,7 @@ lawful_property! {
 }
 lawful_property! {
     not_plain
-    /// P11 (refinement): the TDPA law for the settings, or its refusal, is the specification's.
+    /// P11 (refinement): the TDPA law for the settings, or its refusal, equals the specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, c_i/T, limit"
     over "settings of the law"
     by minisat fn p11_tdpa_settings32(s) {
@@ -168,8 +168,8 @@ lawful_property! {
 }
 lawful_property! {
     not_plain
-    /// P11 (refinement): the force bounding law for the settings, or its refusal, is the specification's. Its bound belongs to the
-    /// damping as it is stored.
+    /// P11 (refinement): the force bounding law for the settings, or its refusal, equals the specification's. Its bound belongs to
+    /// the damping as it is stored.
     equation "AnyLaw::new(settings) = spec(settings): k_de, c_i/T, sqrt(4 c_i/T), limit"
     over "settings of the law"
     by minisat fn p11_fba_settings32(s) {
@@ -193,7 +193,7 @@ lawful_property! {
         cover!(s, expected.is_none() && accepted, "refused");
     }
 }
-/// Checks that the SFA law for the settings is the specification's.
+/// Checks that the SFA law for the settings equals the specification's.
 fn sfa_is_specified<S: Source>(s: &mut S, settings: &Settings, update: Update) {
     let accepted = settings.validate().is_ok();
     let found = made(settings);
@@ -212,7 +212,7 @@ fn sfa_is_specified<S: Source>(s: &mut S, settings: &Settings, update: Update) {
 }
 lawful_property! {
     not_plain
-    /// P11 (refinement): the original SFA law for the settings, or its refusal, is the specification's.
+    /// P11 (refinement): the original SFA law for the settings, or its refusal, equals the specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, k_v, k_c/k_v - 1, 1/k_v, limit"
     over "settings of the law"
     by minisat fn p11_sfa_settings32(s) {
@@ -223,7 +223,7 @@ lawful_property! {
 }
 lawful_property! {
     not_plain
-    /// P11 (refinement): the continuous SFA law for the settings, or its refusal, is the specification's.
+    /// P11 (refinement): the continuous SFA law for the settings, or its refusal, equals the specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, k_v, k_c/k_v - 1, 1/k_v, limit"
     over "settings of the law"
     by minisat fn p11_sfa_continuous_settings32(s) {
@@ -235,8 +235,8 @@ lawful_property! {
 
 lawful_property! {
     not_plain
-    /// P11 (refinement): the enhanced law for the settings, or its refusal, is the specification's. That includes the target
-    /// stiffness of its offset, (3.5) with a compensated mass, and its prepared divisors.
+    /// P11 (refinement): the enhanced law for the settings, or its refusal, equals the specification's. That includes the target
+    /// stiffness of its offset (thesis 3.5 with a compensated mass) and its prepared divisors.
     equation "AnyLaw::new(settings) = spec(settings): k_de, k_de k_f/(k_f - k_de), b/T, k_v, a, b/k_v, c/k_v or c/k_de, m/T², k_f, c_f/T, their sum, k_f + k_v, credit, limit"
     over "settings of the law"
     by minisat fn p11_enhanced_settings32(s) {

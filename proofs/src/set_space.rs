@@ -33,7 +33,7 @@ fn si(x: Int) -> Si {
 }
 
 reckoned_property! {
-    /// P11 (refinement): the friction for the settings, or its refusal, is the specification's.
+    /// P11 (refinement): the friction for the settings, or its refusal, equals the specification's.
     equation "0 < k <= 2 b/T, 0 <= μ_k <= μ_s <= 10  =>  k/u, μ_s u/k, μ_k u/k"
     over "settings of friction, unit, rate, damping"
     by minisat fn p11_friction_settings32(s) {
@@ -120,7 +120,7 @@ guarded_property! {
         reckoned::of_specification();
         assume!(s, device.count >= Si::ZERO, "GuardSettings::validate");
         let of_axis = Guard::<N>::new(&settings, &device).ok();
-        // A little more than the root of three, to seven digits.
+        // A little more than the square root of 3, to seven digits.
         let count = si(times(bits(device.count), 7_439_101_971));
         let of_length = Guard::<N>::new(&settings, &GuardedDevice { count, ..device }).ok();
         let expected = of_axis.zip(of_length).map(|(of_axis, of_length)| VectorGuard::of(Guard {

@@ -100,7 +100,7 @@ mod tests {
     };
 
     fn si(s: &mut Sampler, base: Si) -> Si {
-        // Around a base value, anywhere, or nothing at all.
+        // A value around a base value, any value, or zero.
         match s.bits(3) {
             0 => Si::from_bits(s.i64()),
             1 => Si::ZERO,

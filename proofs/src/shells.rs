@@ -21,7 +21,7 @@ use touchstone_control::space::{
 };
 use touchstone_control::{AnyLaw, Energy, Force, Number, Position};
 
-/// A spring that is never at its limit.
+/// A spring whose force never reaches its limit.
 fn spring(stiff: i64) -> Held<N, Spring<N>> {
     Held::new(Spring {
         desired: stiffness(stiff),
@@ -50,8 +50,8 @@ impl Along<N> for Pushes {
 }
 
 property! {
-    /// P4 (geometry): a shell with one law along the normal passes penetration and displacement to that law, and its force points
-    /// out of the object.
+    /// P4 (geometry): a three-axis law (shell) with one law along the normal passes penetration and displacement to that law, and
+    /// its force points out of the object.
     equation "F = n f(e, m)"
     over "stiffness of 3 bits, normals of 3 bits an axis, depths of 5 bits"
     by sampled fn p4_magnitude_is_the_law(s) {
@@ -67,7 +67,7 @@ property! {
         let size = law.tick(Sample { e: position(depth), moved: Position::zero() });
         assert!(told == normal.times_force(size) && of_shell.tick(&touched) == told);
         assert!(shell.law == law && law.touches() == (depth > 0));
-        // The second tick is told how far the HIP has moved along the normal of the first.
+        // In the second tick the law gets the HIP's displacement along the normal of the first tick.
         let mut damped = spring(stiff);
         damped.law.damping = stiffness(40);
         let mut shell = Magnitude::new(damped);
@@ -77,7 +77,7 @@ property! {
         let then = touch(there, normal, depth + 2);
         let expected = damped.tick(deeper);
         assert!((along(&normal.opposite(), there) - 2).abs() > 2 || shell.tick(&then) == normal.times_force(expected));
-        // Chosen at run time it is the same law.
+        // A law that is chosen at run time is the same law.
         let mut any = AnyLaw::Spring(law.law, SpringState::default());
         let same = Sample { e: position(depth), moved: Position::zero() };
         assert!(Along::tick(&mut any, same) == size && any.touches() == law.touches());
@@ -89,8 +89,8 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): a shell with one law per axis passes to each the size of its part of the penetration, negative outside. Each
-    /// pushes towards the surface.
+    /// P4 (geometry): a three-axis law (shell) with one law per axis passes to each the size of its part of the penetration,
+    /// negative outside. Each pushes towards the surface.
     equation "F_i = ± f_i(|n_i| e)"
     over "stiffness of 2 bits an axis, normals of 3 bits an axis, depths of 5 bits, from outside at rest"
     by sampled fn p4_per_axis_is_three_laws(s) {
@@ -107,14 +107,14 @@ property! {
         assert!(of_shell.tick(&touched) == told);
         for (i, &stiff) in stiff.iter().enumerate() {
             let part = parts(&normal)[i];
-            // Towards zero.
+            // Rounded towards zero.
             let e = part.abs() * depth / ONE;
             let mut law = spring(stiff);
             let size = law.tick(Sample { e: position(e), moved: Position::zero() });
             let size = N::of_signal(size.0);
             assert_reached!(force_bits(told)[i] == if part < 0 { -size } else { size });
         }
-        // A coordinate of 0 is on the positive side, whatever the law of its axis wants there.
+        // A component of 0 counts as positive, whatever force its law gives there.
         let pushing = PerAxis::new([Pushes; 3], leaving).tick(&touched);
         for (i, part) in parts(&normal).into_iter().enumerate() {
             assert_reached!(force_bits(pushing)[i] == if part < 0 { -1 } else { 1 });
@@ -153,7 +153,7 @@ property! {
             let moved = if straight { e - part(before, was) } else { part(before, inwards) };
             let size = damped(i).tick(Sample { e: position(e), moved: position(moved) });
             let size = N::of_signal(size.0);
-            // A component of 0 keeps the side that it had.
+            // A component of 0 keeps the sign that it had.
             let negative = if after == 0 { before < 0 } else { after < 0 };
             assert_reached!(force_bits(told)[i] == if negative { -size } else { size });
         }
@@ -192,7 +192,7 @@ property! {
                 (sum, pull) = (0, [0; 3]);
                 continue;
             }
-            // Of the damping as stored, with 3 digits, rounded down once.
+            // From the damping as stored, with 3 fractional bits, rounded down once.
             let loss = |x: i64| ((damping * x.abs()) >> 3) * x.abs();
             for i in 0..3 {
                 sum += loss(way[i]) - pull[i] * way[i];

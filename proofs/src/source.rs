@@ -4,7 +4,7 @@
 //! The crate bolero offers the common interface as well. But its Kani engine accepts a generator that can give no value, and it
 //! cannot report whether a cover was reached. These proofs need both, and this file adds them in few lines.
 
-/// Inputs, assumptions and covers of a property.
+/// A source of a property's inputs; it also takes the property's assumptions and covers (situations to be reached).
 pub trait Source {
     /// A random or symbolic number of this many bits.
     fn bits(&mut self, bits: u32) -> u64;
@@ -16,39 +16,39 @@ pub trait Source {
     /// Records a situation that must have occurred for the property to mean something.
     fn cover(&mut self, reached: bool, what: &'static str);
 
-    /// Any boolean.
+    /// A boolean of any value.
     fn bool(&mut self) -> bool {
         self.bits(1) == 1
     }
-    /// Any `u8`.
+    /// An integer `u8` of any value.
     fn u8(&mut self) -> u8 {
         self.bits(8) as u8
     }
-    /// Any `u16`.
+    /// A `u16` of any value.
     fn u16(&mut self) -> u16 {
         self.bits(16) as u16
     }
-    /// Any `u32`.
+    /// A `u32` of any value.
     fn u32(&mut self) -> u32 {
         self.bits(32) as u32
     }
-    /// Any `u64`.
+    /// A `u64` of any value.
     fn u64(&mut self) -> u64 {
         self.bits(64)
     }
-    /// Any `i8`.
+    /// An integer `i8` of any value.
     fn i8(&mut self) -> i8 {
         self.u8().cast_signed()
     }
-    /// Any `i16`.
+    /// An integer `i16` of any value.
     fn i16(&mut self) -> i16 {
         self.u16().cast_signed()
     }
-    /// Any `i32`.
+    /// An integer `i32` of any value.
     fn i32(&mut self) -> i32 {
         self.u32().cast_signed()
     }
-    /// Any `i64`.
+    /// An integer `i64` of any value.
     fn i64(&mut self) -> i64 {
         self.u64().cast_signed()
     }
@@ -76,7 +76,7 @@ impl Source for Symbolic {
         false
     }
     fn cover(&mut self, _: bool, _: &'static str) {}
-    // Each width as such, not as a part of 64 bits: the integer solver knows no masks.
+    // Each width is drawn as such, not as a part of 64 bits: the integer solver does not know bit masks.
     fn bool(&mut self) -> bool {
         kani::any()
     }
@@ -143,7 +143,7 @@ impl Source for Sampler {
             6 => mask >> 1,
             7 => (mask >> 1) + 1,
             8 | 9 => random % 4,
-            // Negative in two's complement, of any size.
+            // A negative number in two's complement, of any size.
             10 | 11 => (random >> (63 - size)).wrapping_neg(),
             _ => random >> (63 - size),
         };
@@ -164,7 +164,7 @@ impl Source for Sampler {
     }
 }
 
-/// Runs a property on samples until every cover was reached and a minimum number of samples was accepted.
+/// Runs a property in random tests until every cover was reached and a minimum number of samples was accepted.
 ///
 /// # Panics
 /// The property panics, hardly any sample satisfies its assumptions, or a cover is never reached.
@@ -172,7 +172,7 @@ impl Source for Sampler {
 pub fn sample(name: &str, property: fn(&mut Sampler)) {
     const ACCEPTED: u64 = 1_000;
     const TRIES: u64 = 20_000_000;
-    // A seed of its own for each property, the same in every run.
+    // Each property has its own seed, the same in every run.
     let seed = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
     });

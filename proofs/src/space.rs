@@ -150,7 +150,7 @@ macro_rules! space {
                     let stays = limited == v;
                     let after = force_bits(limited);
                     assert!(squares::<N>(after) <= most * most);
-                    // Of one that stays, there is no more to say.
+                    // For a vector that is unchanged, nothing else is claimed.
                     if !stays {
                         let bits = force_bits(v);
                         assert_reached!(squares::<N>(bits) > most * most);
@@ -248,8 +248,8 @@ macro_rules! space {
                 }
             }
             property! {
-                /// P4 and P7: the stretch of friction is never longer than its state (sliding or sticking) allows. Without a normal
-                /// force nothing is remembered.
+                /// P4 and P7: the stretch of friction (distance from its anchor) is never longer than its state (sliding or
+                /// sticking) allows. Without a normal force nothing is remembered.
                 equation "|z| <= reach_k f_n  or stuck and  |z| <= reach_s f_n"
                 over "configuration with kinetic at most static, any memory, position along the axes"
                 by $friction fn p4_friction(s) {
@@ -298,16 +298,16 @@ macro_rules! space {
     };
 }
 space!(
-    /// At 8 bits: all inputs are tried (`PROPERTIES` of `examples/every.rs`), or a solver proves it; across and friction are
-    /// sampled.
+    /// At 8 bits: all inputs are tried (`PROPERTIES` of `examples/every.rs`), or a solver proves the property; `across` and
+    /// `friction` are sampled.
     w8, Fixed8, unit sampled, across sampled, longer kissat, polar sampled, within sampled, work kissat, leaving sampled, friction sampled
 );
 space!(
-    /// At 32 bits, the width of the firmware, on samples.
+    /// At 32 bits, the width of the firmware, in random tests.
     w32, Fixed32, unit sampled, across sampled, longer sampled, polar sampled, within sampled, work sampled, leaving sampled, friction sampled
 );
 
-/// A turning direction, at 32 bits on samples: solvers cannot follow products of products.
+/// A turning direction, at 32 bits in random tests: solvers cannot follow products of products.
 pub mod turn {
     use super::*;
     use touchstone_control::space::Turn;

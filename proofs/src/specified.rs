@@ -1,4 +1,4 @@
-//! The specification's form of coefficients and memory of each law and of the guard, at either width.
+//! Converts coefficients and memory of each law and of the guard, at either width to the specification's type.
 
 macro_rules! specified {
     ($(#[doc = $doc:literal])* $module:ident, $number:ident, $spec:path) => {
@@ -61,7 +61,7 @@ macro_rules! specified {
             /// The specification of the passivity controller.
             pub use spec::tdpa::passive;
 
-            /// The specification's form of a TDPA law.
+            /// Converts a TDPA law to the specification's type.
             #[must_use]
             pub fn tdpa(law: &law::Tdpa<N>) -> spec::tdpa::Tdpa {
                 spec::tdpa::Tdpa {
@@ -72,7 +72,7 @@ macro_rules! specified {
                     energy_cap: ENERGY_CAP,
                 }
             }
-            /// The specification's form of TDPA's memory.
+            /// Converts TDPA's memory to the specification's type.
             #[must_use]
             pub fn of_tdpa(state: &TdpaState<N>) -> spec::tdpa::Memory {
                 spec::tdpa::Memory {
@@ -82,7 +82,7 @@ macro_rules! specified {
                 }
             }
 
-            /// The specification's form of an FBA law; its bound belongs to the damping as it is stored.
+            /// Converts an FBA law to the specification's type; its bound belongs to the damping as it is stored.
             #[must_use]
             pub fn fba(law: &law::Fba<N>) -> spec::fba::Fba {
                 spec::fba::Fba {
@@ -93,7 +93,7 @@ macro_rules! specified {
                     energy_cap: ENERGY_CAP,
                 }
             }
-            /// The specification's form of FBA's memory.
+            /// Converts FBA's memory to the specification's type.
             #[must_use]
             pub fn of_fba(state: &FbaState<N>) -> spec::fba::Memory {
                 spec::fba::Memory {
@@ -103,7 +103,7 @@ macro_rules! specified {
                 }
             }
 
-            /// The specification's form of an SFA law, original or continuous.
+            /// Converts an SFA law, original or continuous to the specification's type.
             #[must_use]
             pub fn sfa(law: &law::Sfa<N>) -> spec::sfa::Sfa {
                 spec::sfa::Sfa {
@@ -120,7 +120,7 @@ macro_rules! specified {
                     limit: force(law.limit),
                 }
             }
-            /// The specification's form of SFA's memory.
+            /// Converts SFA's memory to the specification's type.
             #[must_use]
             pub fn of_sfa(state: &SfaState<N>) -> spec::sfa::Memory {
                 spec::sfa::Memory {
@@ -133,8 +133,8 @@ macro_rules! specified {
                 }
             }
 
-            /// The specification's form of an enhanced law. `series` is `k_f + k_v`, of which the code keeps only a prepared
-            /// divisor.
+            /// Converts an enhanced law to the specification's type. `series` is `k_f + k_v`, of which the code keeps only a
+            /// prepared divisor (stored reciprocal).
             #[must_use]
             pub fn enhanced(law: &EnhancedSfa<N>, series: Int) -> spec::enhanced::Enhanced {
                 spec::enhanced::Enhanced {
@@ -160,7 +160,7 @@ macro_rules! specified {
                     limit: force(law.limit),
                 }
             }
-            /// The specification's form of the enhanced law's memory.
+            /// Converts the enhanced law's memory to the specification's type.
             #[must_use]
             pub fn of_enhanced(state: &EnhancedState<N>) -> spec::enhanced::Memory {
                 spec::enhanced::Memory {
@@ -179,7 +179,7 @@ macro_rules! specified {
                 }
             }
 
-            /// The specification's form of the guard.
+            /// Converts the guard to the specification's type.
             #[must_use]
             pub fn guard(law: &Guard<N>) -> spec::guard::Guard {
                 spec::guard::Guard {
@@ -196,7 +196,7 @@ macro_rules! specified {
                     overrun: compliance(law.overrun),
                 }
             }
-            /// The specification's form of the guard's memory.
+            /// Converts the guard's memory to the specification's type.
             #[must_use]
             pub fn of_guard(state: &GuardState<N>) -> spec::guard::Memory {
                 spec::guard::Memory {

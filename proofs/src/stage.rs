@@ -1,4 +1,6 @@
-//! The guard as a stage of the controller (`control/src/guard/guarded.rs`). The properties are about four subjects: what it measures, that no motion under a force goes uncounted at the end of positions, that over-speed latches, and what memory remains when it resumes.
+//! The guard as a stage of the controller (`control/src/guard/guarded.rs`). The properties are about four subjects: what it
+//! measures, that no motion under a force goes uncounted at the end of positions, that over-speed latches, and what memory remains
+//! when it resumes.
 //!
 //! ```text
 //! tripped => f = 0, tripped'                 p4_stage_latches
@@ -23,7 +25,7 @@ use core::sync::atomic::{AtomicBool, AtomicI64, Ordering::Relaxed};
 #[cfg(kani)]
 use touchstone_control::guard::Overspeed;
 
-/// Defines a property of the stage that holds for any answers of its guard; equal questions get equal answers.
+/// Defines a property of the stage that holds for any results of its guard; equal arguments give equal results.
 #[macro_export]
 macro_rules! staged_property {
     ($($property:tt)*) => {
@@ -34,8 +36,8 @@ macro_rules! staged_property {
     };
 }
 
-/// Replaces [`Guard::tick_with_change`]: any memory and any force or over-speed, and the same for the same question. The guard
-/// itself is not recorded, as there is only one.
+/// Replaces [`Guard::tick_with_change`]: any memory and any force or over-speed, and the same for equal arguments. The guard itself
+/// is not recorded, as there is only one.
 #[cfg(kani)]
 pub fn any_tick<N: Format>(
     _: &Guard<N>,
@@ -81,7 +83,7 @@ pub fn any_tick<N: Format>(
     if fine { Ok(shown) } else { Err(Overspeed) }
 }
 
-/// Any stage whose memory satisfies the guard's invariant.
+/// A stage with any content whose memory satisfies the guard's invariant.
 pub fn any_stage<N: Format, S: Source>(s: &mut S) -> Guarded<N> {
     let mut stage = Guarded::new(Guard::any(s));
     stage.state = <Guard<N> as Valid<N>>::any_state(s);
@@ -119,7 +121,7 @@ pub fn stage_holds<N: Format>(stage: &Guarded<N>) -> bool {
         && place_holds(stage)
 }
 
-/// At 8 bits.
+/// Properties of the stage at 8 bits.
 pub mod w8 {
     use super::*;
     type N = Fixed8;
@@ -147,7 +149,7 @@ pub mod w8 {
     }
     property! {
         /// P9 (end of positions): while a force acts or is on its way, the counted displacement is the true one, wherever the
-        /// device goes. A position beyond the format's end is measured as that end, and counts as over-speed before.
+        /// device goes. A position beyond the format's end is measured as that end; the motion there counts as over-speed.
         equation "f or f(n-1) /= 0, |Δ| <= d  =>  e = x, |e(n-1)| < end, for every x; and f' /= 0 => |e| < end - 2 d"
         over "valid configuration, memory in the invariant, true position of 16 bits, wanted force"
         by cadical fn p9_no_way_uncounted(s) {
@@ -189,7 +191,7 @@ pub mod w8 {
     }
 }
 
-/// At 32 bits, for any answers of the guard.
+/// Properties of the stage at 32 bits, for any answers of its guard.
 pub mod w32 {
     use super::*;
     type N = Fixed32;

@@ -19,7 +19,8 @@ pub fn law_accepted(_: &Settings) -> Result<(), SettingsError> {
 static DERIVED: [AtomicI64; 6] = [const { AtomicI64::new(0) }; 6];
 static IS_DERIVED: AtomicUsize = AtomicUsize::new(0);
 
-/// Any non-negative values that follow from the settings of a harness: the same at each call.
+/// The values that follow from several settings (such as damping per tick), replaced by any that are not negative; the same at each
+/// call.
 fn following() -> [i64; 6] {
     if IS_DERIVED.load(Relaxed) == 0 {
         IS_DERIVED.store(1, Relaxed);
@@ -31,7 +32,7 @@ fn following() -> [i64; 6] {
     }
     core::array::from_fn(|i| DERIVED[i].load(Relaxed))
 }
-/// Replaces [`Settings::derived`] under the model checker: gives any answer, and the same for the same question.
+/// Replaces [`Settings::derived`] under the model checker: the code gets any result, and the same one for equal arguments.
 pub fn derived(_: &Settings) -> Derived {
     let [k_critical, inertia, filter, ground, device, damper] = following().map(Si::from_bits);
     Derived {
@@ -43,7 +44,8 @@ pub fn derived(_: &Settings) -> Derived {
         virtual_damping_per_tick: damper,
     }
 }
-/// Replaces [`crate::spec::law_settings::derived`] under the model checker: gives the code's answer if the question is the same.
+/// Replaces [`crate::spec::law_settings::derived`] under the model checker: the specification gets the result that the code got for
+/// equal arguments.
 pub fn specified_derived(
     _: &crate::spec::law_settings::Settings,
 ) -> crate::spec::law_settings::Derived {
@@ -69,7 +71,8 @@ pub fn not_plain(_: &Settings) -> bool {
 pub fn root_of_four(k: FixedI32<U12>) -> FixedI32<U12> {
     FixedI32::from_bits(roots::ask(k.to_bits().into(), 0) as i32)
 }
-/// Replaces [`crate::spec::fba::Fba::bound_of`] under the model checker: gives the code's answer if the question is the same.
+/// Replaces [`crate::spec::fba::Fba::bound_of`] under the model checker: the specification gets the result that the code got for
+/// equal arguments.
 pub fn specified_root_of_four(k: Int) -> Int {
     Int::from(roots::ask(double(k), 0) as i32)
 }

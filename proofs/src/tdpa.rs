@@ -47,7 +47,8 @@ macro_rules! tdpa {
             }
             property! {
                 /// P1 (energy), thesis' observer: a tick inside the wall is the passivity step of the stored energy plus what the
-                /// counted damper dissipated, at most the cap. With `heart` follows `0 <= E' <= E + loss + f'·Δe`.
+                /// counted damper dissipated, at most the cap. With the properties of `heart` follows `0 <= E' <= E + loss +
+                /// f'·Δe`.
                 equation "(E', f') = step(min(E + loss, cap), k e, Δe)"
                 over "valid configuration, memory in the invariant, position inside"
                 by $step fn p1_thesis_is_the_step(s) {
@@ -113,7 +114,7 @@ macro_rules! tdpa {
                     let loss = i128::from(F::of_energy(damping_loss(law.device_damping, moved).0));
                     let cap = i128::from(F::of_energy(law.energy_cap.0));
                     let worked = i128::from(F::of_energy(before.energy.0)) + work;
-                    // Only a deficit of the whole format, 32 kJ, would be cut off.
+                    // Only a deficit of the whole format, 32 kJ, would be limited.
                     let lowest = -2 * cap;
                     assert!(worked < lowest || i128::from(F::of_energy(state.energy.0)) == (worked + loss).min(cap));
                     cover!(s, before.energy >= Energy::zero() && state.energy < Energy::zero(), "the dip of one tick");
@@ -136,7 +137,7 @@ macro_rules! tdpa {
                     } else {
                         let enough = energy.per_displacement(moved);
                         assert!(enough >= Force::zero() && (force == enough || force == -enough));
-                        // A surplus is spent outward; a deficit is worked off against the motion.
+                        // A surplus is given outward; a deficit is worked off against the motion.
                         let absorbs = (force.0 > 0) == (moved.0 > 0);
                         assert!(enough == Force::zero() || absorbs == (energy < Energy::zero()));
                         assert_reached!(energy < Energy::zero() || moved < Position::zero());
@@ -171,7 +172,7 @@ tdpa!(
     w32, Facts32, functions Functions32, by cadical, sums cadical, step cadical
 );
 tdpa!(
-    /// At 8 bits, where the model checker refutes wrong changes of the code quickly. The sums are proved at 32 bits, and run on
-    /// samples at 8.
+    /// At 8 bits, where the model checker refutes wrong changes of the code quickly. The sums are proved at 32 bits, and run in
+    /// random tests at 8.
     w8, Fixed8, functions Fixed8, by cadical, sums sampled, step sampled
 );

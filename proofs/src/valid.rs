@@ -30,11 +30,11 @@ pub trait Valid<N: Format>: Sized {
     fn holds(&self, state: &Self::State) -> bool;
 }
 
-/// Any stiffness, on samples mostly one that is not negative.
+/// A stiffness with any bits; in random tests mostly one that is not negative.
 fn any_gain<N: Format, S: Source>(s: &mut S) -> Stiffness<N> {
     one_with(s, N::any_stiffness, |k| gain_ok(*k))
 }
-/// Any force limit, on samples mostly one that is not negative.
+/// Any force limit, in random tests mostly one that is not negative.
 fn any_limit<N: Format, S: Source>(s: &mut S) -> Force<N> {
     one_with(s, N::any_force, |f| limit_ok(*f))
 }
@@ -42,7 +42,7 @@ fn any_limit<N: Format, S: Source>(s: &mut S) -> Force<N> {
 fn any_share<N: Format, S: Source>(s: &mut S) -> Compliance<N> {
     one_with(s, N::any_compliance, |c| N::of_signal_ratio(c.0) >= 0)
 }
-/// Any energy, mostly one that is not negative and within the cap.
+/// An energy with any bits; in random tests mostly one that is not negative and within the cap.
 fn any_stored<N: Format, S: Source>(s: &mut S) -> Energy<N> {
     let cap = N::energy_cap();
     one_with(s, N::any_energy, |e| *e >= Energy::zero() && *e <= cap)
@@ -153,7 +153,7 @@ impl<N: Format> Valid<N> for Fba<N> {
         }
         shown(state.force, self.limit)
             && state.energy <= self.energy_cap
-            // With a deficit (the counted damping is rounded down) nothing is shown until it is worked off.
+            // With an energy deficit (the counted damping is rounded down) the force is 0 until the deficit is worked off.
             && (state.energy >= Energy::zero() || state.force == Force::zero())
     }
 }
@@ -213,7 +213,7 @@ impl<N: Format> Valid<N> for EnhancedSfa<N> {
             observer: any_observer(s),
             first_contact: any_first(s),
             mass,
-            // Each of any stiffness whatever: what the law keeps does not rest on where the mass starts.
+            // Divisors of any stiffness: what the law guarantees does not depend on where the mass starts.
             by_coupling: Divisor::of(N::any_stiffness(s)),
             series: Divisor::of(N::any_stiffness(s)),
             credit: any_stored(s),
@@ -305,7 +305,7 @@ pub fn augmentation_ok<N: Format>(a: &Augmentation<N>) -> bool {
         && N::of_signal_ratio(a.of_force.0) >= 0
         && N::of_signal_ratio(a.of_penetration.0) >= 0
 }
-/// Any virtual mass.
+/// A virtual mass with any coefficients.
 pub fn any_mass<N: Format, S: Source>(s: &mut S) -> VirtualMass<N> {
     let bits = |k: &Stiffness<N>| N::of_gain(k.0);
     let part = |s: &mut S| {
@@ -327,7 +327,8 @@ pub fn any_mass<N: Format, S: Source>(s: &mut S) -> VirtualMass<N> {
         by_total: Divisor::of(total),
     }
 }
-/// Whether the coefficients are not negative, their sum is at most the total, and twice the total fits the format.
+/// Whether a virtual mass is valid: its coefficients are not negative, their sum is at most the stored total, and twice the total
+/// fits the format.
 pub fn mass_ok<N: Format>(mass: &VirtualMass<N>) -> bool {
     let [inertia, stiffness, damping, total] =
         [mass.inertia, mass.stiffness, mass.damping, mass.total].map(|k| N::of_gain(k.0));

@@ -1,6 +1,7 @@
 //! The energy guard of three axes: its energy account is the sum over three axes, and the account covers its force.
 //!
-//! At 32 bits it is tested on samples: products on three axes are beyond the solvers even at 8 bits. At 8 bits all inputs of one configuration per property are tried (`cargo xtask prove --every vector_guard`).
+//! At 32 bits it is tested in random tests: products on three axes are beyond the solvers even at 8 bits. At 8 bits all inputs of
+//! one configuration per property are tried (`cargo xtask prove --every vector_guard`).
 //!
 //! ```text
 //! B' = max(min(sum of three axes, C), R)   p1_vector_account
@@ -95,7 +96,7 @@ fn is_as_said<N: Format + Spatial>(
     if sum_of_squares(moved) > furthest
         || sum_of_squares(position_bits(tick.before_change)) > furthest
     {
-        // What the forces that acted, and the one that acts on, can have lost.
+        // The energy that the hand can have gained by the last force and by the one that still acts.
         let older = root_up(sum_of_squares(force_bits(before.older)));
         let size = wide(N::of_signal(before.size.0)).max(older);
         let over = (wide(N::of_signal_ratio(law.overrun.0)) * size) >> N::SIGNAL_BITS;
@@ -108,7 +109,7 @@ fn is_as_said<N: Format + Spatial>(
     };
     let refilled = energy(law.refill) + damped(law, moved);
     if before.account < Energy::zero() {
-        // With a deficit no force is shown.
+        // With an energy deficit the force is 0.
         assert!(force_bits(force) == [0; 3]);
         assert_reached!(cleared(
             (energy(before.account) + refilled).min(energy(law.capacity))
@@ -118,7 +119,7 @@ fn is_as_said<N: Format + Spatial>(
     let kept = reserve(law, before.size);
     let sum = booked(law, before, tick) + damped(law, moved);
     assert!(energy(after.account) == sum.min(energy(law.capacity)).max(kept));
-    // No longer than the account pays for, no component grown or turned.
+    // The force is no longer than the account covers, and no component grows or changes its sign.
     let free = energy(after.account) - kept;
     let limit = (wide(N::of_gain(law.per_reach.0)) * (free >> N::SIGNAL_BITS)) >> N::GAIN_BITS;
     let shown = force_bits(force);
@@ -131,7 +132,7 @@ fn is_as_said<N: Format + Spatial>(
     assert!(smaller);
     let long = root_up(sum_of_squares(wanted));
     assert!(long > limit || force == tick.wanted);
-    // Shortened, and not by more than three quanta an axis, nor turned by more.
+    // If the force was shortened, each axis is right to three quanta.
     assert!(long <= limit || sum_of_squares(shown) >= (limit - 6).max(0).pow(2));
     for (i, j) in [(0, 1), (1, 2), (2, 0)] {
         let turned = wide(shown[i]) * wide(wanted[j]) - wide(shown[j]) * wide(wanted[i]);
@@ -141,7 +142,7 @@ fn is_as_said<N: Format + Spatial>(
     assert_reached!(sum_of_squares(shown) <= wide(N::of_signal(after.size.0)).pow(2));
 }
 
-/// At 32 bits, the width of the firmware, on samples.
+/// At 32 bits, the width of the firmware, in random tests.
 pub mod w32 {
     use super::*;
     type N = Fixed32;
@@ -202,7 +203,7 @@ pub mod w32 {
     }
 }
 
-/// At 8 bits, all inputs.
+/// Properties at 8 bits, of which all inputs are tried.
 pub mod w8 {
     use super::*;
     type N = Fixed8;
@@ -319,7 +320,7 @@ pub mod w8 {
             let before = VectorGuardState { against: as_force([3, 0, -4]), size: force(5), ..guard.full() };
             let (mut state, mut other) = (before, before);
             let answer = guard.tick_at(&mut state, vector(at), moved, wanted);
-            // 127 less two furthest displacements of 9.
+            // The end at 127 minus two largest displacements of 9.
             let ends = at.iter().any(|x| x.abs() >= 127 - 18) && wanted != Vector::default();
             let shown = if ends { Vector::default() } else { wanted };
             let expected = guard.tick(&mut other, moved, shown);

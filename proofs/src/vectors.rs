@@ -59,7 +59,7 @@ property! {
         let length = N::any_position(s);
         let way = u.times(length);
         {
-            // Any of them: one comparison is quicker than three.
+            // One random axis: one comparison is quicker for the solver than three.
             let axis = usize::from(s.u8() % 3);
             let part = i16::from(u.0[axis].to_bits()) * i16::from(length.0.to_bits());
             assert_reached!(i16::from(way.0[axis].0.to_bits()) == part / 128);
@@ -76,7 +76,7 @@ property! {
         let force = N::any_force(s);
         let pull = u.times_force(force);
         {
-            // Any of them: one comparison is quicker than three.
+            // One random axis: one comparison is quicker for the solver than three.
             let axis = usize::from(s.u8() % 3);
             let part = i16::from(u.0[axis].to_bits()) * i16::from(force.0.to_bits());
             assert_reached!(i16::from(pull.0[axis].0.to_bits()) == part / 128);
@@ -103,7 +103,7 @@ property! {
     }
 }
 
-/// `floor(u·v)`, limited to the range of the format.
+/// The scalar product `floor(u·v)`, limited to the range of the format.
 fn scalar(u: Direction<N>, v: [i64; 3]) -> i64 {
     let [x, y, z] = u.0.map(N::of_signal);
     shown((x * v[0] + y * v[1] + z * v[2]).div_euclid(128))
@@ -169,7 +169,7 @@ property! {
         let [a, b, c] = u.0.map(N::of_signal);
         let inner = a * was[0] + b * was[1] + c * was[2];
         for (axis, u) in [a, b, c].into_iter().enumerate() {
-            // In quanta and their 128 times 128th parts.
+            // In quanta with 14 fractional bits (128 times 128).
             let exact = was[axis] * 128 * 128 - inner * u;
             assert_reached!((across[axis] * 128 * 128 - exact).abs() < 2 * 128 * 128);
         }

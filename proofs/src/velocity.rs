@@ -1,6 +1,9 @@
-//! P11 (refinement): the velocity filters of a spring-damper are their specification (`spec/velocity.rs`), and none of their states leaves its range.
+//! P11 (refinement): the velocity filters of a spring-damper equal their specification (`spec/velocity.rs`), and none of their
+//! states leaves its range.
 //!
-//! A product of a weight and a part is one unknown number for code and specification where they are compared, as for the estimator ([`crate::weighed`]). Where only its range matters, it is any number in that range. The window, which multiplies by whole ticks, is compared on samples, with everything else (`proofs/tests/spec_velocity.rs`).
+//! A product of a weight and a part is one unknown number for code and specification where they are compared, as for the estimator
+//! ([`crate::weighed`]). Where only its range matters, it is any number in that range. The window, which multiplies by whole ticks,
+//! is compared in random tests, with everything else (`proofs/tests/spec_velocity.rs`).
 //!
 //! ```text
 //! v' = v + a (x - x' - v) = spec               p11_smoothed, its range p3_smoothed_stays32
@@ -33,7 +36,7 @@ type N = Fixed32;
 const ONE: i32 = 1 << 26;
 const RAD: i64 = 1 << Wide64::FRACTION;
 
-/// Any word; on samples one from 0 to `most`.
+/// Any word; in random tests one from 0 to `most`.
 fn weight<S: crate::source::Source>(s: &mut S, most: i32) -> i32 {
     let any = s.i32();
     if s.shortcut() {
@@ -44,7 +47,7 @@ fn weight<S: crate::source::Source>(s: &mut S, most: i32) -> i32 {
 }
 
 weighed_property! {
-    /// P11 (refinement): the first-order filter of differences is the specification's; both restart on the same inputs.
+    /// P11 (refinement): the first-order filter of differences equals the specification's; both restart on the same inputs.
     equation "d' = d + a (x - x' - d); none beyond 8 rad of news or 4 rad a tick"
     over "weight, motion in the invariant, measured position"
     by minisat fn p11_smoothed(s) {
@@ -79,8 +82,8 @@ bounded_property! {
     }
 }
 property! {
-    /// P11 (refinement): the flow without damping and commands, which trackers use, is exact: a displacement per tick adds itself,
-    /// an acceleration adds half of itself.
+    /// P11 (refinement): the prediction without damping and commands, which trackers use, is exact: a displacement per tick adds
+    /// itself, an acceleration adds half of itself.
     equation "V = 1, X = 1/2, β V = 0"
     over "nothing"
     by cadical fn p11_free(s) {
@@ -91,7 +94,7 @@ property! {
     }
 }
 weighed_property! {
-    /// P11 (refinement): a Kalman filter in its steady state is the specification's; both restart on the same inputs.
+    /// P11 (refinement): a Kalman filter in its steady state equals the specification's; both restart on the same inputs.
     equation "r = e - x - V d - X g; (x', d', g') = (x⁻, d⁻, g) + (α, β, γ) r"
     over "weights, motion in the invariant, measured position"
     by minisat fn p11_tracker(s) {
@@ -124,8 +127,8 @@ fn place(bits: i32) -> Position<N> {
 }
 
 property! {
-    /// P11 (refinement): the adaptive window is the specification's: the slope over the longest window that a line fits, and the
-    /// remembered positions.
+    /// P11 (refinement): the adaptive window equals the specification's: the slope over the longest window that a line fits, and
+    /// the remembered positions.
     equation "v = (e - e(n-k))/k, the largest k <= K that a line within d fits; e, e(n-1), ... remembered"
     over "positions remembered, position, longest window, margin"
     by sampled fn p11_window(s) {
@@ -168,7 +171,7 @@ replaced_property! {
     }
 }
 
-/// Replaces `Velocity::tick`: any displacement for a position, and the same for the same question.
+/// Replaces `Velocity::tick`: any displacement for a position, and the same one for an equal position.
 #[cfg(kani)]
 pub fn any_velocity<N: Format>(
     _: &Velocity<N>,

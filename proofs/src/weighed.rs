@@ -1,6 +1,9 @@
-//! Weight times part for the model checker, for the estimator: any answer, and the same answer for the same question, as in [`crate::multiplied`].
+//! Weight times part for the model checker, for the estimator: any answer, and the same answer for the same question, as in
+//! [`crate::multiplied`].
 //!
-//! That a tick of the estimator equals its specification does not depend on its products. A `weighed_property!` replaces each by any number, and the specification's next question gets the code's answer if it is the same question. Other harnesses prove that no sum overflows; here each sum assumes it.
+//! That a tick of the estimator equals its specification does not depend on its products. A `weighed_property!` replaces each by
+//! any number, and the specification's next question gets the code's answer if it is the same question. Other harnesses prove that
+//! no sum overflows; here each sum assumes it.
 //!
 //! ```text
 //! no sum of the code overflows                            estimator::p3_flow_fits32, p3_motion_stays32
@@ -10,7 +13,9 @@
 //! |x⁻| < 160 rad, |d⁻| < 21 rad                           estimator::p3_flow_fits32
 //! ```
 //!
-//! Larger parts are replaced in the same way: the end of a flow (`flowed_property!`, `bounded_property!`) and the correction (`corrected_property!`). `estimated::p11_estimator_flow` and `p11_estimator_corrected` prove that these are their specification.
+//! Larger parts are replaced in the same way: the result of a prediction (`flowed_property!`, `bounded_property!`) and the
+//! correction (`corrected_property!`). `estimated::p11_estimator_flow` and `p11_estimator_corrected` prove that these are their
+//! specification.
 
 use crate::{cover, property};
 use touchstone_control::number::{Wide as _, Wide64};
@@ -65,7 +70,7 @@ macro_rules! weighed_property {
         $crate::weighed_property!(and [] $($property)*);
     };
 }
-/// Defines a property of a correction, in which the end of the flow is replaced by any answer.
+/// Defines a property of a correction, in which the result of the prediction is replaced by any answer.
 #[macro_export]
 macro_rules! flowed_property {
     ($($property:tt)*) => {
@@ -78,7 +83,7 @@ macro_rules! flowed_property {
         }
     };
 }
-/// Defines a property of a tick, in which the end of its flow and its correction are replaced by any answers.
+/// Defines a property of a tick, in which the result of its prediction and its correction are replaced by any answers.
 #[macro_export]
 macro_rules! corrected_property {
     ($($property:tt)*) => {
@@ -91,7 +96,7 @@ macro_rules! corrected_property {
         }
     };
 }
-/// Defines a property of a correction that holds for any end of the flow within its range.
+/// Defines a property of a correction that holds for any result of the prediction within its range.
 #[macro_export]
 macro_rules! bounded_property {
     ($($property:tt)*) => {
@@ -103,10 +108,10 @@ macro_rules! bounded_property {
     };
 }
 
-/// Marks that the following calls come from the specification.
+/// Marks of who asks for products (code or specification); without the checker they do nothing.
 #[cfg(not(kani))]
 mod questions {
-    /// Does nothing: properties on samples do not record who asks.
+    /// Does nothing: properties in random tests do not record who asks.
     pub fn of_specification() {}
 }
 #[cfg(not(kani))]
@@ -126,7 +131,7 @@ mod by_one_product {
 
     /// Number of products that a property may use.
     const END: usize = 10;
-    /// The next question, whether the specification asks, and how many questions the code has asked.
+    /// Row of the next product in the record, whether the specification asks for it, and how many products the code has asked for.
     static AT: AtomicUsize = AtomicUsize::new(0);
     static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
     static ASKED: AtomicUsize = AtomicUsize::new(0);
@@ -150,7 +155,8 @@ mod by_one_product {
         FOUND[at].store(any, Relaxed);
         Wide64(any)
     }
-    /// Replaces [`crate::spec::estimator::weighed`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`crate::spec::estimator::weighed`] under the model checker: the specification gets the result that the code got
+    /// for equal arguments.
     pub fn weighed(weight: i128, part: i128) -> i128 {
         assert!(
             SPECIFIES.load(Relaxed) == 1,
@@ -192,13 +198,13 @@ mod by_one_product {
 
     /// A wide number that can be made from any bits.
     pub trait Made: Wide {
-        /// The number with these bits.
+        /// A wide number with these bits.
         fn made(bits: i64) -> Self;
-        /// Bits of the number.
+        /// The bits of a wide number.
         fn bits(self) -> i64;
-        /// Bits of a part.
+        /// The bits of a part: the digits of a wide number that are multiplied.
         fn of_part(part: Self::Part) -> i64;
-        /// Bits of a weight.
+        /// The bits of a weight: the other factor of such a product.
         fn of_weight(weight: Self::Weight) -> i64;
     }
     impl Made for Wide64 {
@@ -217,7 +223,7 @@ mod by_one_product {
     }
 
     const WORDS: usize = 15;
-    /// The code's one question to a part of the tick, and its answer.
+    /// Record of the code's one call of a part of the tick: arguments and result.
     struct Piece {
         asked: AtomicUsize,
         question: [AtomicI64; WORDS],
@@ -234,7 +240,8 @@ mod by_one_product {
                 answer: [const { AtomicI64::new(0) }; 4],
             }
         }
-        /// Any answer to the first question, the same answer to an equal one, and any other answer to a different one.
+        /// The result of a replaced part: any at the first call, the same one for equal arguments, and any other for different
+        /// ones.
         fn answer(&self, question: [i64; WORDS]) -> [i64; 4] {
             let mut any: [i64; 4] = [kani::any(), kani::any(), kani::any(), kani::any()];
             let first = self.asked.load(Relaxed) == 0;
@@ -261,14 +268,14 @@ mod by_one_product {
         }
     }
 
-    /// Any end of a flow within the range that `estimator::p3_flow_fits32` proves.
+    /// Any result of a prediction within the range that `estimator::p3_flow_fits32` proves.
     fn any_end(question: [i64; WORDS]) -> (i64, i64) {
         let [position, moved, ..] = FLOW.answer(question);
         kani::assume(position.unsigned_abs() < 160 << Wide64::FRACTION);
         kani::assume(moved.unsigned_abs() < 21 << Wide64::FRACTION);
         (position, moved)
     }
-    /// Replaces [`Flow::apply`] under the model checker: gives any answer, and the same for the same question.
+    /// Replaces [`Flow::apply`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn end<N: Number, const COMMANDS: usize>(
         flow: &Flow<N, COMMANDS>,
         from: &EstimatedMotion<N>,
@@ -294,7 +301,8 @@ mod by_one_product {
         let (position, moved) = any_end(question);
         (N::Wide::made(position), N::Wide::made(moved))
     }
-    /// Replaces [`spec::Flow::end`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`spec::Flow::end`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn specified_end<const COMMANDS: usize>(
         flow: &spec::Flow<COMMANDS>,
         from: spec::Motion,
@@ -358,7 +366,8 @@ mod by_one_product {
         let [some, position, moved, pushed] = CORRECTED.answer(question);
         (some > 0).then_some([position, moved, pushed])
     }
-    /// Replaces [`spec::Estimator::corrected`] under the model checker: gives the code's answer if the question is the same.
+    /// Replaces [`spec::Estimator::corrected`] under the model checker: the specification gets the result that the code got for
+    /// equal arguments.
     pub fn specified_corrected(
         _: &spec::Estimator,
         before: spec::Motion,

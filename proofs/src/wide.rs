@@ -1,11 +1,12 @@
-//! The estimator's wide states as numbers, and the few functions of `Fixed32` and `Fixed8` that no other file covers. Each is compared with its equation over integers.
+//! The estimator's wide states as numbers, and the few functions of `Fixed32` and `Fixed8` that no other file covers. Each is
+//! compared with its equation over integers.
 //!
 //! ```text
 //! a + b, a - b where they fit; leading digits; ±2^k     p3_wide_sums, p3_wide_parts, p3_wide_within
 //! a machine of words takes the same word               p3_wide_of_words
 //! a weight is the nearest, or there is none             p3_wide_weights
 //! setting -> signal, towards zero, to the end           p8_saturating_signal32
-//! p / k by a prepared divisor, at 8 bits                p6_divide_by8
+//! p / k by a prepared divisor (stored reciprocal), at 8 bits                p6_divide_by8
 //! floor(e 2^-24)                                        p3_energy_digits32
 //! ```
 
@@ -36,12 +37,12 @@ property! {
     equation "part = floor(w 2^-26), torque part = floor(w 2^-30)"
     over "a state within ±8, within ±128"
     by cadical fn p3_wide_parts(s) {
-        // The first on samples mostly within ±8.
+        // On samples the first number is mostly within ±8.
         let any = s.i64();
         let state = Wide64(if s.shortcut() { any >> 6 } else { any });
         let whole = i128::from(state.0);
         let digits = |down: u32| {
-            // Downwards: what is left out is not negative.
+            // Rounded down: what is left out is not negative.
             let rest = whole.rem_euclid(1 << down);
             (whole - rest) / (1 << down)
         };
@@ -74,7 +75,7 @@ property! {
     over "state, k from 0 to 8"
     by cadical fn p3_wide_within(s) {
         let bits = u32::from(s.u8() % 9);
-        // On samples mostly at one of the two ends, or none would be.
+        // On samples mostly at one of the two ends, as otherwise none would be.
         let any = s.i64();
         let state = Wide64(if s.shortcut() {
             let (end, near) = (1_i64 << (54 + bits), any >> 61);
@@ -106,13 +107,14 @@ property! {
     }
 }
 property! {
-    /// P8 (settings): a setting is converted to the signal next to it towards zero, limited to the range of signals.
+    /// P8 (settings): a setting is converted to the signal (position or force) next to it towards zero, limited to the range of
+    /// signals.
     equation "bits' = bits 2^-8 towards zero, within the format"
     over "setting of 64 bits"
     by cadical fn p8_saturating_signal32(s) {
         let si = Si::from_bits(s.i64());
         let whole = i128::from(si.to_bits());
-        // Towards zero: digits of the magnitude are cut.
+        // Towards zero: digits of the magnitude are cut off.
         let size = whole.abs() >> 8;
         let cut = if whole < 0 { -size } else { size };
         let shown = cut.clamp(i128::from(i32::MIN), i128::from(i32::MAX));
@@ -123,8 +125,8 @@ property! {
     }
 }
 property! {
-    /// P6 (rounding): at 8 bits, the quotient by a prepared divisor is the exact one, rounded towards zero and limited to the
-    /// format.
+    /// P6 (rounding): at 8 bits, the quotient by a prepared divisor (stored reciprocal) is the exact one, rounded towards zero and
+    /// limited to the format.
     equation "|q| = min(floor(|p| / k), 127), sign of p"
     over "product of 16 bits, gain of 8 bits above zero"
     by kissat fn p6_divide_by8(s) {
@@ -133,7 +135,7 @@ property! {
         let divisor = Fixed8::divisor(<Fixed8 as Number>::Gain::from_bits(k));
         let found = i32::from(Fixed8::divide_by(p, &divisor).to_bits());
         let (size, dividend, k) = (found.abs(), i32::from(p).abs(), i32::from(k));
-        // Multiplied out: a division here would be another that a solver has to follow.
+        // Checked by products: the solver would have to follow another division.
         assert!(size * k <= dividend && size <= 127);
         assert!(size == 127 || dividend < size * k + k);
         assert!(found == 0 || (found < 0) == (p < 0));
@@ -142,7 +144,7 @@ property! {
     }
 }
 property! {
-    /// P3 (arithmetic): an energy, cut to the fractional bits of a signal, is rounded down if it fits.
+    /// P3 (arithmetic): an energy, cut to the fractional bits of a signal (position or force), is rounded down if it fits.
     equation "e' = floor(e 2^-24)"
     over "energy within ±2^55"
     by cadical fn p3_energy_digits32(s) {

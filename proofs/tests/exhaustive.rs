@@ -19,7 +19,7 @@ fn every_passivity_step() {
                 );
                 let outward = passivity_step::<u8>(energy as u16, force, moved, false);
                 let paid = u32::from(outward.force) * u32::from(moved);
-                // Exactly the work of the force shown, which is the largest that the energy pays for.
+                // The energy falls by exactly the work of the reduced force, which is the largest that the energy covers.
                 assert!(u32::from(outward.energy) + paid == energy);
                 if work <= energy {
                     assert!(outward.force == force);

@@ -43,13 +43,13 @@ fn equations() -> BTreeMap<String, String> {
     for entry in std::fs::read_dir(root().join("proofs/src")).expect("the proofs") {
         let path = entry.expect("readable").path();
         let file = path.file_stem().expect("a file").to_string_lossy();
-        // The macros themselves.
+        // `source.rs` defines the macros and has no properties.
         if file == "source" || path.is_dir() {
             continue;
         }
         let text = std::fs::read_to_string(&path).expect("readable");
         for property in text.split("property! {").skip(1) {
-            // A macro that hands its tokens on has none.
+            // A macro that passes its tokens on has no equation.
             let Some((_, rest)) = property.split_once("equation \"") else {
                 continue;
             };

@@ -50,7 +50,7 @@ fn every_tick_of_the_estimator_is_its_specification() {
         let (mut e, mut moved) = (0_i64, 0_i64);
         for _ in 0..500 {
             ticks += 1;
-            // A hand of any speed, that jumps now and then.
+            // A hand of any speed that jumps now and then.
             if random.below(8) == 0 {
                 moved = random.signed(26);
             }
@@ -89,7 +89,8 @@ fn every_tick_of_the_estimator_is_its_specification() {
     assert!(reached.iter().all(|count| *count > 50), "{reached:?}");
 }
 
-/// `V` and `X` in closed form. For `β t` below 1/64 it is their first terms, of which the next is less than `2^-50`.
+/// How far a device moves in a time from a displacement per tick (`V`) and from a push (`X`), in closed form. For `β t` below 1/64
+/// both are their first terms, of which the next is less than `2^-50`.
 fn integrals(loss: f64, time: f64) -> [f64; 2] {
     let a = loss * time;
     if a < 1.0 / 64.0 {
@@ -122,7 +123,8 @@ fn near(
     }
 }
 
-/// Weights of a device's flow over `time` in closed form; each command ends the given number of ticks before the flow's end.
+/// Weights of a device's prediction over `time` in closed form; each command ends the given number of ticks before the prediction's
+/// end.
 fn of_device<const C: usize>(
     flow: &Flow<Fixed32, C>,
     [loss, per_torque]: [f64; 2],

@@ -28,7 +28,7 @@ impl Stage {
         let edge = (HIGHEST - furthest).max(-HIGHEST - 1) - furthest;
         let edge = edge.max(-HIGHEST - 1);
         let since = |x: i64| i128::from((x - last).clamp(-HIGHEST - 1, HIGHEST));
-        // The lowest number has no opposite.
+        // The lowest number has no negative.
         let other = (-edge).min(HIGHEST);
         self.tripped |= wanted != 0 && (e >= edge || e <= other);
         let before_change = at_change.map_or(0, since);
@@ -62,7 +62,7 @@ fn every_tick_of_the_stage_is_its_specification() {
             tripped: false,
         };
         let furthest = quanta(guard.furthest);
-        // In the middle, or close to where forces end, on either side.
+        // In the middle of the range, or close to where forces end, on either side.
         let edge = HIGHEST - 2 * furthest;
         let mut at = match random.below(3) {
             0 => random.signed(31),

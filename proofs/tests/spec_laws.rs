@@ -168,10 +168,10 @@ fn every_tick_of_sfa_is_its_specification() {
 fn every_tick_of_the_enhanced_law_is_its_specification() {
     every_tick(LawKind::EnhancedSfa, 6, |settings, law, e, moved| {
         let AnyLaw::Enhanced(law, state) = law else {
-            // Below k_v it is a plain spring.
+            // Below `k_v` the enhanced law is a plain spring.
             return [false; 8];
         };
-        // The divisors are of the settings themselves, towards zero in the digits of a gain.
+        // The code's divisors are calculated from the settings, rounded towards zero to a gain's digits.
         let series = i128::from((settings.filter.stiffness + settings.k_soft).to_bits() >> 20);
         let (specified, memory) = (at32::enhanced(law, series), at32::of_enhanced);
         let before = memory(state);
@@ -191,7 +191,7 @@ fn every_tick_of_the_enhanced_law_is_its_specification() {
             handed && expected.mass == before.last,
             stays && expected.offset > before.offset,
             stays && expected.offset < before.offset,
-            // Held back because no more is in store.
+            // The force is reduced because no more energy is stored.
             stays
                 && specified.exact
                 && expected.energy < -expected.at_mass * expected.mass_moved

@@ -9,7 +9,7 @@ use touchstone_control::space::{Axes, Direction, Spatial, Vector};
 use touchstone_control::{Fixed8, Fixed16, Fixed32, Force, Number, Position, Si, Stiffness};
 use touchstone_proofs::spec::hands::Random;
 
-/// `floor(sqrt(n))`.
+/// The square root `floor(sqrt(n))`.
 fn root(n: i128) -> i128 {
     n.isqrt()
 }
@@ -18,7 +18,7 @@ fn root_up(n: i128) -> i128 {
     root + i128::from(root * root != n)
 }
 
-/// Specification of a number format: bits of its word, and fractional bits of a signal.
+/// Specification of a number format: bits of its word, and fractional bits of a signal (position or force).
 #[derive(Clone, Copy)]
 struct Format {
     bits: u32,
@@ -156,7 +156,7 @@ macro_rules! beside {
                 let fits = expected.iter().all(|x| x.abs() <= format.most());
                 assert!(!fits || across == expected, "{w:?} across {u:?}");
 
-                // Towards another direction, one that is close by, and itself.
+                // Turns towards another direction, a close one, and the same one.
                 let small = (1 << 3) - 1;
                 let close = u.map(|x| (x + any(5) % small).clamp(-format.most(), format.most()));
                 let other = format.unit(w).unwrap_or(u);
@@ -267,7 +267,7 @@ fn a_setting_at_the_end_of_a_signal_is_cut_towards_zero() {
 
 #[test]
 fn an_energy_fits_or_is_refused() {
-    // 48 fractional bits of 64: up by 16.
+    // An energy has 48 fractional bits, a setting 32: shifted up by 16.
     let energy = |si: i64| Fixed32::energy(Si::from_bits(si)).map(I16F48::to_bits);
     let most = i64::MAX >> 16;
     for sign in [1, -1] {
@@ -279,7 +279,7 @@ fn an_energy_fits_or_is_refused() {
         }
     }
     assert_eq!(energy(i64::MIN), None);
-    // The same of what has fewer digits than a setting.
+    // The same for formats with fewer fractional bits than a setting.
     let gain = |si: i64| Fixed32::gain(Si::from_bits(si)).map(|k| i64::from(k.to_bits()));
     for (si, bits) in [(0, 0), ((1 << 20) - 1, 0), (1 << 20, 1), (5 << 32, 5 << 12)] {
         assert_eq!(gain(si), Some(bits));
@@ -293,7 +293,7 @@ fn what_has_no_end_of_its_own_ends_with_the_format() {
     assert_eq!(lowest.modulus(), Position(I8F24::MAX));
     assert_eq!(Fixed32::energy_per(I16F48::ONE, I8F24::ZERO), I8F24::MAX);
     assert_eq!(Fixed32::energy_per(I16F48::ZERO, I8F24::ZERO), I8F24::MAX);
-    // No word goes into nothing, or into itself more than once.
+    // No word is divided by 0, and none divides itself more than once.
     for (divisor, wide) in [(0, 0), (0, 1), (0, u64::MAX)] {
         assert_eq!(u32::divides_within(divisor, wide), Some((0, 0)));
     }
@@ -303,11 +303,11 @@ fn what_has_no_end_of_its_own_ends_with_the_format() {
         1_u32.divides_within((1 << 31) - 1),
         Some(((1 << 31) - 1, (1 << 31) - 1))
     );
-    // What is prepared of nothing is nothing; an observer remembers where it was put.
+    // The reciprocal of 0 is 0. An observer remembers where it was placed.
     assert_eq!(Reciprocal32::new(0).inverse, 0);
     let observer = |x| ExactObserver::<Fixed32>::new(Position(I8F24::from_bits(x)));
     assert_ne!(observer(1), observer(2));
-    // A tension rounded up, by the largest and the least.
+    // A tension is rounded up, for the largest and the smallest stiffness.
     let k = Stiffness::<Fixed32>(touchstone_control::fixed::types::I20F12::DELTA);
     for (x, up) in [(1, 1), (4096, 1), (4097, 2), (-1, 0), (i32::MAX, 524_288)] {
         let product = k * Position(I8F24::from_bits(x));

@@ -25,7 +25,7 @@ fn wide(x: I8F24) -> Int {
     x.to_bits().into()
 }
 
-/// A filter's specification and its memory.
+/// A velocity filter as the specification has it, with its memory.
 enum Specified {
     Smoothed {
         share: Int,
@@ -147,7 +147,7 @@ fn every_tick_of_a_damped_spring_is_its_specification() {
                 let (e, told) = hand.moves(&mut random, tick, force);
                 let v = specified.tick(wide(e));
                 force = sfa::spring_tick(stiffness, damping, limit, wide(e), v);
-                // What the law is told of a displacement it does not take.
+                // A law with its own velocity does not use the displacement of its sample.
                 let sample = Sample {
                     e: Position(e),
                     moved: Position(told),

@@ -1,6 +1,6 @@
 //! Choices of the test generators: from a seed in the tests, or from bytes in the fuzzer, which learns what each byte changes.
 
-/// A source of choices.
+/// A source of choices, by which a generator decides what to make.
 pub trait Choices {
     /// A number from 0 up to, not including, `most`, which must be at least 1.
     fn below(&mut self, most: usize) -> usize;

@@ -11,13 +11,13 @@ use touchstone_sim::scene::{Preset, Scene};
 
 /// Largest processor time in s of a scene that is accepted without a remark; longer in builds without optimisation.
 const PATIENCE_S: f64 = if cfg!(debug_assertions) { 6.0 } else { 2.0 };
-/// Largest processor time of a long scene per second of its own estimate; planning takes time as well.
+/// Allowed processor time of a long scene, per second that the scene's own estimate says.
 const SHARE: f64 = PATIENCE_S / work::LONG_S;
 /// Part of a long scene that is run, in s of its estimated time.
 pub const TRIED_S: f64 = 0.2;
 
 fn number(seeded: &mut impl Choices, numbers: &[f64]) -> String {
-    // `1e300` for what `Display` would write in 301 digits.
+    // `1e300`, for which `Display` would write 301 digits.
     format!("{:e}", numbers[seeded.below(numbers.len())])
 }
 
@@ -147,7 +147,7 @@ fn processor_s(begun: Instant) -> f64 {
 pub fn tried(base: &str, sets: &[String]) -> (Ended, f64) {
     let one_line = |error: touchstone_sim::error::Error| {
         let text = error.to_string();
-        // A name of the file may hold anything; what prints it makes it visible.
+        // A file's name may contain anything; the program that prints it escapes it.
         assert!(
             !text.contains('\n') && text.chars().count() < 1200,
             "{base} {sets:?}: {text}"

@@ -92,7 +92,7 @@ fn sines(n: &[f64]) -> impl Fn(f64) -> f64 + use<> {
     let parts: Vec<(f64, f64, f64)> = (0..3)
         .map(|i| {
             let omega = std::f64::consts::TAU * frequency(n[1 + 3 * i]);
-            // Together below the fastest.
+            // The three sines together stay below the largest speed.
             let most = FASTEST_RAD_PER_S / 3.0 / omega;
             (
                 (0.02 * n[2 + 3 * i]).clamp(-most, most),
@@ -135,7 +135,7 @@ impl Periodic {
         let mut steps: Vec<f64> = (0..2 * PERIOD)
             .map(|i| limited(size * n[2 + i], seconds(i % 2)))
             .collect();
-        // Round and round: what is left of the way is spread over all that can take it.
+        // In several rounds the remaining displacement is spread over all steps that can still take some.
         let left: f64 = steps.iter().sum();
         for (i, step) in steps.iter_mut().enumerate() {
             *step -= left * seconds(i % 2) / (TICK_S * PERIOD as f64);
@@ -203,7 +203,7 @@ impl Hand for Policy {
         0.0
     }
     fn go(&mut self, tick: u32, late: bool, force: f64, seconds: f64) -> (f64, f64) {
-        // Once a tick, however many parts it has.
+        // Once per tick, however many parts the tick has.
         if late && !self.was_late {
             self.change = force - self.force;
             self.force = force;

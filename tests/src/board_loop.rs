@@ -74,7 +74,7 @@ impl BoardLoop {
             }
             self.error = error;
             if is_last {
-                // The next tick begins with this period.
+                // The next tick begins with this PWM period, so its state is restored.
                 *self = before;
             }
         }

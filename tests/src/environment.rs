@@ -12,7 +12,7 @@ pub const COUNTS: u32 = 40_000;
 /// One encoder count, rad.
 pub const COUNT_RAD: f64 = std::f64::consts::TAU / COUNTS as f64;
 
-/// The encoder of these tests.
+/// The encoder of the environment tests, with [`COUNTS`] per turn.
 ///
 /// # Panics
 /// Never.

@@ -15,7 +15,7 @@ fn product<const N: usize>(a: &[[f64; N]; N], b: &[[f64; N]; N]) -> [[f64; N]; N
     std::array::from_fn(|i| std::array::from_fn(|j| (0..N).map(|k| a[i][k] * b[k][j]).sum()))
 }
 
-/// `exp(M t)` by scaling and squaring.
+/// The matrix exponential `exp(M t)`, by scaling and squaring.
 fn exponential(m: &Four, t: f64) -> Four {
     let identity: Four = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(i == j)));
     let small = m.map(|row| row.map(|x| x * t / 1024.0));
@@ -53,7 +53,7 @@ pub struct Reference {
     delay: f64,
     /// `[x, d, g]` at the last sample; `None` before the first.
     pub state: Option<[f64; 3]>,
-    /// Past commands, the latest last.
+    /// Past commands in N·m, the latest last.
     commands: Vec<f64>,
 }
 
@@ -68,7 +68,7 @@ impl Reference {
         ];
         let whole = exponential(&motion, 1.0);
         let f: Three = std::array::from_fn(|i| std::array::from_fn(|j| whole[i][j]));
-        // Ackermann: (F - z)³ O⁻¹ e₃ with the rows C F, C F², C F³, as the correction comes after the prediction.
+        // Ackermann's formula: (F - z)³ O⁻¹ e₃ with the rows C F, C F², C F³, as the correction comes after the prediction.
         let shifted: Three =
             std::array::from_fn(|i| std::array::from_fn(|j| f[i][j] - z * f64::from(i == j)));
         let wanted = product(&product(&shifted, &shifted), &shifted);
@@ -129,7 +129,7 @@ impl Reference {
     }
 }
 
-/// Largest force, N·m.
+/// Force limit of the devices, N·m.
 pub const LIMIT: Si = Si::lit("0.5");
 
 /// A row of the table of devices: rate in Hz, bandwidth, inertia, damping, delay in ticks.
@@ -187,7 +187,7 @@ pub fn play(ticks: u32, seed: u64, mut tick: impl FnMut(f64, f64)) {
     for n in 0..ticks {
         phase += 0.002 + 0.02 * f64::from(n % 700) / 700.0;
         x += 1e-4 * f64::sin(phase) + 5e-6 * random.real();
-        // A count of 40,000 in a turn, in a step of the format.
+        // One encoder count, at 40,000 per turn, rounded to a quantum of the format.
         let count = TAU / 40_000.0;
         let e = ((x / count).round() * count * f64::from(1 << 24)).round() / f64::from(1 << 24);
         let f = (0.4 * random.real() * f64::from(1 << 24)).round() / f64::from(1 << 24);

@@ -23,7 +23,7 @@ pub struct Flash {
 /// Why the flash refused an operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FlashFault {
-    /// The power is gone.
+    /// The power has failed.
     PowerGone,
     /// The word was not erased before it was programmed, or the address does not begin a word or page.
     Wrong,
@@ -36,7 +36,7 @@ impl NorFlashError for FlashFault {
 }
 
 impl Flash {
-    /// A flash of this many erased pages.
+    /// A flash memory of this many erased pages.
     #[must_use]
     pub fn erased(pages: usize) -> Self {
         Self {
@@ -70,13 +70,13 @@ impl Flash {
         self.bytes.fill(byte);
     }
 
-    /// Begins an operation; returns whether the power fails in it.
+    /// Begins an operation (programming a word or erasing a page); returns whether the power fails in it.
     fn begin(&mut self) -> Result<bool, FlashFault> {
         self.operations += 1;
         match &mut self.left {
             None => Ok(false),
             Some(0) => {
-                // Nothing after this one either.
+                // Nothing after this operation succeeds either.
                 self.left = Some(usize::MAX);
                 Ok(true)
             }
@@ -120,13 +120,13 @@ impl NorFlash for Flash {
         for (index, word) in bytes.chunks(WORD).enumerate() {
             let cut = self.begin()?;
             let place = offset as usize + index * WORD;
-            // In the middle of a word some of its bits are programmed and some are not.
+            // If the power fails while a word is programmed, random bits of it are programmed.
             let not_yet = if cut { self.random.bits() } else { 0 };
             let there = self
                 .bytes
                 .get_mut(place..place + WORD)
                 .ok_or(FlashFault::Wrong)?;
-            // The check code beside each word allows no second programming but to all zeros.
+            // Because of the check code beside each word, a word cannot be programmed twice, except to all zeros.
             if there.iter().any(|&byte| byte != 0xff) && word.iter().any(|&byte| byte != 0) {
                 return Err(FlashFault::Wrong);
             }
@@ -148,7 +148,7 @@ impl NorFlash for Flash {
         for page in (from..to).step_by(PAGE) {
             let cut = self.begin()?;
             for byte in &mut self.bytes[page..page + PAGE] {
-                // In the middle of an erase some bits are back at one and some are not.
+                // If the power fails during an erase, random bits are back at one.
                 *byte |= if cut { self.random.bits() as u8 } else { 0xff };
             }
             if cut {

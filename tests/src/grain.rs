@@ -6,7 +6,7 @@ use touchstone_control::{Fixed16, Fixed32, Reported};
 pub trait Grain: Reported {
     /// Largest error of a rounded force, N·m: one step where a format truncates, half a step where it rounds to nearest.
     const FORCE_N_M: f64;
-    /// Largest error of a stiffness that a law derives, N·m/rad.
+    /// Largest rounding error of a stiffness that a law calculates, N·m/rad.
     const GAIN_N_M_PER_RAD: f64;
     /// Largest relative error of one sum or product of energies; 0 for the fixed-point formats.
     const ENERGY: f64;
@@ -29,7 +29,7 @@ impl Grain for Fixed32 {
 }
 
 impl Grain for f32 {
-    // Half the distance of two numbers below 0.5, and as much again for the product that was rounded before a sum.
+    // Half the distance of two numbers below 0.5, and as much again for the product that is rounded before a sum.
     const FORCE_N_M: f64 = 1.0 / 33_554_432.0;
     const GAIN_N_M_PER_RAD: f64 = f32::EPSILON as f64;
     const ENERGY: f64 = f32::EPSILON as f64;

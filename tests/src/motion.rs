@@ -5,7 +5,7 @@
 pub fn half_sine(depth_rad: f64, ticks: u32) -> Vec<f64> {
     (0..=ticks)
         .map(|tick| {
-            // The sine of π is not quite zero in floats.
+            // In floating point the sine of π is not quite zero.
             if tick == 0 || tick == ticks {
                 0.0
             } else {
@@ -44,7 +44,7 @@ pub fn hold(depth_rad: f64, ticks: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The motion rounded to a grid of this many fractional bits.
+/// A motion whose positions are rounded to a grid of this many fractional bits.
 #[must_use]
 pub fn on_grid(path: &[f64], bits: i32) -> Vec<f64> {
     let scale = 2_f64.powi(bits);

@@ -21,9 +21,9 @@ pub const COUNT_RAD: f64 = std::f64::consts::TAU / 40_000.0;
 /// A spring with virtual damping on differences of the measured position.
 #[derive(Debug, Clone, Copy)]
 pub struct SpringDamper {
-    /// Stiffness, N·m/rad.
+    /// Stiffness of the spring, N·m/rad.
     pub k: f64,
-    /// Damping, N·m·s/rad.
+    /// Virtual damping, N·m·s/rad.
     pub b: f64,
 }
 
@@ -119,13 +119,13 @@ pub struct Port {
     pub told: bool,
     /// The law that chooses the force.
     pub law: PortLaw,
-    /// The guard, if there is one.
+    /// Settings of the guard; `None` for no guard.
     pub guard: Option<GuardSettings>,
     /// The law's force limit, N·m.
     pub force_limit_n_m: f64,
 }
 
-/// Result of a run.
+/// Result of running a hand.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Outcome {
     /// Most energy that the hand got out in any window of time, J.
@@ -139,7 +139,7 @@ pub struct Outcome {
     pub lowest_account_j: f64,
     /// Level of the guard's account at the end, J.
     pub last_account_j: f64,
-    /// Ticks in which the guard changed the force.
+    /// Number of ticks in which the guard changed the force.
     pub changed_ticks: u32,
     /// Ticks that were run: fewer than requested if an over-speed ended the run.
     pub ticks: u32,
@@ -237,12 +237,12 @@ impl Port {
             lowest_account_j: joules(&guard),
             ..Outcome::default()
         };
-        // As of the beginning of the tick that was played last.
+        // Results at the beginning of the last tick that was run.
         let mut settled = (0.0, 0.0);
         for tick in 0..ticks {
             let now = sample(x);
             if let Some(board) = &board {
-                // What was read is in `at_change`, and what follows from it takes its place.
+                // `at_change` holds the second reading; the position calculated from it replaces it.
                 let since = board.change.since_change(at_change - told, now - at_change);
                 at_change = if self.reads { now - since } else { told };
             }
@@ -260,7 +260,7 @@ impl Port {
                 None => wanted,
                 Some(guard) => {
                     let force = guard.tick(now, measured.then_some(at_change), wanted);
-                    // What overspeed costs is a remainder of its own.
+                    // The energy of an over-speed is beyond the bound, and is reported on its own.
                     if ways.iter().any(|way| way.modulus() > guard.guard.furthest) {
                         outcome.with_overspeed_j = outcome.above_refill_j;
                         (outcome.worst_window_j, outcome.above_refill_j) = settled;

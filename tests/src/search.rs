@@ -4,7 +4,7 @@
 use crate::random::Random;
 
 fn normal(random: &mut Random) -> f64 {
-    // Box and Muller; `real` is of -1..1.
+    // Box-Muller transform; `real` is between -1 and 1.
     let (u, v) = ((random.real() + 1.0) / 2.0, random.real());
     (-2.0 * (u.max(1e-300)).ln()).sqrt() * (std::f64::consts::PI * v).cos()
 }
@@ -40,7 +40,7 @@ pub fn largest(
     let (mut best, mut best_value) = (vec![0.0; dimensions], f64::NEG_INFINITY);
     let mut spent = 0;
     while spent < evaluations {
-        // A restart whenever a search has come to its end.
+        // Restarts whenever a search has converged.
         let mut centre: Vec<f64> = (0..dimensions)
             .map(|_| step * normal(&mut random))
             .collect();

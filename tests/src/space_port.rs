@@ -96,7 +96,7 @@ impl Port {
         let mut hand = HandState::new(way, numbers, self.delay_ticks);
         let (mut last, mut now) = (None, [0.0; 3]);
         let mut outcome = Outcome::default();
-        // Got out since the window began that began best, at a tick.
+        // Energy got out in total, and the least total at a tick so far, where the best window began.
         let (mut total, mut least) = (0.0_f64, 0.0_f64);
         for tick in 0..ticks {
             let count = |x: f64| (x / COUNT_MM).round() * COUNT_MM;
@@ -135,7 +135,7 @@ impl Port {
                 }
                 let step = hand.go(tick, late, acting, seconds);
                 let damped = TRUSTED_N_PER_MM_TICK * dot(step, step) / seconds;
-                // N mm are mJ; 0.5 mW are 0.5 uJ a tick.
+                // N·mm are mJ; 0.5 mW are 0.5 µJ per tick.
                 total += dot(acting, step) - damped - REFILL_MW * 1e-3 * seconds;
                 outcome.above_refill = outcome.above_refill.max(total - least);
             }
@@ -197,7 +197,7 @@ impl HandState {
             way,
             numbers: numbers.to_vec(),
             delay,
-            // Just outside of the ball.
+            // Starts just outside the ball.
             at: [3.0, 2.0, 29.9],
             before: [0.0; 3],
             force: [0.0; 3],
@@ -208,7 +208,7 @@ impl HandState {
 
     /// Limits a step, as a vector, to the guard's speed limit for this many ticks.
     fn limited(step: [f64; 3], ticks: f64) -> [f64; 3] {
-        // Room for the counts that the measurement may be off: the promise is for what is not overspeed.
+        // Leaves room for the counts by which a measurement may be wrong: the bound does not hold at an over-speed.
         let most = 0.97 * FASTEST_MM * ticks;
         let size = length(step);
         if size > most {
@@ -236,7 +236,7 @@ impl HandState {
                     let of =
                         |half: usize, phase: usize, i: usize| n[2 + (2 * phase + half) * 3 + i];
                     std::array::from_fn(|i| {
-                        // The mean of a round is taken off, so that it comes home.
+                        // The mean of a period is subtracted, so that the motion comes back to its start.
                         let mean: f64 = (0..PERIOD)
                             .map(|p| of(0, p, i) * self.delay + of(1, p, i) * (1.0 - self.delay))
                             .sum::<f64>()

@@ -14,7 +14,7 @@ pub const ROUNDING: f64 = 1e-6;
 /// The rule "restricted surface point", with the cone of [`RATIO`].
 #[must_use]
 pub fn restricted() -> Rule<F> {
-    // 1 is 10 mm in centimetres.
+    // As a position in centimetres, the number 1 is 10 mm.
     Rule::Restricted(Turn::of_ratio(mm(10.0 * RATIO).0))
 }
 

@@ -145,7 +145,7 @@ pub extern "C" fn ts_guard_check(
         Err(status) => status,
         Ok(Ok(_)) => ts_status::TS_OK,
         Ok(Err(problem)) => {
-            // A buffer cuts a text; it never fails.
+            // Writing to a buffer cuts the text; it never fails.
             let _ = write!(words, "{problem}");
             ts_status::TS_OUT_OF_RANGE
         }

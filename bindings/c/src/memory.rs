@@ -19,7 +19,7 @@ pub struct Marked<T> {
 /// # Safety
 /// The object must be at least as large and as strictly aligned as `Marked<Self::Value>`; `assert_room!` checks it.
 pub unsafe trait Object: Sized {
-    /// The value that the memory holds.
+    /// Type of the Rust value that the memory holds.
     type Value: Copy;
     /// Mark of the type, different for each type.
     const MARK: u64;
@@ -113,7 +113,7 @@ pub(crate) fn buffer<'a>(place: *mut c_char, length: usize) -> &'a mut [u8] {
     unsafe { core::slice::from_raw_parts_mut(place.cast::<u8>(), length) }
 }
 
-/// Ends a text with a zero byte.
+/// Writes the zero byte that ends a text.
 pub(crate) fn terminate(buffer: &mut [u8], at: usize) {
     if let Some(end) = buffer.get_mut(at) {
         *end = 0;

@@ -88,7 +88,7 @@ pub extern "C" fn ts_settings_check(
     match Controller::<Fixed32>::new(settings) {
         Ok(_) => ts_status::TS_OK,
         Err(problem) => {
-            // A buffer cuts a text; it never fails.
+            // Writing to a buffer cuts the text; it never fails.
             let _ = write!(words, "{problem}");
             ts_status::TS_OUT_OF_RANGE
         }

@@ -17,7 +17,7 @@ pub enum ts_status {
     TS_NOT_INITIALISED = 2,
     /// A setting is out of its range. `ts_guard_check` and `ts_settings_check` name it.
     TS_OUT_OF_RANGE = 3,
-    /// No setting has this name.
+    /// There is no setting of this name.
     TS_UNKNOWN_SETTING = 4,
     /// The text is not a value of this setting.
     TS_BAD_VALUE = 5,
@@ -60,7 +60,7 @@ impl<'a> Words<'a> {
 impl core::fmt::Write for Words<'_> {
     fn write_str(&mut self, text: &str) -> core::fmt::Result {
         for byte in text.bytes() {
-            // One byte stays for the zero.
+            // One byte is kept for the final zero.
             if self.used.saturating_add(1) >= self.buffer.len() {
                 break;
             }

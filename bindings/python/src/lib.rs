@@ -132,7 +132,7 @@ impl PyGuard {
                 wanted.len()
             )));
         }
-        // All are looked at first, so that a refused call changes nothing.
+        // All values are checked before the first tick, so that a refused call changes nothing.
         let pairs: Vec<_> = moved
             .iter()
             .zip(wanted)
@@ -292,7 +292,7 @@ impl PyWall {
         self.inner.tripped()
     }
 
-    /// The law's name.
+    /// Name of the control law.
     #[getter]
     fn law(&self) -> &'static str {
         self.settings.law.word()

@@ -1,8 +1,8 @@
 //! Force Dimension's omega.3, through the maker's library.
 //!
-//! The device's own safety stays as it is: its velocity limit, watchdog, time guard and gravity compensation are not touched, and
-//! no call of the library moves the arm by itself. Nothing here waits without end: a release is tried a few times and then said to have
-//! failed, and what is left is the device's watchdog.
+//! The program does not change the device's own safety functions: velocity limit, watchdog, time guard and gravity compensation. It
+//! calls no function of the library that moves the arm by itself. Every call returns within a bounded time. A release is tried at
+//! most twice and then reported as failed; only the device's watchdog can switch the motors off then.
 
 use crate::haptic::{
     Applied, DataSheet, DeviceStanding, HapticDevice, HapticFault, Sensed, SwitchOff, Workspace,
@@ -12,7 +12,7 @@ use std::time::Duration;
 use touchstone_dhd::{Dhd, DhdError, DhdOutcome, DhdStatus, OMEGA3_TYPES};
 use touchstone_world::plant::{OMEGA3, OMEGA3_AXIS};
 
-/// An omega.3 that this program holds.
+/// An omega.3 that this program has opened.
 #[derive(Debug)]
 pub struct Omega3 {
     library: Arc<Dhd>,
@@ -20,11 +20,12 @@ pub struct Omega3 {
     sheet: DataSheet,
 }
 
-/// Time from a read over USB to the force of a write; assumed as one USB microframe each, not measured.
+/// Time from reading the position over USB until the written force acts, s. Assumed as one USB microframe (125 us) each for reading
+/// and writing; not measured.
 const DELAY_S: f64 = 250e-6;
-/// How often each part of a release is tried. More would take longer than two ticks of the device.
+/// Number of attempts for each step of a release. More attempts would take longer than two ticks of the device.
 const RELEASE_TRIES: usize = 2;
-/// Number of checks whether the motors are on, and the time between them.
+/// Number of checks whether the motors are on; the next line has the time between two checks.
 const ENGAGE_ASKS: usize = 50;
 const ENGAGE_PAUSE: Duration = Duration::from_millis(2);
 
@@ -42,10 +43,10 @@ fn unusable(why: impl Into<String>, fix: impl Into<String>) -> HapticFault {
 }
 
 impl Omega3 {
-    /// Takes the first one that no other program holds. Its motors stay off.
+    /// Opens the first omega.3 that no other program uses. Its motors stay off.
     ///
     /// # Errors
-    /// No device is found, or it is in use, of another kind, without supply or not calibrated.
+    /// No device is found, or the device is in use, of another type, without supply or not calibrated.
     pub fn open(library: Arc<Dhd>) -> Result<Self, HapticFault> {
         match library.count()? {
             (0, _) => {
@@ -58,7 +59,7 @@ impl Omega3 {
             _ => {}
         }
         let id = library.open(0)?;
-        // From here on whatever is wrong closes it again, by `Drop`.
+        // From here on `Drop` closes the device after any error.
         let mut omega = Self {
             library,
             id: Some(id),
@@ -102,19 +103,22 @@ impl Omega3 {
             ));
         }
         match self.library.set_max_force(self.sheet.force_n, id) {
-            // A second limit beside the loop's own; an old library does without.
+            // A second limit in addition to the loop's own. A library without this function is accepted.
             Err(error) if error.number != DhdError::NOT_IN_LIBRARY => Err(error.into()),
             _ => Ok(()),
         }
     }
 
-    /// The library's number of the device while it is open.
+    /// The number under which the library knows the open device.
+    ///
+    /// # Errors
+    /// The device was released.
     fn id(&self) -> Result<i8, HapticFault> {
         self.id
             .ok_or_else(|| unusable("it was released", "open it again"))
     }
 
-    /// The library and its number, for what a wall does not need.
+    /// The library and the number under which it knows the device, for calls that a wall does not need.
     ///
     /// # Errors
     /// The device was released.
@@ -146,7 +150,7 @@ impl HapticDevice for Omega3 {
         self.library.set_force([0.0; 3], id)?;
         self.library.enable_force(true, id)?;
         for _ in 0..ENGAGE_ASKS {
-            // A library that does not say so is believed.
+            // If the library does not say whether the motors are on, they count as on.
             if self.library.status(id)?.force() != Some(false) {
                 return Ok(());
             }
@@ -181,7 +185,7 @@ impl HapticDevice for Omega3 {
             powered: status.power().unwrap_or(true),
             calibrated: !status.reset().unwrap_or(false),
             motors_on,
-            // While they are on, the cause is of another time.
+            // While the motors are on, the cause is that of an earlier switch-off.
             switched_off: cause(&status).filter(|_| !motors_on),
         })
     }
@@ -200,7 +204,7 @@ impl HapticDevice for Omega3 {
             }
             done
         };
-        // All of them, whatever becomes of those before.
+        // All steps are done, even if an earlier one failed.
         let done = [
             tried(&|| library.set_force([0.0; 3], id)),
             tried(&|| library.stop(id)),
@@ -213,7 +217,7 @@ impl HapticDevice for Omega3 {
 
 impl Drop for Omega3 {
     fn drop(&mut self) {
-        // Whoever wants to know what failed has released it before.
+        // The result is ignored: a caller that needs it has released the device before.
         let _ = self.release();
     }
 }

@@ -1,4 +1,4 @@
-//! A mesh: triangles with their planes, in a tree of boxes.
+//! A triangle mesh: its triangles with their planes, in a tree of bounding boxes.
 
 use crate::stl;
 use parry3d_f64::math::Vector;
@@ -6,14 +6,14 @@ use parry3d_f64::shape::TriMesh;
 use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 
-/// Why triangles are no mesh.
+/// Why triangles make no mesh.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum MeshError {
     /// No triangle has an area.
     NoArea,
-    /// A triangle names a vertex that there is not, or one that is no number.
+    /// A triangle uses a vertex number that does not exist, or a vertex that is not finite.
     Vertex {
-        /// The triangle, from 0.
+        /// Number of the triangle, from 0.
         triangle: usize,
     },
 }
@@ -31,18 +31,18 @@ impl std::fmt::Display for MeshError {
 
 impl std::error::Error for MeshError {}
 
-/// A triangle with the data that a proxy needs.
+/// A triangle with its normal and the directions of its edges, as a proxy needs them.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Face {
     /// The corners, counter-clockwise from outside, m.
     pub corners: [Vector; 3],
-    /// Outwards, of length 1.
+    /// Normal of length 1 that points outwards.
     pub normal: Vector,
-    /// For each edge the direction inwards in the triangle's plane, of length 1.
+    /// For each edge the direction of length 1 in the triangle's plane, across the edge and into the triangle.
     pub inwards: [Vector; 3],
 }
 
-/// A triangle mesh. Its front faces, those whose corners run counter-clockwise, are outside; it need not be closed.
+/// A triangle mesh. The side of a triangle from which its corners run counter-clockwise is outside. The mesh need not be closed.
 #[derive(Debug, Clone)]
 pub struct Mesh {
     pub(crate) tree: TriMesh,
@@ -56,7 +56,7 @@ impl Mesh {
     /// A mesh of vertices in metres and triangles of vertex numbers. Triangles without an area are left out.
     ///
     /// # Errors
-    /// No triangle is left, or one names a missing vertex.
+    /// No triangle is left, or a triangle uses a vertex that does not exist.
     pub fn new(
         vertices: &[Vector],
         triangles: &[[u32; 3]],
@@ -88,7 +88,8 @@ impl Mesh {
         })
     }
 
-    /// From an STL file, text or binary. STL has no unit: `unit_m` is how many metres its 1 is, 0.001 for millimetres.
+    /// Reads a mesh from an STL file, text or binary. STL has no unit: `unit_m` is the file's unit in metres, e.g. 0.001 for
+    /// millimetres.
     ///
     /// # Errors
     /// The file cannot be read or is too long, is no STL, or holds no triangle with an area.
@@ -98,7 +99,7 @@ impl Mesh {
         Self::parse_stl(&bytes, path, unit_m)
     }
 
-    /// From the bytes of an STL file; `path` is its name in messages.
+    /// Reads a mesh from the bytes of an STL file. `path` names the file in messages.
     ///
     /// # Errors
     /// Same as [`Mesh::read_stl`].
@@ -127,25 +128,25 @@ impl Mesh {
         }
     }
 
-    /// Triangles with an area.
+    /// Number of triangles with an area.
     #[must_use]
     pub fn triangles(&self) -> usize {
         self.faces.len()
     }
 
-    /// Triangles that had none.
+    /// Number of triangles without an area, which were left out.
     #[must_use]
     pub const fn left_out(&self) -> usize {
         self.left_out
     }
 
-    /// Solids that its file names.
+    /// Number of solids that the STL file names.
     #[must_use]
     pub const fn solids(&self) -> usize {
         self.solids
     }
 
-    /// The diagonal of the box around it, m.
+    /// Diagonal of the mesh's bounding box, m.
     #[must_use]
     pub const fn size_m(&self) -> f64 {
         self.size_m
@@ -153,7 +154,7 @@ impl Mesh {
 }
 
 impl Face {
-    /// `None` where the corners lie on a line, to rounding.
+    /// A triangle with its normal and edges; `None` if the corners lie on a line, to rounding.
     fn new(corners: [Vector; 3]) -> Option<Self> {
         let [a, b, c] = corners;
         let edges = [b - a, c - b, a - c];
@@ -162,7 +163,7 @@ impl Face {
             .iter()
             .map(|edge| edge.length_squared())
             .fold(0.0, f64::max);
-        // A height below 1e-9 of the longest edge: the normal is that of rounding.
+        // The triangle's height is below 1e-9 of its longest edge, so its normal would be mere rounding.
         if across.length() <= 1e-9 * longest {
             return None;
         }
@@ -174,12 +175,12 @@ impl Face {
         })
     }
 
-    /// Height of a point above its plane, m.
+    /// Height of a point above the triangle's plane, m.
     pub fn height(&self, point: Vector) -> f64 {
         self.normal.dot(point - self.corners[0])
     }
 
-    /// Whether a point lies over the face, or beside it by no more than `beside_m`.
+    /// Whether the point, projected on the triangle's plane, lies in the triangle or at most `beside_m` outside its edges.
     pub fn is_below(&self, point: Vector, beside_m: f64) -> bool {
         self.corners
             .iter()

@@ -1,22 +1,23 @@
-//! STL as the world writes it: text in any capitals and spacing, one solid or several, and binary whose count is what there is.
+//! Reads STL files as programs write them: text in any letter case and spacing, with one or more solids; binary with a wrong count
+//! of triangles.
 
 use parry3d_f64::math::Vector;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Longest file that is read, bytes: five million triangles in binary.
+/// Size of the longest file that is read, bytes: five million triangles in binary.
 const MOST_BYTES: u64 = 250_000_084;
-/// Head and count of a binary file.
+/// Bytes of a binary file before its first triangle: header and number of triangles.
 const HEAD: usize = 84;
-/// A triangle of a binary file.
+/// Bytes of a triangle in a binary file.
 const RECORD: usize = 50;
 
-/// Triangles of a file; a vertex that is written several times is one.
+/// The triangles of a file. Vertices with the same coordinates become one vertex.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Triangles {
     pub vertices: Vec<[f32; 3]>,
     pub triangles: Vec<[u32; 3]>,
-    /// Solids that the file names; a binary one is one.
+    /// Number of solids that the file names; 1 for a binary file.
     pub solids: usize,
     known: HashMap<[u32; 3], u32>,
 }
@@ -38,7 +39,7 @@ impl Triangles {
         self.triangles.push(numbers);
     }
 
-    /// Vertices in metres.
+    /// The vertices in metres; `unit_m` is the file's unit in metres.
     pub fn vertices_m(&self, unit_m: f64) -> Vec<Vector> {
         self.vertices
             .iter()
@@ -47,10 +48,10 @@ impl Triangles {
     }
 }
 
-/// The content of a file, of any kind that has an end.
+/// Reads a file, also one whose size is unknown before, up to the largest size.
 ///
 /// # Errors
-/// Problem and remedy.
+/// What is wrong, and advice.
 pub(crate) fn bytes_of(path: &Path) -> Result<Vec<u8>, (String, &'static str)> {
     touchstone_sim::input::bytes(path, MOST_BYTES).map_err(|error| match error.kind() {
         std::io::ErrorKind::FileTooLarge => {
@@ -60,11 +61,11 @@ pub(crate) fn bytes_of(path: &Path) -> Result<Vec<u8>, (String, &'static str)> {
     })
 }
 
-/// Reads the bytes of a file. It is text if it begins with the word `solid` and then has a `facet` or an end;
-/// otherwise binary.
+/// Reads the triangles from the bytes of a file. The file is text if it begins with the word `solid` and then has a `facet` or an
+/// end; otherwise it is binary.
 ///
 /// # Errors
-/// The problem.
+/// What is wrong with the file.
 pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, String> {
     let told = bytes.get(80..HEAD).map_or(0, |count| {
         count
@@ -72,12 +73,12 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, String> {
             .rev()
             .fold(0_usize, |sum, byte| sum << 8 | usize::from(*byte))
     });
-    // The count that fits is the one mark that a text cannot have by chance.
+    // A binary file's count of triangles that fits its length is the one sign that a text cannot have by chance.
     if bytes.len() > HEAD && told.checked_mul(RECORD) == Some(bytes.len() - HEAD) {
         return Ok(binary(&bytes[HEAD..]));
     }
     let plain = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    // Zeros at the end are what a file was padded with.
+    // Zeros at the end are padding.
     let last = plain.iter().rposition(|byte| *byte != 0);
     let plain = &plain[..last.map_or(0, |at| at + 1)];
     if bytes.is_empty() {
@@ -108,7 +109,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, String> {
     ))
 }
 
-/// Another format that people store as `.stl`.
+/// Name of another format that is sometimes stored as `.stl`; `None` if the bytes begin like none of these.
 fn other_format(bytes: &[u8]) -> Option<&'static str> {
     let begins = |mark: &[u8]| bytes.starts_with(mark);
     let first = bytes.iter().position(|byte| !byte.is_ascii_whitespace())?;
@@ -136,18 +137,18 @@ fn binary(records: &[u8]) -> Triangles {
             let bytes: [u8; 4] = std::array::from_fn(|byte| record[4 * at + byte]);
             f32::from_le_bytes(bytes)
         };
-        // The first three are the normal: a triangle's own order says where its outside is.
+        // The first three numbers are the normal, which is not used: the order of the corners says which side is outside.
         found.triangle([3, 6, 9].map(|at| [number(at), number(at + 1), number(at + 2)]));
     }
     found
 }
 
-/// White space, with the vertical tab that C counts as such.
+/// Whether a byte is white space, including the vertical tab as in C.
 fn is_space(byte: &u8) -> bool {
     byte.is_ascii_whitespace() || *byte == b'\x0b'
 }
 
-/// The words of a text with their lines; any of LF, CR, CRLF ends one.
+/// The words of a text with their line numbers. LF, CR or CRLF ends a line.
 struct Words<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -177,7 +178,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Skips the rest of the line, which is a name in any letters.
+    /// Skips the rest of the line, which is a solid's name in any encoding.
     fn skip_line(&mut self) {
         while self.at < self.bytes.len() && !self.ends_line() {
             self.at += 1;
@@ -286,8 +287,7 @@ fn text(bytes: &[u8]) -> Result<Triangles, String> {
     }
 }
 
-/// Reads a facet after its first word. Its stated normal is ignored: many programs write nothing useful there, or
-/// `nan`.
+/// Reads a facet after its first word. The normal in the file is ignored, because many programs write no useful one, or `nan`.
 fn facet(words: &mut Words<'_>) -> Result<[[f32; 3]; 3], String> {
     words.wanted("normal")?;
     let mut left = 3;
@@ -307,7 +307,7 @@ fn facet(words: &mut Words<'_>) -> Result<[[f32; 3]; 3], String> {
     Ok(corners)
 }
 
-/// `endloop` or `end loop`.
+/// Reads two words that may be written as one, such as `endloop` or `end loop`.
 fn joined(words: &mut Words<'_>, first: &str, second: &str) -> Result<(), String> {
     match words.next() {
         Some(word) if word.is(first) => words.wanted(second),

@@ -17,8 +17,8 @@ use touchstone_control::{Controller, CountScale, Fixed16, Fixed32, Force, Number
 use touchstone_vectors::space::{SPACE_CASES, Wall, play_space};
 use touchstone_vectors::{Bits, Case, Machine, Segment, cases, play};
 
-// What firmware would call. Not inlined, so that a tick is counted with its call and return, and so that `cargo xtask thumb`
-// finds them, and all that they call, in the program by their names.
+// Functions as firmware would call them. They are not inlined, so that a tick is counted with its call and return, and so that
+// `cargo xtask thumb` finds them by name, with all that they call.
 
 #[inline(never)]
 fn tick_fixed32(wall: &mut Controller<Fixed32>, e: Position<Fixed32>) -> Force<Fixed32> {
@@ -144,7 +144,7 @@ fn in_space(
     }
 }
 
-/// Ends QEMU.
+/// Ends the emulator QEMU with an exit status.
 fn stop(status: debug::ExitStatus) -> ! {
     debug::exit(status);
     loop {

@@ -31,7 +31,7 @@ impl Ruler {
         // SAFETY: `nop` does nothing.
         let nops = || unsafe { asm!(".rept 1000", "nop", ".endr") };
         let (_, counted) = Self.count(nops);
-        // The compiler may put an instruction or two of its own between the readings; it must not take any away.
+        // The compiler may add an instruction or two between the readings, but must not remove any.
         (1000..=1003).contains(&counted).then_some(Self)
     }
 
@@ -45,7 +45,7 @@ impl Ruler {
         // SysTick counts down, in 24 bits.
         let ns = (before.wrapping_sub(after) & FULL) * NS_PER_COUNT;
         let instructions = (ns + NS_PER_INSTRUCTION / 2) / NS_PER_INSTRUCTION;
-        // One of them reads the clock.
+        // One of the counted instructions reads the clock.
         (result, instructions.saturating_sub(1))
     }
 }

@@ -6,7 +6,7 @@ use touchstone_control::{
     VelocityKind,
 };
 
-/// A law with its settings.
+/// A test case: a law with its settings.
 #[derive(Debug, Clone, Copy)]
 pub struct Case {
     /// Short name without spaces.
@@ -103,7 +103,7 @@ pub fn cases() -> [Case; 19] {
                 ..base
             },
         ),
-        // The default filter's coefficients are whole numbers, whose products need no rounding; these have fractions.
+        // The default filter's coefficients are whole numbers, whose products need no rounding. These have fractions.
         enhanced(
             "enhanced-fractions",
             Settings {

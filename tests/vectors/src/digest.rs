@@ -3,7 +3,7 @@
 use touchstone_control::law::{Contact, View};
 use touchstone_control::{Energy, Fixed16, Fixed32, Force, Number, Position};
 
-/// The bits of a number format's values, sign-extended.
+/// A number format whose values can be read as sign-extended bits.
 pub trait Bits: Number {
     /// Bits of a position or force.
     fn signal_bits(x: Self::Signal) -> i32;

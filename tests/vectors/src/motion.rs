@@ -126,20 +126,20 @@ impl Motion {
             i64::MAX,
             i64::MIN,
             OUTSIDE,
-            // 128 rad and 2 rad: where the formats end.
+            // The ends of the formats at 128 rad and 2 rad.
             818_057,
             -811_691,
             15_915,
             -9_549,
             OUTSIDE + 1,
-            // 32,767 rad: where the angle ends.
+            // The end of angles at 32,767 rad.
             208_606_000,
             -208_606_000,
             1 << 40,
             0,
         ];
         let near = self.whole(2);
-        // First each after each, then at random.
+        // First each end after each other, then at random.
         let index = if tick < 500 {
             i64::from(tick) * 5
         } else {

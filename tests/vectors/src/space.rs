@@ -137,12 +137,12 @@ impl Hand {
                 .seed
                 .wrapping_mul(1_664_525)
                 .wrapping_add(1_013_904_223);
-            // Up to two counts a tick, drawn back to the middle.
+            // Up to two counts per tick, drawn back to the middle.
             let step = ((self.seed >> 24) as i32 - 128) / 43;
             *axis = axis.wrapping_add(step).wrapping_sub(*axis / 256);
         }
         let beat = (tick % 1000) as i32;
-        // In over 100 counts, rest, out, rest: at most a count or so a tick.
+        // In over 100 counts, rest, out, rest: about one count per tick at most.
         let press = match beat {
             0..200 => beat / 4,
             200..700 => 50,

@@ -72,7 +72,7 @@ fn check<N: Bits>(lowest: i32, highest: i32) {
         assert_eq!(seen.digests.len(), SEGMENTS.len(), "{name}");
         last.extend(seen.digests.last());
     }
-    // What differs in its settings differs in its forces.
+    // Cases with different settings give different forces.
     assert_eq!(last.len(), cases().len());
 }
 

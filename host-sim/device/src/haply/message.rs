@@ -1,19 +1,19 @@
-//! The JSON messages to and from the service of an Inverse3.
+//! The JSON messages to and from the maker's service for an Inverse3.
 
 use crate::haptic::DeviceStanding;
 use serde_json::{Value, json};
 
-/// The two generations of messages, which name a force's vector differently.
+/// The two generations of messages, which differ in the name of a force's vector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Generation {
-    /// Up to 3.4: `values`.
+    /// Service versions up to 3.4: the vector is called `values`.
     Values,
-    /// From 3.5 on: `vector`.
+    /// Service versions from 3.5 on: the vector is called `vector`.
     Vector,
 }
 
 impl Generation {
-    /// Parses a version's text: the first number with a point in it.
+    /// The generation for a service's version text. Uses the first number with a point in the text; `None` if there is none.
     #[must_use]
     pub fn of(version: &str) -> Option<Self> {
         let mut words = version.split(|letter: char| !letter.is_ascii_digit() && letter != '.');
@@ -27,7 +27,7 @@ impl Generation {
         })
     }
 
-    /// The command of a force, N.
+    /// The message that commands a force, N.
     #[must_use]
     pub fn force(self, device: &str, [x, y, z]: [f64; 3]) -> String {
         let key = match self {
@@ -42,22 +42,22 @@ impl Generation {
     }
 }
 
-/// A device's state, of a message.
+/// A device's state, as a message of the service reports it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CursorState {
     /// The name of the device.
     pub device: String,
-    /// Where it is in its own frame, m.
+    /// Position of the handle in the device's own frame, m.
     pub position_m: [f64; 3],
-    /// State of the device.
+    /// Whether the device has its supply, is calibrated and has its motors on.
     pub standing: DeviceStanding,
 }
 
 impl CursorState {
-    /// Of a device by its name, or of the first there is.
+    /// Reads a state from a message: that of the device with this name, or of the first device in the message.
     ///
     /// # Errors
-    /// The problem of the message.
+    /// What is wrong with the message, in words.
     pub fn of(text: &str, device: Option<&str>) -> Result<Self, String> {
         let message: Value = serde_json::from_str(text).map_err(|why| why.to_string())?;
         let all = message["inverse3"]
@@ -74,7 +74,7 @@ impl CursorState {
                 .as_f64()
                 .ok_or(format!("no cursor_position.{name}"))
         };
-        // What a generation does not say is not held against it.
+        // A status that a generation of messages does not contain counts as good.
         let says_no = |name: &str| entry["status"][name] == false;
         Ok(Self {
             device: name.to_owned(),

@@ -1,7 +1,8 @@
-//! Haply's Inverse3, through the maker's service on this machine: a WebSocket, a state in, a force out.
+//! Haply's Inverse3, through the maker's service on this machine: a WebSocket that sends states and receives force commands.
 //!
-//! The service wants a command for every state, so its pace is the loop's. Its origin is moved to where the handle is at the
-//! beginning, as its own lies at the base. Nothing of its limits was to be had: force and workspace are chosen.
+//! The service expects a command after every state, so the service sets the loop's rate. The program moves the origin from the
+//! device's base to the position of the handle at the start. The device's limits are not published, so force and workspace are
+//! assumed.
 
 mod message;
 mod timed;
@@ -18,13 +19,14 @@ use std::time::{Duration, Instant};
 use timed::Timed;
 use tungstenite::{Message, WebSocket, client::client};
 
-/// Default address of the service.
+/// Default TCP address of the maker's service.
 pub const SERVICE: &str = "localhost:10001";
-/// How long a connection may take, and a state may be missing.
+/// Longest time for a connection, and longest wait for a state.
 const PATIENCE: Duration = Duration::from_millis(300);
-/// States by which the pace is measured.
+/// Number of states over which the service's rate is measured.
 const MEASURED: u32 = 100;
-/// Longest force, N; radius and half height of the workspace, m; step of a position, m: chosen, not its maker's.
+/// Largest force (N) that the program commands. The next lines have radius and half height of the workspace and the position's
+/// resolution (m). All are assumed, not published by the maker.
 const FORCE_N: f64 = 3.0;
 const REACH_M: f64 = 0.1;
 const COUNT_M: f64 = 5e-5;
@@ -53,7 +55,7 @@ fn absent(service: &str, why: &std::io::Error) -> HapticFault {
     )
 }
 
-/// A connection that does not wait without end.
+/// Opens a TCP connection to the service whose reads and writes have a time limit.
 fn connected(service: &str) -> Result<Timed, HapticFault> {
     let wrong = |why: std::io::Error| absent(service, &why);
     let mut last = std::io::Error::from(ErrorKind::NotFound);
@@ -69,15 +71,15 @@ fn connected(service: &str) -> Result<Timed, HapticFault> {
     Err(wrong(last))
 }
 
-/// What `GET /version` says.
+/// The service's version text, the answer to `GET /version`.
 fn version(service: &str) -> Result<String, HapticFault> {
     let mut stream = connected(service)?;
     let wrong = |why: std::io::Error| absent(service, &why);
-    // In one piece: a service may answer, and close, at the first that comes.
+    // Sent as one packet: a service may answer and close the connection after the first packet.
     let asked = format!("GET /version HTTP/1.1\r\nHost: {service}\r\nConnection: close\r\n\r\n");
     stream.write_all(asked.as_bytes()).map_err(wrong)?;
     let mut answer = Vec::new();
-    // A service that keeps the connection, or drips, ends it by the deadline: what came until then is the answer.
+    // If the service keeps the connection open or sends slowly, the deadline ends the read. What arrived until then is the answer.
     let _ = stream.take(65_536).read_to_end(&mut answer);
     let answer = String::from_utf8_lossy(&answer).into_owned();
     let body = answer.split_once("\r\n\r\n").map_or("", |(_, body)| body);
@@ -85,10 +87,10 @@ fn version(service: &str) -> Result<String, HapticFault> {
 }
 
 impl Inverse3 {
-    /// Connects to the service's first Inverse3, and measures its pace at no force.
+    /// Connects to the service's first Inverse3 and measures the service's rate while commanding no force.
     ///
     /// # Errors
-    /// No service, no device, or one that is not calibrated.
+    /// No service, no device, or a device that is not calibrated.
     pub fn connect(service: &str) -> Result<Self, HapticFault> {
         let version = version(service)?;
         let Some(generation) = Generation::of(&version) else {
@@ -133,7 +135,7 @@ impl Inverse3 {
         Ok(inverse)
     }
 
-    /// The first states: who it is, how it stands, and how fast it goes.
+    /// Reads the first states: which device it is, whether it is calibrated, and at which rate states arrive.
     fn meet(&mut self, version: &str) -> Result<(), HapticFault> {
         let first = self.state()?;
         if !first.standing.calibrated {
@@ -158,7 +160,7 @@ impl Inverse3 {
         Ok(())
     }
 
-    /// The next state. It has to be here, whole, by one deadline: neither pings nor single bytes put it off.
+    /// Waits for the next state. The whole state must arrive before one deadline, which neither pings nor single bytes extend.
     fn state(&mut self) -> Result<CursorState, HapticFault> {
         let wrong = lost("reading its state");
         let known = (!self.device.is_empty()).then(|| self.device.clone());
@@ -171,7 +173,7 @@ impl Inverse3 {
                     return Ok(state);
                 }
                 Ok(Message::Close(_)) => return Err(wrong("the service closed it".into())),
-                // Pings are answered by the socket itself. What is there already is read without asking for the time.
+                // The socket answers pings by itself. Data that already arrived are read without a check of the deadline.
                 Ok(_) if self.socket.get_ref().is_over() => {
                     return Err(wrong(self.socket.get_ref().over().to_string()));
                 }
@@ -189,7 +191,7 @@ impl Inverse3 {
             .map_err(|why| lost("commanding the force")(why.to_string()))
     }
 
-    /// Discards states that came while none was requested, because they are old.
+    /// Discards states that arrived while none was read, because they are old.
     fn catch_up(&mut self) -> Result<(), HapticFault> {
         let until = Instant::now() + PATIENCE;
         loop {
@@ -197,7 +199,7 @@ impl Inverse3 {
             match self.socket.read() {
                 Err(tungstenite::Error::Io(why)) if why.kind() == ErrorKind::TimedOut => break,
                 Err(why) => return Err(lost("reading its state")(why.to_string())),
-                // A service that does not wait for commands always has another one.
+                // A service that does not wait for commands sends states without end.
                 Ok(_) if Instant::now() > until => break,
                 Ok(_) => {}
             }
@@ -230,14 +232,14 @@ impl HapticDevice for Inverse3 {
 
     fn command(&mut self, force_n: [f64; 3]) -> Result<Applied, HapticFault> {
         self.say(if self.engaged { force_n } else { [0.0; 3] })?;
-        // What it makes of a force that is too long is not known: the loop keeps below what was chosen.
+        // What the device does with a larger force is unknown, so the loop stays below the assumed limit.
         Ok(match length(force_n) > FORCE_N * (1.0 + 1e-9) {
             true => Applied::Saturated(None),
             false => Applied::Whole,
         })
     }
 
-    /// The state from its last message; the service sends no other.
+    /// The device's state from the last message. The service has no request for it.
     fn standing(&mut self) -> Result<DeviceStanding, HapticFault> {
         Ok(self.standing)
     }
@@ -260,7 +262,7 @@ impl HapticDevice for Inverse3 {
 
 impl Drop for Inverse3 {
     fn drop(&mut self) {
-        // Whoever wants to know what failed has released it before.
+        // The result is ignored: a caller that needs it has released the device before.
         let _ = self.release();
     }
 }
