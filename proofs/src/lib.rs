@@ -54,6 +54,7 @@ pub mod parts;
 pub mod pieces;
 pub mod place;
 pub mod planes;
+pub mod profile;
 pub mod reckoned;
 pub mod refines;
 pub mod refines_enhanced;

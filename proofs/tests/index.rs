@@ -132,9 +132,9 @@ fn every_property_that_is_tried_on_all_inputs_has_its_row() {
 fn the_walk_quotes_what_is_there_in_its_order() {
     let page = read(PAGE);
     let source = read("proofs/src/tdpa.rs");
-    let (_, body) = source
-        .split_once("/// P1, exact observer: the sum is the port's energy")
-        .expect("the harness");
+    let name = source.find("fn p1_exact_is_the_sum").expect("the harness");
+    let begin = source[..name].rfind("property! {").expect("its property");
+    let (_, body) = source[begin..].split_once('{').expect("its beginning");
     let (body, _) = body.split_once("property! {").expect("the one after it");
     let mut lines = body.lines().map(str::trim);
     let mut quoted = 0;

@@ -18,14 +18,14 @@ use crate::frame::{PAYLOAD_MAX, crc_of};
 #[cfg(feature = "large")]
 use crate::settings::cogging::KeptCogging;
 #[cfg(feature = "large")]
-use crate::settings::environment::Surround;
+use crate::settings::environment::{Surround, WithoutProfile};
 #[cfg(feature = "large")]
 use crate::settings::kept::KeptStart;
 use crate::settings::{DeviceSettings, SettingsError};
 
 /// Version of the layout. It must rise when the fields of [`DeviceSettings`], their order or their meaning change.
 pub const LAYOUT_VERSION: u16 = if cfg!(feature = "large") {
-    7
+    8
 } else {
     WALL_ALONE
 };
@@ -38,6 +38,9 @@ const NOTHING_KEPT: u16 = 5;
 
 /// Layout version without a cogging map.
 const NO_MAP: u16 = 6;
+
+/// The layout with a map of the cogging, and an environment without a profile.
+const NO_PROFILE: u16 = 7;
 
 /// Longest image in bytes.
 pub const IMAGE_MAX: usize = VERSION_BYTES + PAYLOAD_MAX + SURROUND_MAX + CRC_BYTES;
@@ -150,7 +153,7 @@ pub fn layout_version(image: &[u8]) -> Option<u16> {
 pub(crate) const fn is_readable(version: u16) -> bool {
     version == LAYOUT_VERSION
         || version == WALL_ALONE
-        || (cfg!(feature = "large") && matches!(version, NOTHING_KEPT | NO_MAP))
+        || (cfg!(feature = "large") && matches!(version, NOTHING_KEPT | NO_MAP | NO_PROFILE))
 }
 
 /// Checks the CRC of an image and returns its layout version and its content.
@@ -178,8 +181,13 @@ pub fn decode_with(image: &[u8], check: Check<'_>) -> Result<Start, Refused> {
     type Read = (DeviceSettings, Surround, KeptStart, Option<KeptCogging>);
     let read: Option<Read> = match version {
         WALL_ALONE => message(content).map(|it| (it, wall, none, None)),
-        NOTHING_KEPT => message(content).map(|(it, around)| (it, around, none, None)),
-        NO_MAP => message(content).map(|(it, around, kept)| (it, around, kept, None)),
+        NOTHING_KEPT => message(content)
+            .map(|(it, around): (_, WithoutProfile)| (it, around.into(), none, None)),
+        NO_MAP => message(content)
+            .map(|(it, around, kept): (_, WithoutProfile, _)| (it, around.into(), kept, None)),
+        NO_PROFILE => message(content).map(|(it, around, kept, map): (_, WithoutProfile, _, _)| {
+            (it, around.into(), kept, map)
+        }),
         _ => message(content),
     };
     let (settings, environment, kept, cogging) = read.ok_or(Refused::Damaged)?;

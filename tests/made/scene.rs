@@ -64,6 +64,12 @@ fn value(field: &Field, seeded: &mut impl Choices) -> String {
             let middle = least.max(1).saturating_mul(3).min(most);
             [least, most, 0, middle, least.saturating_add(1)][seeded.below(5)].to_string()
         }
+        Kind::Numbers(fewest, most, low, high) => {
+            let many = [fewest, most, 3, most / 2, fewest - 1, most + 1][seeded.below(6)];
+            let values = [low, high, 0.0, 0.5 * high, 1e-9, 1.5 * high];
+            let items: Vec<String> = (0..many).map(|_| number(seeded, &values)).collect();
+            format!("[{}]", items.join(", "))
+        }
         Kind::Number(range) => match range {
             Range::Any | Range::NotZero => number(seeded, &wide),
             Range::Positive | Range::NotNegative => {

@@ -1,13 +1,17 @@
 //! Settings in flash: a power cut during any write or erase loses only that write, and damaged settings are refused.
 
 use touchstone_control::Si;
+use touchstone_control::environment::{MOST_POINTS, Shape, WHOLE};
 use touchstone_drive::wire::checked;
 use touchstone_protocol::settings::SettingsError;
+use touchstone_protocol::settings::environment::{
+    DetentsBeside, ENVIRONMENT_MAX, Points, ProfileBeside, TravelEnds, WallBeside,
+};
 use touchstone_protocol::settings::kept::MeasuredWith;
 use touchstone_protocol::stored::{self, IMAGE_MAX, LAYOUT_VERSION, Refused, Start};
 use touchstone_protocol::{
-    Board, CoggingHarmonic, CoggingMap, DeviceSettings, KeptAlignment, KeptCogging, KeptStart,
-    Surround, flash,
+    Board, CoggingHarmonic, CoggingMap, Decimal, DeviceSettings, KeptAlignment, KeptCogging,
+    KeptStart, Surround, flash,
 };
 use touchstone_tests::flash::Flash;
 use touchstone_tests::random::Random;
@@ -180,8 +184,17 @@ fn the_layouts_before_are_read_with_nothing_kept() {
         first_wall: false,
         ..Surround::default()
     };
-    let (of_4, of_5) = (settings(4), (settings(5), around));
-    let of_6 = (settings(6), around, kept(6));
+    // An environment as it was before it could have a profile.
+    let before = (
+        around.first_wall,
+        around.further,
+        around.endstops,
+        around.detents,
+        around.change_n_m_per_s,
+    );
+    let (of_4, of_5) = (settings(4), (settings(5), before));
+    let of_6 = (settings(6), before, kept(6));
+    let of_7 = (settings(7), before, kept(7), None::<KeptCogging>);
     for (layout, content, settings, around) in [
         (
             4_u16,
@@ -191,6 +204,7 @@ fn the_layouts_before_are_read_with_nothing_kept() {
         ),
         (5, postcard(&of_5, &mut buffer), of_5.0.clone(), around),
         (6, postcard(&of_6, &mut buffer), of_6.0.clone(), around),
+        (7, postcard(&of_7, &mut buffer), of_7.0.clone(), around),
     ] {
         let image = sealed(&[&layout.to_le_bytes()[..], &content].concat());
         let mut flash = Flash::erased(PAGES);
@@ -200,14 +214,56 @@ fn the_layouts_before_are_read_with_nothing_kept() {
         assert_eq!(start.refused, None, "layout {layout}");
         assert_eq!(start.settings, settings);
         assert_eq!(start.environment, around);
-        let is_kept = layout == 6;
-        let expected = if is_kept {
-            of_6.2
-        } else {
-            KeptStart::default()
+        let expected = match layout {
+            6 => of_6.2,
+            7 => of_7.2,
+            _ => KeptStart::default(),
         };
         assert_eq!((start.kept, start.cogging), (expected, None));
     }
+}
+
+/// Every part of an environment, each number as long as it can be on the wire.
+#[test]
+fn the_longest_environment_has_room() {
+    let long = Decimal(Si::MIN);
+    let wall = WallBeside {
+        at_rad: long,
+        below: true,
+        stiffness_n_m_per_rad: Some(long),
+    };
+    let longest = Surround {
+        first_wall: true,
+        further: [Some(wall); 3],
+        endstops: Some(TravelEnds {
+            lower_rad: long,
+            upper_rad: long,
+            stiffness_n_m_per_rad: Some(long),
+        }),
+        detents: Some(DetentsBeside {
+            per_rev: u16::MAX,
+            pitch_rad: long,
+            strength_n_m: long,
+            centre_rad: long,
+        }),
+        profile: Some(ProfileBeside {
+            per_rev: u16::MAX,
+            start_rad: long,
+            end_rad: long,
+            strength_n_m: long,
+            shape: Points(Shape::new(&[-WHOLE; MOST_POINTS]).expect("a shape")),
+        }),
+        change_n_m_per_s: long,
+    };
+    let mut buffer = [0; IMAGE_MAX];
+    let bytes = postcard(&longest, &mut buffer);
+    assert!(bytes.len() <= ENVIRONMENT_MAX, "{} bytes", bytes.len());
+    assert_eq!(postcard::from_bytes(&bytes), Ok(longest));
+    // A shape that is none is no message.
+    let mut short = bytes.clone();
+    let points = bytes.len() - 3 * MOST_POINTS - 1;
+    short[points] = 1;
+    assert!(postcard::from_bytes::<Surround>(&short[..points + 4]).is_err());
 }
 
 fn postcard(value: &impl serde::Serialize, buffer: &mut [u8]) -> Vec<u8> {

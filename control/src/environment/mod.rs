@@ -1,8 +1,10 @@
-//! Everything to touch on one axis: several walls, solid above or below their surfaces, and detents, with one energy guard behind their sum.
+//! Everything to touch on one axis: several walls, solid above or below their surfaces, detents, and a drawn torque profile. One energy
+//! guard limits the sum of their forces.
 //!
 //! ```text
 //! angle -> each wall: penetration -> states -> law \
 //!       -> detents ---------------------------------> sum -> saturation -> guard -> force
+//!       -> profile --------------------------------->
 //! ```
 //!
 //! **Nothing is switched.** Every wall has a law with a memory of its own and gets the device's position at every tick. Outside its own wall a
@@ -22,11 +24,13 @@
 mod changing;
 mod detents;
 mod face;
+pub mod profile;
 mod refused;
 
 use changing::Carried;
 pub use detents::{DetentSettings, Detents, Spacing};
 pub use face::{Counted, Face, Reached, Reading, Side, turn_of};
+pub use profile::{Extent, MOST_POINTS, Profile, ProfileSettings, Shape, WHOLE};
 pub use refused::Refused;
 
 use crate::controller::Controller;
@@ -76,6 +80,7 @@ impl<N: Number> Walled<N> {
 pub struct Environment<N: Number> {
     walls: [Option<Walled<N>>; MOST_WALLS],
     detents: Option<Detents<N>>,
+    profile: Option<Profile<N>>,
     limit: Force<N>,
     /// The energy guard behind the sum of all forces.
     pub guard: Option<Guarded<N>>,
@@ -112,6 +117,7 @@ impl<N: Number> Environment<N> {
         let mut environment = Self {
             walls: [None; MOST_WALLS],
             detents: None,
+            profile: None,
             limit: Force(N::signal(settings.force_limit).ok_or(Refused::Law(
                 SettingsError::OutOfFormat {
                     field: Field::ForceLimit,
@@ -165,6 +171,21 @@ impl<N: Number> Environment<N> {
         Ok(environment)
     }
 
+    /// This environment with a torque profile, whose force is added to those of walls and detents. `force_limit` is that of the
+    /// law's settings.
+    ///
+    /// # Errors
+    /// The profile's setting that is refused.
+    #[cold]
+    pub fn with_profile(
+        mut self,
+        profile: &ProfileSettings,
+        force_limit: Si,
+    ) -> Result<Self, Refused> {
+        self.profile = Some(profile.profile(force_limit)?);
+        Ok(self)
+    }
+
     /// This environment in the place of one that ran before, for the next arming. All memory is cleared; only the energy in the
     /// guard's account is taken over.
     #[must_use]
@@ -186,6 +207,9 @@ impl<N: Number> Environment<N> {
             None => Force::zero(),
             Some(detents) => detents.force(at),
         };
+        if let Some(profile) = &self.profile {
+            wanted = wanted + profile.force(at);
+        }
         let (end, commanded) = (self.end, self.commanded);
         self.beyond_reach = false;
         for wall in self.walls.iter_mut().flatten() {

@@ -23,6 +23,19 @@ pub enum Refused {
         /// The force limit, N·m (N).
         limit: Si,
     },
+    /// A profile has fewer than 2 points, or more than [`super::MOST_POINTS`].
+    Points(usize),
+    /// A point of a profile is beyond -10,000 to 10,000.
+    Point(i16),
+    /// The distance between the ends of a profile is out of its range, rad (m).
+    Length(Si),
+    /// The strength of a profile is below 0 or above the force limit, N·m (N).
+    ProfileStrength {
+        /// The strength as it was given.
+        strength: Si,
+        /// The force limit.
+        limit: Si,
+    },
 }
 
 impl fmt::Display for Refused {
@@ -39,13 +52,27 @@ impl fmt::Display for Refused {
             ),
             Self::PerTurn(per_turn) => write!(
                 f,
-                "{per_turn} detents in a turn are outside 1 to {}",
+                "{per_turn} in a turn are outside 1 to {}",
                 super::detents::MOST
             ),
-            Self::Strength { strength, limit } => write!(
+            Self::Points(points) => {
+                write!(f, "{points} points are outside 2 to {}", super::MOST_POINTS)
+            }
+            Self::Point(point) => {
+                write!(f, "a point of {point} is outside -{0} to {0}", super::WHOLE)
+            }
+            Self::Length(length) => write!(
                 f,
-                "{strength:.6} N·m is outside 0 to the force limit of {limit:.6} N·m"
+                "a profile of {length:.6} rad is outside {} to {} rad",
+                super::profile::SHORTEST,
+                super::profile::LONGEST
             ),
+            Self::Strength { strength, limit } | Self::ProfileStrength { strength, limit } => {
+                write!(
+                    f,
+                    "{strength:.6} N·m is outside 0 to the force limit of {limit:.6} N·m"
+                )
+            }
         }
     }
 }

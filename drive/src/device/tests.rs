@@ -71,6 +71,7 @@ fn shaken(turns: i64) -> Vec<(i64, i32, i32, i32)> {
         first_wall: false,
         detents: Some(DetentsBeside {
             per_rev: 24,
+            pitch_rad: Decimal(Si::ZERO),
             strength_n_m: Decimal(Si::lit("0.05")),
             centre_rad: Decimal(Si::ZERO),
         }),

@@ -6,7 +6,10 @@ use touchstone_control::{CountScale, Fixed32, Force, Position, Si};
 use touchstone_drive::around::built;
 use touchstone_drive::change::ChangeConfig;
 use touchstone_drive::wire::hardware;
-use touchstone_protocol::settings::environment::{DetentsBeside, TravelEnds, WallBeside};
+use touchstone_control::environment::{Shape, WHOLE};
+use touchstone_protocol::settings::environment::{
+    DetentsBeside, Points, ProfileBeside, TravelEnds, WallBeside,
+};
 use touchstone_protocol::{
     Board, CountsFrom, Decimal, DeviceCommand, DeviceSettings, Limit, Limits, Phase, Refusal,
     Reply, Request, Surround, Telemetry,
@@ -60,8 +63,19 @@ fn all(setup: &Setup) -> Surround {
         }),
         detents: Some(DetentsBeside {
             per_rev: 48,
+            pitch_rad: Decimal(Si::ZERO),
             strength_n_m: Decimal(strength),
             centre_rad: si("0.01"),
+        }),
+        // A slope up, a step down, and a level part.
+        profile: Shape::new(&[-3_000, WHOLE, -WHOLE, 500, 500]).ok().map(|shape| {
+            ProfileBeside {
+                per_rev: 5,
+                start_rad: si("0.02"),
+                end_rad: si("0"),
+                strength_n_m: Decimal(strength),
+                shape: Points(shape),
+            }
         }),
         change_n_m_per_s: si(CHANGE),
         ..Surround::default()

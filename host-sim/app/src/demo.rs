@@ -35,10 +35,12 @@ pub struct Options {
 const HAPPENS: &str = "\
 A simulated hand presses the knob for as long as it is armed.
 Lines of standard input are what happens to the board:
-  volts V      its supply has so many volts
-  gap N        N records of telemetry are lost
-  noise N      N bytes without a meaning arrive
-  pull, plug   its cable";
+  turn DEGREES  the hand turns the knob there, and stays
+  press         it presses into the wall again
+  volts V       its supply has so many volts
+  gap N         N records of telemetry are lost
+  noise N       N bytes without a meaning arrive
+  pull, plug    its cable";
 
 /// Serves the knob until Ctrl-C, with a page before it or without.
 pub fn main(options: &Options) -> Result<()> {

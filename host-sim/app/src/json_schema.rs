@@ -35,6 +35,12 @@ pub fn scene() -> Value {
             scene::Kind::Choice(words) => json!({"enum": words}),
             scene::Kind::Flag => json!({"type": "boolean"}),
             scene::Kind::Text => json!({"type": "string"}),
+            scene::Kind::Numbers(fewest, most, low, high) => json!({
+                "type": "array",
+                "minItems": fewest,
+                "maxItems": most,
+                "items": {"type": "number", "minimum": low, "maximum": high},
+            }),
         };
         let about = match field.absent {
             Some(absent) => format!("{}; left out: {absent}", field.about),

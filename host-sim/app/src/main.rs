@@ -4,6 +4,8 @@ mod accuracy;
 mod baseline;
 mod board_page;
 mod boundary;
+#[cfg(unix)]
+mod bridge;
 mod browser;
 mod certify;
 mod check;
@@ -13,6 +15,7 @@ mod config;
 mod demo;
 mod device;
 mod doctor;
+mod events;
 mod expect;
 mod family;
 mod flash;
@@ -37,6 +40,7 @@ mod scorecard;
 mod setup;
 mod shell;
 mod space_scene;
+mod stream;
 mod sweep;
 mod thesis;
 mod thesis_space;
@@ -123,6 +127,11 @@ enum Command {
     Flash(flash::Options),
     /// Shows the log of the program on a board, through its probe, while it runs.
     Log(log::Options),
+    /// Prints a line whenever the position of a knob changes, as text or JSON, for programs.
+    Events(events::Options),
+    /// Makes a board look like a SmartKnob, on a pseudo terminal, for programs that were written for one.
+    #[cfg(unix)]
+    Bridge(bridge::Options),
     /// Shows what a device measures and does, live; keeps every control tick as CSV.
     Monitor(monitor::Options),
     /// Reads, changes and keeps a device's settings.
@@ -221,6 +230,9 @@ fn act(command: &Command, json: bool) -> Result<ExitCode> {
         Command::Setup(options) => setup::main(options),
         Command::Flash(options) => flash::main(options),
         Command::Log(options) => log::main(options),
+        Command::Events(options) => events::main(options),
+        #[cfg(unix)]
+        Command::Bridge(options) => bridge::main(options),
         Command::Monitor(options) => monitor::main(options),
         Command::Config(options) => config::main(options),
         Command::Device(options) => return device::main(options),

@@ -2,13 +2,14 @@
 
 use super::device::note_silence;
 use super::number;
-use super::out::{self, is_read, print, say, tell};
+use super::out::{self, print, say, tell};
 use super::port::PortOption;
+use super::stream::{self, Until};
 use super::whole::{Named, Overwrite};
 use std::fs::File;
 use std::io::IsTerminal;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use touchstone_control::Si;
 use touchstone_device::Client;
@@ -16,18 +17,12 @@ use touchstone_lab::report::csv::decimal;
 use touchstone_link::counted::Counted;
 use touchstone_link::words::{name_of, page};
 use touchstone_protocol::{Fault, FaultCode, Limit, Limits, Phase, Reply, Request, Telemetry};
-use touchstone_sim::error::{Error, Result};
+use touchstone_sim::error::Result;
 use touchstone_sim::output;
 
 /// A line of a terminal is overwritten this often; without a terminal there is a line a second.
 const LIVE: Duration = Duration::from_millis(100);
 const LOGGED: Duration = Duration::from_secs(1);
-/// A device that should send and is silent for this long is taken to be gone.
-pub const SILENCE_LIMIT: Duration = Duration::from_secs(2);
-
-/// The device hears of the desktop at least this often: its shortest watchdog on it that makes sense is twice as long.
-pub const SIGN_OF_LIFE: Duration = Duration::from_millis(250);
-
 /// Options of `monitor`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
@@ -122,46 +117,29 @@ fn watch(
 ) -> Result<Counted> {
     let live = std::io::stdout().is_terminal();
     let every = if live { LIVE } else { LOGGED };
-    let begun = Instant::now();
-    let (mut counted, mut shown, mut heard) = (Counted::default(), None::<Instant>, begun);
+    let (mut counted, mut shown) = (Counted::default(), None::<Instant>);
     let mut state = None;
-    let mut spoken = begun;
     tell!("{HEADING}");
     let silent = out::json() || out::quiet();
-    // With a file the run goes on when the reader of the screen has had enough.
-    while !stop.load(Ordering::Relaxed)
-        && (is_read() || table.is_some())
-        && options
-            .seconds
-            .is_none_or(|seconds| begun.elapsed().as_secs_f64() < seconds)
-    {
-        if spoken.elapsed() >= SIGN_OF_LIFE {
-            spoken = Instant::now();
-            client.ask(&Request::Status)?;
-        }
-        let Some(record) = client.next_telemetry()? else {
-            if heard.elapsed() > SILENCE_LIMIT {
-                return Err(Error::device(
-                    client.place(),
-                    "no telemetry for 2 s",
-                    "look with `touchstone device status`",
-                ));
-            }
-            continue;
-        };
-        heard = Instant::now();
+    let until = Until {
+        stop,
+        seconds: options.seconds,
+        // With a file the run goes on when the reader of the screen has had enough.
+        unread: table.is_some(),
+    };
+    stream::records(client, until, |_, record| {
         counted.take(record.tick, options.decimation);
         if let Some(table) = table {
-            table.take(&record)?;
+            table.take(record)?;
         }
         let now = (record.phase, record.fault);
         if silent {
-            continue;
+            return Ok(true);
         }
         let changed = state.replace(now).is_some_and(|before| before != now);
         if changed || shown.is_none_or(|shown| shown.elapsed() >= every) {
             shown = Some(Instant::now());
-            let line = line(&record, counted.lost);
+            let line = line(record, counted.lost);
             // What changed stays on the screen; what is only newer is written over.
             match (live, changed) {
                 (true, false) => print(format_args!("\r{line}"))?,
@@ -169,7 +147,8 @@ fn watch(
                 (false, _) => say!("{line}"),
             }
         }
-    }
+        Ok(true)
+    })?;
     Ok(counted)
 }
 

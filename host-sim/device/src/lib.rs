@@ -18,6 +18,7 @@ mod haply;
 pub mod haptic;
 mod moved_about;
 mod omega3;
+pub mod positions;
 pub mod servo;
 mod survey;
 mod transport;

@@ -28,6 +28,8 @@ const PRESS_S: f64 = 3.0;
 /// The hand's rest point moves from this distance before the wall's surface to the same distance inside, rad.
 const NEAR_RAD: f64 = 0.1;
 const DEEP_RAD: f64 = 2.5;
+/// Speed at which the hand turns the knob where it is told to.
+const TURN_RAD_PER_S: f64 = 3.0;
 
 /// A served knob's surroundings: a supply whose voltage may change, and a desktop that may stop sending.
 #[derive(Debug, Clone, Copy)]
@@ -64,6 +66,8 @@ pub struct ServedKnob {
     /// Shaft angle when the knob was armed, rad; the next field is the wall's distance from it.
     start_rad: f64,
     outside_rad: f64,
+    /// The angle to which the hand turns the knob, rad; `None`: the hand presses into the wall.
+    turned_rad: Option<f64>,
     /// Whether the cable is plugged in.
     plugged: bool,
     noise: usize,
@@ -88,6 +92,7 @@ impl ServedKnob {
             armed_s: 0.0,
             start_rad: 0.0,
             outside_rad: 0.0,
+            turned_rad: None,
             plugged: true,
             noise: 0,
         }
@@ -104,7 +109,11 @@ impl ServedKnob {
             "volts" => self.knob.tamper.supply_v = number,
             "pull" => self.plugged = false,
             "plug" => self.plugged = true,
-            _ => eprintln!("note: {what}: not known; try gap N, noise N, volts V, pull or plug"),
+            "turn" => self.turned_rad = Some(number.to_radians()),
+            "press" => self.turned_rad = None,
+            _ => eprintln!(
+                "note: {what}: not known; try turn DEGREES, press, gap N, noise N, volts V, pull or plug"
+            ),
         }
     }
 
@@ -119,7 +128,10 @@ impl ServedKnob {
     /// is due.
     fn advance(&mut self) {
         let rate_hz = f64::from(self.settings.timing.rate_hz);
-        if self.knob.device.state() == State::Armed {
+        if let Some(turned_rad) = self.turned_rad {
+            let step = TURN_RAD_PER_S / rate_hz;
+            self.knob.rest_rad += (turned_rad - self.knob.rest_rad).clamp(-step, step);
+        } else if self.knob.device.state() == State::Armed {
             self.armed_s += 1.0 / rate_hz;
             // The hand moves from where the knob was armed to a little before the surface. From there it moves a fraction of a
             // radian inside and back, again and again.

@@ -36,7 +36,7 @@ function parse(printed) {
   const out = new Map();
   let table = "";
   for (const line of printed.split("\n")) {
-    const heading = /^(# )?\[([a-z_.]+)\](?: absent: (.*))?/.exec(line);
+    const heading = /^(# )?\[([a-z0-9_.]+)\](?: absent: (.*))?/.exec(line);
     if (heading) {
       table = `${heading[2]}.`;
       if (heading[1]) out.set(heading[2], { value: "none", about: heading[3], absent: true });
@@ -97,6 +97,25 @@ function show() {
   $("warned").hidden = !warnings;
   $("warned").firstElementChild.textContent = nobody ? nobody.trim() : many === 1 ? "One warning" : `${many} warnings`;
   if ($("all").open) showAll();
+  if ($("draw").open) showProfile();
+}
+
+// The knob that somebody draws.
+/** A first feel to draw on: five clicks in a turn, in the place of the wall. */
+function startDrawing() {
+  closeFile();
+  const shape = `[${SHAPES[0][1].map((v) => v.toFixed(1)).join(", ")}]`;
+  chosen = { base: "smooth", step: 0, sets: new Map([[`${PROFILE}.per_rev`, "5"], [`${PROFILE}.strength_n_m`, "0.02"], [`${PROFILE}.shape`, shape]]), b: null, automatic: !wantsStill, speed: 1, strength: 0.3 };
+  begin();
+}
+function showProfile() {
+  const profile = runs[0]?.profile;
+  if (!profile) return;
+  editor.take(profile);
+  if (document.activeElement !== $("profile-copies")) $("profile-copies").value = profile.copies;
+  if (document.activeElement !== $("profile-strength")) $("profile-strength").value = Number((1e3 * profile.strength).toPrecision(6));
+  const points = String(profile.shape.length);
+  options($("profile-points"), ["8", "16", "32", "64"].map((n) => [n, n]), points);
 }
 
 const guardField = () => ["law.guard.enabled", "law.guard.kind", "law.guard.on"].find((path) => fields.has(path));
@@ -293,11 +312,12 @@ function opened({ a, b, keep }) {
     const title = `${laws.get("law.kind").value}, ${number(side.facts.k_desired_n_m_per_rad)} N·m/rad${guarded}`;
     const length = Math.max(2000, Math.ceil(Math.min(side.facts.rate_hz, 4000) * WINDOW_S * 1.1));
     const ring = before && before.ring.length === length ? before.ring : new Ring(COLUMNS, length);
-    return { ...side, title, ring, second: i === 1, last: before?.last ?? null, peak: 0, got: 0 };
+    return { ...side, title, ring, profile: profileOf(laws), second: i === 1, last: before?.last ?? null, peak: 0, got: 0 };
   });
   // A changed setting or a law beside it is another run than the file's.
   if (openedFile && !keep && !b) runs.push(fileRun(a)); else closeFile();
   if (chosen.automatic && !runs[0].facts.motion_s) automatic(false);
+  if (!keep) $("draw").open = Boolean(runs[0].profile);
   show();
 }
 

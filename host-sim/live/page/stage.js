@@ -77,6 +77,16 @@ class Stage {
       stroke(g, ink.hatch, 1, [], () => { for (let a = low; a < high; a += 0.09) { g.moveTo(...at(a, r * 1.08)); g.lineTo(...at(a + 0.07, r * 1.4)); } });
       stroke(g, ink.text, 2.5, [], () => { g.moveTo(...at(from, r * 1.04)); g.lineTo(...at(from, r * 1.44)); });
     }
+    // A profile: the landscape that it makes of the turn, low where the knob rests.
+    const { profile } = run;
+    if (profile && row) {
+      stroke(g, ink.force, 2, [], () => {
+        for (let i = 0; i <= 720; i += 1) {
+          const a = row.angle_rad + ((i - 360) * Math.PI) / 360, d = r * (1.05 + 0.16 * heightAt(profile, a));
+          if (i) g.lineTo(...at(a, d)); else g.moveTo(...at(a, d));
+        }
+      });
+    }
     // Detents: a mark at each.
     const { detents_per_rev: detents, detent_rad: detent } = run.facts;
     if (detents > 0) {
@@ -145,6 +155,14 @@ class Lens {
       stroke(g, ink.hatch, 0.7, [], () => { for (let at = left - h; at < left + Math.abs(end - edge); at += 12) { g.moveTo(at, low); g.lineTo(at + low - top, top); } });
       g.restore();
       stroke(g, ink.text, 2.5, [], () => { g.moveTo(edge, top); g.lineTo(edge, low); });
+    }
+    if (run.profile) {
+      stroke(g, ink.force, 2, [], () => {
+        for (let x = 0; x <= box.w; x += 2) {
+          const a = surface + (2 * half * x) / box.w - half, y = line + 14 + (strip - line - 24) * (1 - heightAt(run.profile, a));
+          if (x) g.lineTo(box.x + x, y); else g.moveTo(box.x + x, y);
+        }
+      });
     }
     // Detents: a line at each, so far as they can be told apart.
     const { detents_per_rev: detents, detent_rad: detent } = facts, pitch = (2 * Math.PI) / detents;

@@ -79,6 +79,7 @@ const figures = [
   { canvas: plane.canvas, act: () => plane.draw(runs, PLANE_S, [{ slope: runs[0].facts.k_desired_n_m_per_rad, dash: [6, 4] }, { slope: runs[0].facts.k_critical_n_m_per_rad, dash: [2, 3] }]) },
   { canvas: phase.canvas, act: () => phase.draw(runs, PLANE_S, []) },
 ];
+figures.push({ canvas: $("profile"), act: () => { if ($("draw").open) editor.draw(runs[0].profile, runs[0].last?.angle_rad ?? null); } });
 const inSight = new Set();
 const watch = new IntersectionObserver((entries) => { for (const entry of entries) inSight[entry.isIntersecting ? "add" : "delete"](entry.target); });
 for (const figure of figures) watch.observe(figure.canvas);
@@ -188,6 +189,14 @@ on("encoder", "change", () => { const n = $("encoder").value; if (n === "none") 
 on("strength", "input", () => { chosen.strength = Number($("strength").value); $("strength-n").textContent = chosen.strength.toFixed(2); tell("strength", { n_m_per_rad: chosen.strength }); share(); });
 on("friction", "change", () => { if ($("friction").checked) { chosen.sets.delete("device.friction"); set("device.friction.kinetic_n_m", "3e-4"); } else set("device.friction", "none"); });
 on("guard", "change", () => { const path = guardField(), words = fields.get(path).words; set(path, words ? ($("guard").checked ? words.find((w) => !["none", "off"].includes(w)) : words.find((w) => ["none", "off"].includes(w))) : String($("guard").checked)); });
+const editor = new ProfileEditor($("profile"), set);
+$("profile-from").append(new Option("…", ""), ...SHAPES.map(([name], i) => new Option(name, i)));
+on("draw", "toggle", () => { if ($("draw").open) { if (runs[0]?.profile) showProfile(); else startDrawing(); } });
+on("profile-from", "change", () => { const shape = SHAPES[$("profile-from").value]?.[1]; if (shape) { editor.shape = shape.slice(); editor.chosen = 0; editor.send(); } });
+on("profile-copies", "change", () => set(`${PROFILE}.per_rev`, $("profile-copies").value));
+on("profile-strength", "change", () => set(`${PROFILE}.strength_n_m`, Number((Number($("profile-strength").value) / 1e3).toPrecision(9))));
+on("profile-points", "change", () => editor.resample(Number($("profile-points").value)));
+on("profile-save", "click", () => save("feel.toml", "application/toml", runs[0].printed));
 on("all", "toggle", () => { if ($("all").open) showAll(); });
 on("record", "click", () => record(!recording));
 on("csv", "click", () => saveEach((file, name) => save(`${name}.csv`, "text/csv", csv(file))));

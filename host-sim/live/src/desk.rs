@@ -128,7 +128,11 @@ impl Place {
             (ends.lower_rad, ends.upper_rad)
         });
         let (per_rev, detent) = (around.detents.as_ref()).map_or((0.0, 0.0), |ring| {
-            (f64::from(ring.per_rev), ring.centre_rad)
+            let per_rev = match ring.per_rev {
+                0 => std::f64::consts::TAU / ring.pitch_rad,
+                per_rev => f64::from(per_rev),
+            };
+            (per_rev, ring.centre_rad)
         });
         let facts = [
             rate_hz,

@@ -24,11 +24,12 @@ const WORKER: [&str; 4] = [
 ];
 pub(crate) const VIEW: &str = include_str!("../page/view.js");
 pub(crate) const STAGE: &str = include_str!("../page/stage.js");
-const SCRIPT: [&str; 8] = [
+const SCRIPT: [&str; 9] = [
     "\"use strict\";\n",
     UNPACK,
     include_str!("../page/presets.js"),
     VIEW,
+    include_str!("../page/profile.js"),
     STAGE,
     include_str!("../page/page.js"),
     include_str!("../page/open.js"),

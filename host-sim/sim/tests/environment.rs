@@ -251,7 +251,14 @@ fn what_cannot_be_is_refused_at_its_place() {
             &["environment.detents.strength_n_m=0.6"],
             "law.force_limit_n_m",
         ),
-        (&["environment.detents.per_rev=0"], "between 1 and 6283"),
+        (&["environment.detents.per_rev=6284"], "between 0 and 6283"),
+        (
+            &[
+                "environment.detents.per_rev=0",
+                "environment.detents.pitch_rad=0.0009",
+            ],
+            "between 0.001 and 6.28318",
+        ),
         (&["environment.wall2.solid=left"], "above"),
         (&["environment.wall5.at_rad=1"], "wall"),
         (

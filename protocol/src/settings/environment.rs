@@ -1,5 +1,5 @@
 //! The environment: what the knob renders beside the wall in the device's settings, on boards with room for it. It can have further
-//! walls, end stops and detents; one energy guard limits the sum of their forces. Its fields are those of a scene file's
+//! walls, end stops, detents and a torque profile; one energy guard limits the sum of their forces. Its fields are those of a scene file's
 //! `[environment]`.
 //!
 //! The environment is not a part of [`DeviceSettings`], because it may change while the knob is armed and because small boards have
@@ -7,15 +7,16 @@
 
 use super::{Decimal, DeviceSettings, Reason, SettingsError, fields, refused};
 use heapless::Vec;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use touchstone_control as law;
 use touchstone_control::environment::{
-    DetentSettings, Environment, Face, MOST_WALLS, Refused, Side, WallSettings,
+    DetentSettings, Environment, Extent, Face, MOST_POINTS, MOST_WALLS, ProfileSettings, Refused,
+    Shape, Side, Spacing, WallSettings,
 };
 use touchstone_control::{Fixed32, Force, Si};
 
 /// Longest environment (walls, end stops, detents) on the wire, in bytes (a test checks it).
-pub const ENVIRONMENT_MAX: usize = 160;
+pub const ENVIRONMENT_MAX: usize = 496;
 
 /// The environment: whether the wall in the device's settings is rendered, and what is rendered beside it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -30,6 +31,38 @@ pub struct Surround {
     pub detents: Option<DetentsBeside>,
     /// How fast the force changes to that of a new environment while the knob is armed, N·m/s.
     pub change_n_m_per_s: Decimal,
+    /// A torque drawn over the angle.
+    pub profile: Option<ProfileBeside>,
+}
+
+/// A [`Surround`] as devices stored it before there were profiles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct WithoutProfile {
+    first_wall: bool,
+    further: [Option<WallBeside>; 3],
+    endstops: Option<TravelEnds>,
+    detents: Option<(u16, Decimal, Decimal)>,
+    change_n_m_per_s: Decimal,
+}
+
+impl From<WithoutProfile> for Surround {
+    fn from(it: WithoutProfile) -> Self {
+        Self {
+            first_wall: it.first_wall,
+            further: it.further,
+            endstops: it.endstops,
+            detents: it
+                .detents
+                .map(|(per_rev, strength_n_m, centre_rad)| DetentsBeside {
+                    per_rev,
+                    pitch_rad: Decimal(Si::ZERO),
+                    strength_n_m,
+                    centre_rad,
+                }),
+            change_n_m_per_s: it.change_n_m_per_s,
+            profile: None,
+        }
+    }
 }
 
 /// A further wall, beside the one in the device's settings.
@@ -54,15 +87,65 @@ pub struct TravelEnds {
     pub stiffness_n_m_per_rad: Option<Decimal>,
 }
 
-/// Detents: positions, evenly around a turn, to which a torque draws the knob.
+/// Detents: positions at equal distances to which a torque draws the knob.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DetentsBeside {
-    /// Number of detents in a turn.
+    /// Number of detents in a turn; 0: detents are `pitch_rad` apart.
     pub per_rev: u16,
+    /// Distance between two detents if `per_rev` is 0, rad.
+    pub pitch_rad: Decimal,
     /// Largest torque of a detent, N·m.
     pub strength_n_m: Decimal,
     /// Position of one of the detents, rad.
     pub centre_rad: Decimal,
+}
+
+/// A torque drawn over the angle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ProfileBeside {
+    /// Copies in a turn; 0: once, from `start_rad` to `end_rad`.
+    pub per_rev: u16,
+    /// Position of the first point, rad.
+    pub start_rad: Decimal,
+    /// Position of the last point of a profile that is there once, rad.
+    pub end_rad: Decimal,
+    /// The torque of a point of 1, N·m.
+    pub strength_n_m: Decimal,
+    /// The points.
+    pub shape: Points,
+}
+
+/// The points of a profile: on the wire a sequence of 2 to 96 numbers from -10,000 to 10,000.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Points(pub Shape);
+
+impl Serialize for Points {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0.points())
+    }
+}
+
+impl<'de> Deserialize<'de> for Points {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let points = Vec::<i16, MOST_POINTS>::deserialize(deserializer)?;
+        Shape::new(&points)
+            .map(Self)
+            .map_err(serde::de::Error::custom)
+    }
+}
+
+impl ProfileBeside {
+    const fn settings(&self) -> ProfileSettings {
+        ProfileSettings {
+            extent: match self.per_rev {
+                0 => Extent::Until(self.end_rad.0),
+                per_rev => Extent::PerTurn(per_rev),
+            },
+            start: self.start_rad.0,
+            strength: self.strength_n_m.0,
+            shape: self.shape.0,
+        }
+    }
 }
 
 /// The time from which an accepted environment (walls, end stops, detents) applies.
@@ -102,6 +185,8 @@ const PLACES: [[&str; 2]; 6] = [
 ];
 
 const STRENGTH: &str = "environment.detents.strength_n_m";
+const PROFILE_STRENGTH: &str = "environment.profile.strength_n_m";
+const PROFILE_END: &str = "environment.profile.end_rad";
 
 /// Smallest and largest allowed rate of change of the force, N·m/s. At the smallest, the largest force fades within some minutes.
 const CHANGE: (Si, Si) = (Si::lit("0.01"), Si::lit("100"));
@@ -115,6 +200,7 @@ impl Default for Surround {
             endstops: None,
             detents: None,
             change_n_m_per_s: Decimal(const { Si::lit("0.5") }),
+            profile: None,
         }
     }
 }
@@ -126,6 +212,7 @@ impl Surround {
         !self.first_wall
             || self.endstops.is_some()
             || self.detents.is_some()
+            || self.profile.is_some()
             || self.further.iter().any(Option::is_some)
     }
 
@@ -202,23 +289,44 @@ impl Surround {
         let detents = match self.detents {
             None => None,
             Some(ring) => {
-                let most = const { Si::lit("6283") };
-                let per_rev = Si::saturating_from_num(ring.per_rev);
-                fields::within("environment.detents.per_rev", per_rev, (Si::ONE, most))?;
+                let spacing = match ring.per_rev {
+                    0 => {
+                        let pitches = const { (Si::lit("0.001"), Si::lit("6.2831853072")) };
+                        fields::within("environment.detents.pitch_rad", ring.pitch_rad.0, pitches)?;
+                        Spacing::Pitch(ring.pitch_rad.0)
+                    }
+                    per_rev => {
+                        let most = const { Si::lit("6283") };
+                        let count = Si::saturating_from_num(per_rev);
+                        fields::within("environment.detents.per_rev", count, (Si::ONE, most))?;
+                        Spacing::PerTurn(per_rev)
+                    }
+                };
                 let (strength, centre) = (ring.strength_n_m.0, ring.centre_rad.0);
                 fields::within("environment.detents.centre_rad", centre, surfaces)?;
                 let limit = settings.law.force_limit_n_m;
                 fields::within(STRENGTH, strength, (Si::ZERO, limit))?;
-                Some(DetentSettings::around_a_turn(
-                    ring.per_rev,
+                Some(DetentSettings {
+                    spacing,
                     strength,
                     centre,
-                ))
+                })
             }
         };
         let walls: Vec<WallSettings, MOST_WALLS> = placed.into_iter().flatten().collect();
-        Environment::new(&settings.law(), &walls, detents.as_ref())
-            .map_err(|error| why(&error, &placed))
+        let limit = settings.law.force_limit_n_m;
+        let refused = |error| why(&error, &placed);
+        let built = Environment::new(&settings.law(), &walls, detents.as_ref()).map_err(refused)?;
+        let Some(profile) = &self.profile else {
+            return Ok(built);
+        };
+        let (start, end) = (profile.start_rad.0, profile.end_rad.0);
+        fields::within("environment.profile.start_rad", start, surfaces)?;
+        fields::within(PROFILE_END, end, surfaces)?;
+        fields::within(PROFILE_STRENGTH, profile.strength_n_m.0, (Si::ZERO, limit))?;
+        built
+            .with_profile(&profile.settings(), limit)
+            .map_err(refused)
     }
 
     /// Checks the environment together with the device's settings.
@@ -259,12 +367,17 @@ fn why(error: &Refused, placed: &[Option<WallSettings>; MOST_WALLS]) -> Settings
         }
         Refused::Law(error) => refused(error),
         Refused::Strength { strength, .. } => limit(STRENGTH, *strength),
+        Refused::ProfileStrength { strength, .. } => limit(PROFILE_STRENGTH, *strength),
+        Refused::Length(length) => limit(PROFILE_END, *length),
+        // Those of detents have been looked at.
         Refused::PerTurn(per_turn) => limit(
-            "environment.detents.per_rev",
+            "environment.profile.per_rev",
             Si::saturating_from_num(*per_turn),
         ),
         Refused::Pitch(pitch) => limit("environment.detents.per_rev", *pitch),
-        // The struct has no field for a seventh wall, so this does not happen.
-        Refused::TooManyWalls => limit("environment", Si::ZERO),
+        // There is no place for a seventh wall, and points are looked at when they are read.
+        Refused::TooManyWalls | Refused::Points(_) | Refused::Point(_) => {
+            limit("environment", Si::ZERO)
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::config;
 use crate::device::status_of;
-use crate::monitor::SILENCE_LIMIT;
+use crate::stream::SILENCE_LIMIT;
 use std::time::{Duration, Instant};
 use touchstone_device::{Address, Client, MAY_BE_ON};
 use touchstone_drive::twin::Twin;

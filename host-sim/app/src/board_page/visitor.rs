@@ -2,7 +2,7 @@
 
 use super::device_side::{DeviceSide, News};
 use super::door::Socket;
-use crate::monitor::SIGN_OF_LIFE;
+use crate::stream::SIGN_OF_LIFE;
 use serde_json::{Value, json};
 use std::io::ErrorKind;
 use std::time::{Duration, Instant};

@@ -6,11 +6,11 @@ use touchstone_control::Si;
 use touchstone_control::environment::Side;
 use touchstone_device::Client;
 use touchstone_protocol::settings::environment::{
-    CountsFrom, DetentsBeside, Surround, TravelEnds, WallBeside,
+    CountsFrom, DetentsBeside, Points, ProfileBeside, Surround, TravelEnds, WallBeside,
 };
 use touchstone_protocol::{Board, Decimal, DeviceSettings, Reply, Request};
 use touchstone_sim::error::{Error, Result};
-use touchstone_sim::scene::{self, DetentRing, Endstops, FurtherWall, Scene};
+use touchstone_sim::scene::{self, DetentRing, Endstops, FurtherWall, Scene, TorqueProfile};
 
 /// Options of `config environment`.
 #[derive(Debug, Clone, clap::Args)]
@@ -149,8 +149,19 @@ fn of_scene(named: &scene::Environment) -> Surround {
         }),
         detents: ring.map(|ring| DetentsBeside {
             per_rev: u16::try_from(ring.per_rev).unwrap_or(u16::MAX),
+            pitch_rad: decimal(ring.pitch_rad),
             strength_n_m: decimal(ring.strength_n_m),
             centre_rad: decimal(ring.centre_rad),
+        }),
+        profile: named.acting_profile().and_then(|profile| {
+            Some(ProfileBeside {
+                per_rev: u16::try_from(profile.per_rev).unwrap_or(u16::MAX),
+                start_rad: decimal(profile.start_rad),
+                end_rad: decimal(profile.end_rad),
+                strength_n_m: decimal(profile.strength_n_m),
+                // A scene's points are in their range.
+                shape: Points(profile.points().ok()?),
+            })
         }),
         ..Surround::default()
     }
@@ -178,8 +189,20 @@ fn as_scene(there: &Surround) -> scene::Environment {
         }),
         detents: there.detents.map(|ring| DetentRing {
             per_rev: ring.per_rev.into(),
+            // What a board has of another spacing is 0, which no scene has.
+            pitch_rad: match plain(ring.pitch_rad) {
+                0.0 => DetentRing::default().pitch_rad,
+                pitch_rad => pitch_rad,
+            },
             strength_n_m: plain(ring.strength_n_m),
             centre_rad: plain(ring.centre_rad),
+        }),
+        profile: there.profile.map(|profile| TorqueProfile {
+            per_rev: profile.per_rev.into(),
+            start_rad: plain(profile.start_rad),
+            end_rad: plain(profile.end_rad),
+            strength_n_m: plain(profile.strength_n_m),
+            shape: TorqueProfile::of_points(&profile.shape.0),
         }),
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::device::calibration_limit;
 use crate::interrupt;
-use crate::monitor::{SIGN_OF_LIFE, SILENCE_LIMIT};
 use crate::out::note;
+use crate::stream::{SIGN_OF_LIFE, SILENCE_LIMIT};
 use nalgebra::Complex;
 use std::fmt::Display;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,12 +1,18 @@
 //! The program against a device that is not there: a TCP socket or a pseudo terminal behind which the device's own code of the protocol answers.
 
 mod board_page;
+#[cfg(target_os = "linux")]
+mod bridge;
 mod cogging;
 mod compare;
 mod config;
+#[cfg(unix)]
+mod demo;
 mod doctor;
 mod eccentricity;
 mod environment;
+#[cfg(unix)]
+mod events;
 mod failures;
 mod fake;
 mod flash;

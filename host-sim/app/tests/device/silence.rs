@@ -1,76 +1,31 @@
 //! A knob whose desktop is gone switches itself off, however the program on the desktop ended.
 
+use crate::demo::Demo;
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_touchstone");
 /// Time until a silent desktop is noticed, with a margin for a busy machine.
 const SILENT: Duration = Duration::from_millis(2_000 + 1_500);
 
-/// `touchstone demo --port-only`, ended with the test.
-struct Demo {
-    process: Child,
-    address: String,
-}
-
-impl Demo {
-    fn new() -> Self {
-        let mut process = Command::new(PROGRAM)
-            .args(["--quiet", "demo", "--port-only", "--listen", "127.0.0.1:0"])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut address = String::new();
-        let said = process.stdout.take().unwrap();
-        BufReader::new(said).read_line(&mut address).unwrap();
-        Self {
-            process,
-            address: address.trim().into(),
-        }
+/// Switches the knob on and runs `monitor` for longer than a device waits.
+fn monitored(demo: &Demo) -> Child {
+    demo.run(&["device", "calibrate"]);
+    demo.run(&["device", "arm"]);
+    let mut monitor = demo
+        .command(&["monitor"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(monitor.stdout.take().unwrap()).lines();
+    let until = Instant::now() + SILENT;
+    let mut last = String::new();
+    while Instant::now() < until {
+        last = lines.next().expect("monitor ended").unwrap();
     }
-
-    fn command(&self, words: &[&str]) -> Command {
-        let mut command = Command::new(PROGRAM);
-        command.args(words).args(["--port", &self.address]);
-        command
-    }
-
-    fn run(&self, words: &[&str]) -> String {
-        let output = self.command(words).output().unwrap();
-        let said = String::from_utf8(output.stdout).unwrap();
-        let why = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{words:?}: {said}{why}");
-        said
-    }
-
-    /// Switches the knob on and runs `monitor` for longer than a device waits.
-    fn monitored(&self) -> Child {
-        self.run(&["device", "calibrate"]);
-        self.run(&["device", "arm"]);
-        let mut monitor = self
-            .command(&["monitor"])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        let mut lines = BufReader::new(monitor.stdout.take().unwrap()).lines();
-        let until = Instant::now() + SILENT;
-        let mut last = String::new();
-        while Instant::now() < until {
-            last = lines.next().expect("monitor ended").unwrap();
-        }
-        assert!(last.contains("armed"), "{last}");
-        monitor
-    }
-}
-
-impl Drop for Demo {
-    fn drop(&mut self) {
-        let _ = self.process.kill();
-        let _ = self.process.wait();
-    }
+    assert!(last.contains("armed"), "{last}");
+    monitor
 }
 
 fn signal(process: &Child, name: &str) {
@@ -84,7 +39,7 @@ fn signal(process: &Child, name: &str) {
 fn a_device_whose_desktop_is_gone_switches_itself_off() {
     for name in ["-KILL", "-STOP"] {
         let demo = Demo::new();
-        let mut monitor = demo.monitored();
+        let mut monitor = monitored(&demo);
         signal(&monitor, name);
         std::thread::sleep(SILENT);
         let fault = demo.run(&["device", "fault"]);

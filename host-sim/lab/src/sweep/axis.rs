@@ -155,6 +155,7 @@ impl Axis {
                     Kind::Choice(words) => format!("give some of {}", list(words)),
                     Kind::Flag => "give true,false".to_owned(),
                     Kind::Text => "texts cannot be varied".to_owned(),
+                    Kind::Numbers(..) => "lists cannot be varied".to_owned(),
                 };
                 return Err(wrong(
                     format!("{value} is no value of {}", self.field.path),

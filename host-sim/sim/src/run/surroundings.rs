@@ -6,7 +6,8 @@ use super::wall::{Inside, Wall, inside};
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 use touchstone_control::environment::{
-    Counted, DetentSettings, Environment, Face, Reached, Reading, Refused, Side, WallSettings,
+    Counted, DetentSettings, Environment, Extent, Face, ProfileSettings, Reached, Reading, Refused,
+    Side, Spacing, WallSettings,
 };
 use touchstone_control::{CountScale, Field, Force, Position, Reported, Si};
 
@@ -110,15 +111,37 @@ pub(super) fn surrounded<N: Reported + 'static>(
     let walls: Vec<WallSettings> = faces.iter().map(|(_, wall)| *wall).collect();
     let detents = match named.detents.as_ref().filter(|it| it.strength_n_m > 0.0) {
         None => None,
-        Some(ring) => Some(DetentSettings::around_a_turn(
-            u16::try_from(ring.per_rev).unwrap_or(u16::MAX),
-            si(scene, "environment.detents.strength_n_m", ring.strength_n_m)?,
-            si(scene, "environment.detents.centre_rad", ring.centre_rad)?,
-        )),
+        Some(ring) => Some(DetentSettings {
+            spacing: match ring.per_rev {
+                0 => Spacing::Pitch(si(scene, "environment.detents.pitch_rad", ring.pitch_rad)?),
+                per_rev => Spacing::PerTurn(u16::try_from(per_rev).unwrap_or(u16::MAX)),
+            },
+            strength: si(scene, "environment.detents.strength_n_m", ring.strength_n_m)?,
+            centre: si(scene, "environment.detents.centre_rad", ring.centre_rad)?,
+        }),
     };
     let refused = |refused| told(scene, &faces, &refused);
+    let mut environment = Environment::new(&own, &walls, detents.as_ref()).map_err(refused)?;
+    if let Some(drawn) = named.acting_profile() {
+        let profile = ProfileSettings {
+            extent: match drawn.per_rev {
+                0 => Extent::Until(si(scene, "environment.profile.end_rad", drawn.end_rad)?),
+                per_rev => Extent::PerTurn(u16::try_from(per_rev).unwrap_or(u16::MAX)),
+            },
+            start: si(scene, "environment.profile.start_rad", drawn.start_rad)?,
+            strength: si(
+                scene,
+                "environment.profile.strength_n_m",
+                drawn.strength_n_m,
+            )?,
+            shape: drawn.points().map_err(refused)?,
+        };
+        environment = environment
+            .with_profile(&profile, own.force_limit)
+            .map_err(refused)?;
+    }
     let wall = Surroundings::<N> {
-        environment: Environment::new(&own, &walls, detents.as_ref()).map_err(refused)?,
+        environment,
         scale: scale.before(Si::ZERO),
         changed: None,
     };
@@ -226,6 +249,14 @@ fn told(scene: &Scene, faces: &[(&'static str, WallSettings)], refused: &Refused
             "environment.detents.strength_n_m",
             refused.to_string(),
             "give a value up to law.force_limit_n_m",
+        ),
+        Refused::ProfileStrength { .. }
+        | Refused::Points(_)
+        | Refused::Point(_)
+        | Refused::Length(_) => scene.error(
+            "environment.profile",
+            refused.to_string(),
+            "change that field of the profile",
         ),
         Refused::TooManyWalls | Refused::Pitch(_) | Refused::PerTurn(_) => scene.error(
             "environment",

@@ -14,6 +14,7 @@ pub(crate) fn scene(scene: &Scene) -> Option<Problem> {
         .or_else(|| lateness(scene))
         .or_else(|| endstops(scene))
         .or_else(|| detents(scene))
+        .or_else(|| profile(scene))
         .or_else(|| grip(scene))
         .or_else(|| motion(scene))
         .or_else(|| duration(scene))
@@ -47,14 +48,33 @@ fn endstops(scene: &Scene) -> Option<Problem> {
 
 fn detents(scene: &Scene) -> Option<Problem> {
     let ring = scene.environment.as_ref()?.detents.as_ref()?;
+    within_limit(scene, "environment.detents.strength_n_m", ring.strength_n_m)
+}
+
+fn profile(scene: &Scene) -> Option<Problem> {
+    let profile = scene.environment.as_ref()?.profile.as_ref()?;
+    let length = profile.end_rad - profile.start_rad;
+    if profile.per_rev == 0 && !(0.001..=6283.0).contains(&length) {
+        return Some(Problem::new(
+            "environment.profile.end_rad",
+            format!("must be 0.001 to 6283 rad beyond start_rad, is {length} beyond it"),
+            "exchange the ends, or move one",
+        ));
+    }
+    within_limit(
+        scene,
+        "environment.profile.strength_n_m",
+        profile.strength_n_m,
+    )
+}
+
+/// A strength above the largest torque of the law.
+fn within_limit(scene: &Scene, path: &'static str, strength: f64) -> Option<Problem> {
     let limit = scene.law.force_limit_n_m;
-    (ring.strength_n_m > limit).then(|| {
+    (strength > limit).then(|| {
         Problem::new(
-            "environment.detents.strength_n_m",
-            format!(
-                "{} is more than law.force_limit_n_m = {limit}",
-                ring.strength_n_m
-            ),
+            path,
+            format!("{strength} is more than law.force_limit_n_m = {limit}"),
             format!("give at most {}, or raise law.force_limit_n_m", tidy(limit)),
         )
     })

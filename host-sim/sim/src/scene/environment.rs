@@ -1,7 +1,7 @@
-//! Things to touch in addition to the wall: further walls, endstops, detents.
+//! Things to touch in addition to the wall: further walls, endstops, detents, a profile.
 
 use serde::{Deserialize, Serialize};
-use touchstone_control::environment::Side;
+use touchstone_control::environment::{Refused, Shape, Side, WHOLE};
 
 /// The environment on the knob's axis beside `[wall]`; all of it is behind the law's one guard.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,6 +24,9 @@ pub struct Environment {
     /// Places that the knob is drawn to. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub detents: Option<DetentRing>,
+    /// A torque drawn over the angle. Absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub profile: Option<TorqueProfile>,
 }
 
 impl Default for Environment {
@@ -35,6 +38,7 @@ impl Default for Environment {
             wall4: None,
             endstops: None,
             detents: None,
+            profile: None,
         }
     }
 }
@@ -94,8 +98,10 @@ impl Default for Endstops {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DetentRing {
-    /// How many in one turn, 1 to 6283. Default 24.
+    /// How many in one turn, 1 to 6283; 0: `pitch_rad` apart. Default 24.
     pub per_rev: u32,
+    /// Distance between two detents where `per_rev` is 0, rad, 0.001 to 6.2831853072. Default 0.2.
+    pub pitch_rad: f64,
     /// The largest torque, a quarter of the way to the next, N·m, from 0 to the law's force limit. Default 0.02.
     pub strength_n_m: f64,
     /// Position of one of the detents, rad. Default 0.
@@ -106,9 +112,61 @@ impl Default for DetentRing {
     fn default() -> Self {
         DetentRing {
             per_rev: 24,
+            pitch_rad: 0.2,
             strength_n_m: 0.02,
             centre_rad: 0.0,
         }
+    }
+}
+
+/// A torque drawn over the angle: points at equal distances with straight lines between them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TorqueProfile {
+    /// Copies of the profile in one turn, 1 to 6283, each line from the last point to the first of the next copy. 0: the profile is
+    /// there once, from `start_rad` to `end_rad`, and the torque of the nearer end holds outside. Default 6.
+    pub per_rev: u32,
+    /// Position of the first point, rad. Default 0.
+    pub start_rad: f64,
+    /// Position of the last point where `per_rev` is 0, rad. Default 1.
+    pub end_rad: f64,
+    /// The torque of a point of 1, N·m, from 0 to the law's force limit. Default 0.02.
+    pub strength_n_m: f64,
+    /// The points, 2 to 96, each from -1 to 1 and rounded to 0.0001. A positive one pushes towards larger angles. Default: a magnetic
+    /// detent, which draws from an eighth of the distance to the next detent on either side and leaves the rest free.
+    pub shape: Vec<f64>,
+}
+
+impl Default for TorqueProfile {
+    fn default() -> Self {
+        TorqueProfile {
+            per_rev: 6,
+            start_rad: 0.0,
+            end_rad: 1.0,
+            strength_n_m: 0.02,
+            shape: vec![0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+        }
+    }
+}
+
+impl TorqueProfile {
+    /// The points as the control law takes them.
+    ///
+    /// # Errors
+    /// There are fewer than 2 points or more than 96, or one is beyond -1 to 1.
+    pub fn points(&self) -> std::result::Result<Shape, Refused> {
+        let points: Vec<i16> = (self.shape.iter())
+            .map(|point| (point * f64::from(WHOLE)).round() as i16)
+            .collect();
+        Shape::new(&points)
+    }
+
+    /// The points of a control law's shape, for a scene.
+    #[must_use]
+    pub fn of_points(shape: &Shape) -> Vec<f64> {
+        (shape.points().iter())
+            .map(|point| f64::from(*point) / f64::from(WHOLE))
+            .collect()
     }
 }
 
@@ -121,6 +179,13 @@ impl Environment {
             || self.endstops.is_some()
             || self.further().next().is_some()
             || detents.is_some_and(|it| it.strength_n_m > 0.0)
+            || self.acting_profile().is_some()
+    }
+
+    /// The profile, if it has any torque.
+    #[must_use]
+    pub fn acting_profile(&self) -> Option<&TorqueProfile> {
+        self.profile.as_ref().filter(|it| it.strength_n_m > 0.0)
     }
 
     /// The walls that are named, with their tables.

@@ -34,7 +34,7 @@ pub use effects::{
     Cogging, CurrentLoop, CurrentSensor, HandReflex, HandTremor, Imbalance, PeriodicError,
     SensorErrors, SensorNoise, Transmission,
 };
-pub use environment::{DetentRing, Endstops, Environment, FurtherWall};
+pub use environment::{DetentRing, Endstops, Environment, FurtherWall, TorqueProfile};
 pub use experiment::Scene;
 pub(crate) use law::word;
 pub use law::{FilterSettings, Law, Number, VelocitySettings};

@@ -78,6 +78,22 @@ const FEELS: &[(&str, &str)] = &[
         "volume",
         include_str!("../../../../scenes/feels/volume.toml"),
     ),
+    (
+        "magnetic-detents",
+        include_str!("../../../../scenes/feels/magnetic-detents.toml"),
+    ),
+    (
+        "ratchet",
+        include_str!("../../../../scenes/feels/ratchet.toml"),
+    ),
+    (
+        "guitar-strings",
+        include_str!("../../../../scenes/feels/guitar-strings.toml"),
+    ),
+    (
+        "safe-dial",
+        include_str!("../../../../scenes/feels/safe-dial.toml"),
+    ),
 ];
 
 /// Names of the shipped scenes.

@@ -58,6 +58,23 @@ pub(crate) fn wrong_value(field: &Field, value: &Value) -> Option<Problem> {
                 format!("give {}", field.about_with_unit()),
             ))
         }
+        (Kind::Numbers(fewest, most, low, high), Value::Array(items)) => {
+            let problem = if (fewest..=most).contains(&items.len()) {
+                let (place, item) = items.iter().enumerate().find(|(_, item)| {
+                    let number = item.as_float().or_else(|| Some(item.as_integer()? as f64));
+                    !number.is_some_and(|number| (low..=high).contains(&number))
+                })?;
+                let item = shown(item);
+                format!(
+                    "every item must be a number between {low} and {high}, item {} is {item}",
+                    place + 1
+                )
+            } else {
+                format!("must have {fewest} to {most} items, has {}", items.len())
+            };
+            let fix = format!("give {}", field.about_with_unit());
+            Some(Problem::new(field.path, problem, fix))
+        }
         (_, value) => Some(wrong_type(field, &shown(value))),
     }
 }
@@ -70,6 +87,7 @@ pub(crate) fn wrong_type(field: &Field, is: &str) -> Problem {
         Kind::Choice(words) => format!("one of {}, in quotes", words.join(", ")),
         Kind::Whole(..) => "a whole number".to_owned(),
         Kind::Number(_) => "a number".to_owned(),
+        Kind::Numbers(..) => "a list of numbers".to_owned(),
     };
     Problem::new(
         field.path,
@@ -102,7 +120,13 @@ pub(crate) fn leaf_value(leaf: &DeValue<'_>) -> Value {
         DeValue::Float(number) => Value::Float(number.as_str().parse().unwrap_or(f64::NAN)),
         DeValue::Boolean(flag) => Value::Boolean(*flag),
         DeValue::Datetime(time) => Value::Datetime(*time),
-        // What is in it does not matter: no field takes a list.
-        DeValue::Array(_) | DeValue::Table(_) => Value::Array(Vec::new()),
+        DeValue::Array(items) => Value::Array(
+            items
+                .iter()
+                .map(|item| leaf_value(item.get_ref()))
+                .collect(),
+        ),
+        // What is in it does not matter: no list holds a table.
+        DeValue::Table(_) => Value::Table(toml::Table::new()),
     }
 }

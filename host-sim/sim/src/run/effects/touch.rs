@@ -1,7 +1,7 @@
 //! The rows of things to touch in addition to the wall, and of how a damper comes to its velocity.
 
 use super::{Effect, Place};
-use crate::scene::{DetentRing, Endstops, Environment, FurtherWall, Scene};
+use crate::scene::{DetentRing, Endstops, Environment, FurtherWall, Scene, TorqueProfile};
 use touchstone_control::{LawKind, StatesKind, VelocityKind};
 
 fn environment(scene: &mut Scene) -> &mut Environment {
@@ -63,7 +63,7 @@ const fn velocity(
 }
 
 /// The rows.
-pub const ROWS: [Effect; 7] = [
+pub const ROWS: [Effect; 8] = [
     Effect {
         name: "second-wall",
         place: Place::Environment,
@@ -115,6 +115,29 @@ pub const ROWS: [Effect; 7] = [
             environment(scene).detents = Some(DetentRing {
                 strength_n_m: 0.0,
                 ..DetentRing::default()
+            });
+        }),
+    },
+    Effect {
+        name: "profile",
+        place: Place::Environment,
+        field: "environment.profile",
+        typical: "6 magnetic detents a turn, 0.02 N·m",
+        source: "as strong as the detents above; the shape is this project's",
+        of_hand: false,
+        is_named: |scene| of_environment(scene, |it| it.profile.is_some()),
+        add: |scene| {
+            let start_rad = scene.wall.surface_rad;
+            environment(scene).profile = Some(TorqueProfile {
+                start_rad,
+                ..TorqueProfile::default()
+            });
+        },
+        remove: |scene| rid(scene, |it| it.profile = None),
+        silence: Some(|scene| {
+            environment(scene).profile = Some(TorqueProfile {
+                strength_n_m: 0.0,
+                ..TorqueProfile::default()
             });
         }),
     },

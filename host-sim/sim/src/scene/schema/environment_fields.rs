@@ -1,10 +1,10 @@
 //! The fields of `[environment]`.
 
-use super::Kind::{Choice, Flag, Whole};
+use super::Kind::{Choice, Flag, Numbers, Whole};
 use super::Range::{Any, NotNegative, Within};
 use super::{Field, field, number};
 use touchstone_control::Choice as _;
-use touchstone_control::environment::Side;
+use touchstone_control::environment::{MOST_POINTS, Side};
 
 /// Range of a wall's stiffness, that of `[wall]`.
 const STIFFNESS: super::Range = Within(0.0, 500_000.0);
@@ -88,8 +88,14 @@ pub(super) const ENVIRONMENT: &[Field] = &[
     field(
         "environment.detents.per_rev",
         "",
-        Whole(1, 6283),
-        "the detents in one turn",
+        Whole(0, 6283),
+        "the detents in one turn; 0: pitch_rad apart",
+    ),
+    number(
+        "environment.detents.pitch_rad",
+        "rad",
+        Within(0.001, 6.283_185_307_2),
+        "the distance between two detents, if per_rev = 0",
     ),
     number(
         "environment.detents.strength_n_m",
@@ -102,5 +108,35 @@ pub(super) const ENVIRONMENT: &[Field] = &[
         "rad",
         Any,
         "where a detent is",
+    ),
+    field(
+        "environment.profile.per_rev",
+        "",
+        Whole(0, 6283),
+        "the copies of the profile in one turn; 0: once, from start_rad to end_rad",
+    ),
+    number(
+        "environment.profile.start_rad",
+        "rad",
+        Any,
+        "where the first point is",
+    ),
+    number(
+        "environment.profile.end_rad",
+        "rad",
+        Any,
+        "where the last point is, if per_rev = 0",
+    ),
+    number(
+        "environment.profile.strength_n_m",
+        "n_m",
+        NotNegative,
+        "the torque of a point of 1",
+    ),
+    field(
+        "environment.profile.shape",
+        "",
+        Numbers(2, MOST_POINTS, -1.0, 1.0),
+        "2 to 96 points at equal distances, as fractions of the strength; positive ones push towards larger angles",
     ),
 ];

@@ -28,6 +28,7 @@ pub(crate) const OPTIONAL_TABLES: &[(&str, &str)] = &[
     ("environment.wall4", "no fourth wall"),
     ("environment.endstops", "no endstops"),
     ("environment.detents", "no detents"),
+    ("environment.profile", "no profile"),
     ("operator.hand", "the grip's values"),
     ("operator.tremor", "a steady hand"),
     ("operator.reflex", "no reflex"),

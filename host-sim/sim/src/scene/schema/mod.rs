@@ -25,6 +25,8 @@ pub enum Kind {
     Whole(i64, i64),
     /// A finite number.
     Number(Range),
+    /// A list of finite numbers: the least and the most of them, and the range of each, ends included.
+    Numbers(usize, usize, f64, f64),
 }
 
 /// Range of a number.

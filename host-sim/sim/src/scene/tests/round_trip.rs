@@ -112,6 +112,10 @@ fn full_scenes() -> Vec<Scene> {
                 per_rev: 17,
                 ..DetentRing::default()
             }),
+            profile: Some(TorqueProfile {
+                shape: vec![0.25, -1.0, 1.0],
+                ..TorqueProfile::default()
+            }),
             ..Environment::default()
         }),
         law: Law {
@@ -216,6 +220,7 @@ fn every_number_ends_in_its_unit() {
             "periods_per_rev",
             "substeps",
             "lost_share",
+            "per_rev",
             "per_rev",
             "step_of_ideal_per_ms",
             "limit_of_force_per_ms",

@@ -1,0 +1,265 @@
+//! A profile: a torque drawn over the angle, as points with straight lines between them.
+
+use super::{Reading, Refused, detents::MOST, turn_of};
+use crate::{Compliance, Force, Number, Si};
+
+/// Most points of a profile.
+pub const MOST_POINTS: usize = 96;
+
+/// The shape's largest value: a point of this size gives the profile's whole strength.
+pub const WHOLE: i16 = 10_000;
+
+/// The smallest distance between the ends of a profile that is not repeated, rad (m).
+pub(super) const SHORTEST: Si = Si::lit("0.001");
+
+/// The largest such distance, rad (m): 1,000 turns.
+pub(super) const LONGEST: Si = Si::lit("6283.1853072");
+
+/// Where a profile lies on the axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extent {
+    /// Repeated this number of times in a turn, 1 to 6283: the same at every turn, bit for bit. The line from the last point leads to
+    /// the first point of the next copy.
+    PerTurn(u16),
+    /// Once, from its start to this position, rad (m), at least 0.001 rad and at most 1,000 turns beyond the start. Outside, the value of
+    /// the nearer end point holds.
+    Until(Si),
+}
+
+/// The points of a profile, at equal distances. Each is a fraction of the strength in steps of 1/10,000, from -10,000 to 10,000;
+/// positive values push towards larger angles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shape {
+    points: [i16; MOST_POINTS],
+    used: u8,
+}
+
+impl Shape {
+    /// The shape with these points, 2 to [`MOST_POINTS`] of them.
+    ///
+    /// # Errors
+    /// There are fewer or more points, or one is beyond -10,000 to 10,000.
+    pub fn new(points: &[i16]) -> Result<Self, Refused> {
+        let fits = (2..=MOST_POINTS).contains(&points.len());
+        let used = u8::try_from(points.len()).ok().filter(|_| fits);
+        let used = used.ok_or(Refused::Points(points.len()))?;
+        let mut shape = Self {
+            points: [0; MOST_POINTS],
+            used,
+        };
+        for (place, point) in shape.points.iter_mut().zip(points) {
+            if point.unsigned_abs() > WHOLE.unsigned_abs() {
+                return Err(Refused::Point(*point));
+            }
+            *place = *point;
+        }
+        Ok(shape)
+    }
+
+    /// The points that were given.
+    #[must_use]
+    pub fn points(&self) -> &[i16] {
+        self.points
+            .get(..usize::from(self.used))
+            .unwrap_or_default()
+    }
+
+    #[inline]
+    fn point(&self, index: u32) -> i16 {
+        let point = self.points.get(index as usize);
+        point.copied().unwrap_or_default()
+    }
+}
+
+/// The settings of a profile.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ProfileSettings {
+    /// Where the profile lies.
+    pub extent: Extent,
+    /// Position of the first point, rad (m).
+    pub start: Si,
+    /// The force of a point of 10,000, N·m (N), from 0 to the force limit.
+    pub strength: Si,
+    /// The points.
+    pub shape: Shape,
+}
+
+/// A profile at work: a force that depends on the position alone.
+///
+/// It has no memory. Over a copy whose points add up to zero the work is zero; what sampling adds to that, and what a profile of
+/// another sum gives at every copy, is counted by the guard.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Profile<N: Number> {
+    place: Place,
+    shape: Shape,
+    /// The strength as a factor of a sum of points: see [`Profile::force`].
+    strength: Compliance<N>,
+    most: Force<N>,
+}
+
+/// Positions of the points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    /// Copies in a turn, and the place of the first point as a fraction of a copy in 2^-32.
+    Turn { per_turn: i32, start: i32 },
+    /// The first and last point's position, and 2^32 over the distance between them.
+    Once { start: Si, end: Si, per_length: u64 },
+}
+
+/// A position among the points of a profile.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Between {
+    /// Index of the point before the position.
+    pub before: u32,
+    /// Index of the point after it.
+    pub after: u32,
+    /// The way from the one to the other, in 2^-32 of it.
+    pub way: u32,
+}
+
+/// The strength counts 1.6384 times in the coefficient, since a share counts 10,000 as 16,384.
+const PER_WHOLE: Si = Si::lit("1.6384");
+
+impl ProfileSettings {
+    /// Checks the settings, and computes the coefficients.
+    ///
+    /// # Errors
+    /// The extent or the strength is outside its range.
+    pub fn profile<N: Number>(&self, limit: Si) -> Result<Profile<N>, Refused> {
+        let place = match self.extent {
+            Extent::PerTurn(per_turn) => {
+                if per_turn == 0 || per_turn > MOST {
+                    return Err(Refused::PerTurn(per_turn));
+                }
+                let per_turn = i32::from(per_turn);
+                Place::Turn {
+                    per_turn,
+                    start: turn_of(self.start).wrapping_mul(per_turn),
+                }
+            }
+            Extent::Until(end) => {
+                let length = end.saturating_sub(self.start);
+                if length < SHORTEST || length > LONGEST {
+                    return Err(Refused::Length(length));
+                }
+                let bits = u128::from(length.to_bits().unsigned_abs());
+                let per_length = (1_u128 << 64)
+                    .wrapping_add(bits / 2)
+                    .checked_div(bits)
+                    .and_then(|it| u64::try_from(it).ok());
+                Place::Once {
+                    start: self.start,
+                    end,
+                    per_length: per_length.unwrap_or_default(),
+                }
+            }
+        };
+        let refused = Refused::ProfileStrength {
+            strength: self.strength,
+            limit,
+        };
+        if self.strength > limit {
+            return Err(refused);
+        }
+        let strength = N::ratio(self.strength.saturating_mul(PER_WHOLE)).ok_or(refused)?;
+        Ok(Profile {
+            place,
+            shape: self.shape,
+            strength: Compliance(strength),
+            most: Force(N::saturating_signal(self.strength)),
+        })
+    }
+}
+
+impl<N: Number> Profile<N> {
+    /// The force against `+x` at a position: at most the strength, and the negative of that for the mirrored profile at the mirrored
+    /// position, bit for bit.
+    #[inline]
+    #[must_use]
+    pub fn force(&self, at: &impl Reading<N>) -> Force<N> {
+        let Between { before, after, way } = self.between(at);
+        self.drawn([before, after].map(|index| self.shape.point(index)), way)
+    }
+
+    /// The force against `+x` between two points of the shape, `way` of 2^32 beyond the first.
+    #[inline]
+    #[must_use]
+    pub fn drawn(&self, [before, after]: [i16; 2], way: u32) -> Force<N> {
+        let (way, rest) = (i64::from(way), (1_i64 << 32).wrapping_sub(i64::from(way)));
+        // Exact: at most 10,000 times 2^32.
+        let sum = i64::from(before)
+            .wrapping_mul(rest)
+            .wrapping_add(i64::from(after).wrapping_mul(way));
+        // 10,000 becomes 10,000/16,384. The size is rounded and the sign put back, for the mirrored profile.
+        let share = Si::from_bits((sum.unsigned_abs() >> 14).cast_signed());
+        let size = Force(N::scale(self.strength.0, N::saturating_signal(share))).within(self.most);
+        if sum > 0 { -size } else { size }
+    }
+
+    #[inline]
+    fn between(&self, at: &impl Reading<N>) -> Between {
+        let used = u32::from(self.shape.used);
+        match self.place {
+            Place::Turn { per_turn, start } => {
+                let part = at.turn().wrapping_mul(per_turn).wrapping_sub(start);
+                repeated_between(part.cast_unsigned(), used)
+            }
+            Place::Once {
+                start,
+                end,
+                per_length,
+            } => once_between(at.angle(), (start, end), per_length, used.wrapping_sub(1)),
+        }
+    }
+}
+
+/// The number of whole steps in a fraction in 2^-32 of `steps` steps, and what is left of a step in 2^-32.
+#[inline]
+const fn steps_of(fraction: u32, steps: u32) -> (u32, u32) {
+    let place = (fraction as u64).wrapping_mul(steps as u64);
+    ((place >> 32) as u32, place as u32)
+}
+
+/// The position among the `points` of a copy, for a part of that copy in 2^-32.
+#[inline]
+#[must_use]
+pub const fn repeated_between(part: u32, points: u32) -> Between {
+    let (before, way) = steps_of(part, points);
+    let next = before.wrapping_add(1);
+    let after = if next == points { 0 } else { next };
+    Between { before, after, way }
+}
+
+/// Same as [`Profile::between`], for a profile that is not repeated. The way is measured from the nearer end, so that the mirrored
+/// profile has the mirrored roundings.
+#[cold]
+#[inline(never)]
+#[must_use]
+pub fn once_between(angle: Si, (start, end): (Si, Si), per_length: u64, last: u32) -> Between {
+    let [from_start, to_end] =
+        [angle.saturating_sub(start), end.saturating_sub(angle)].map(|way| way.to_bits().max(0));
+    let is_first_half = from_start <= to_end;
+    let way = if is_first_half { from_start } else { to_end };
+    // Half of the length at most, so that the product fits; 2^-64 of the length become 2^-32.
+    let fraction = way.unsigned_abs().wrapping_mul(per_length) >> 32;
+    let fraction = if from_start == to_end {
+        1 << 31
+    } else {
+        (fraction as u32).min(1 << 31)
+    };
+    let (near, way) = steps_of(fraction, last);
+    let (near, far) = (near, near.wrapping_add(1).min(last));
+    if is_first_half {
+        Between {
+            before: near,
+            after: far,
+            way,
+        }
+    } else {
+        Between {
+            before: last.wrapping_sub(near),
+            after: last.wrapping_sub(far),
+            way,
+        }
+    }
+}

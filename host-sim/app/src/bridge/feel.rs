@@ -1,0 +1,188 @@
+//! A SmartKnob's configuration as an environment of a board.
+
+use super::messages::KnobConfig;
+use touchstone_control::Si;
+use touchstone_control::environment::{MOST_POINTS, Shape, WHOLE};
+use touchstone_device::positions::Positions;
+use touchstone_protocol::settings::environment::{
+    DetentsBeside, Points, ProfileBeside, Surround, TravelEnds,
+};
+use touchstone_protocol::{Decimal, DeviceSettings};
+
+/// Narrowest and widest position that a board's detents take, rad.
+const WIDTHS: std::ops::RangeInclusive<f32> = 0.001..=std::f32::consts::TAU;
+/// Points of a profile for one position: a third of a width apart.
+const POINTS_A_POSITION: i64 = 3;
+
+/// A configuration that is played, and where its positions are.
+#[derive(Debug)]
+pub struct Played {
+    /// What there is to touch.
+    pub environment: Surround,
+    /// The positions, by the configuration's numbers.
+    pub positions: Positions,
+    /// What of the configuration is played otherwise.
+    pub notes: Vec<String>,
+}
+
+/// How strong a strength of 1 is.
+#[derive(Debug, Clone, Copy)]
+pub struct Strength {
+    /// Stiffness of a detent of strength 1 at its middle, N·m/rad.
+    pub detent_n_m_per_rad: f64,
+    /// The wall's stiffness, which an end stop of strength 1 has, N·m/rad.
+    pub endstop_n_m_per_rad: f64,
+    /// The largest torque, N·m.
+    pub most_n_m: f64,
+}
+
+impl Strength {
+    /// That of a board with these settings.
+    pub fn of(settings: &DeviceSettings, detent_n_m_per_rad: f64) -> Self {
+        Self {
+            detent_n_m_per_rad,
+            endstop_n_m_per_rad: settings.wall.k_desired_n_m_per_rad.to_num(),
+            most_n_m: settings.law.force_limit_n_m.to_num(),
+        }
+    }
+}
+
+/// What a SmartKnob refuses too.
+pub fn refused(config: &KnobConfig) -> Option<&'static str> {
+    let numbers = [
+        config.position_width_radians,
+        config.detent_strength_unit,
+        config.endstop_strength_unit,
+        config.snap_point,
+        config.sub_position_unit,
+        config.snap_point_bias,
+    ];
+    if numbers.iter().any(|number| !number.is_finite()) {
+        Some("Ignoring invalid config: a number is not finite")
+    } else if config.detent_strength_unit < 0.0 {
+        Some("Ignoring invalid config: detent_strength_unit cannot be negative")
+    } else if config.endstop_strength_unit < 0.0 {
+        Some("Ignoring invalid config: endstop_strength_unit cannot be negative")
+    } else if config.snap_point < 0.5 {
+        Some("Ignoring invalid config: snap_point must be >= 0.5 for stability")
+    } else if config.detent_positions.len() > 5 {
+        Some("Ignoring invalid config: detent_positions_count is too large")
+    } else if config.snap_point_bias < 0.0 {
+        Some("Ignoring invalid config: snap_point_bias cannot be negative")
+    } else if !WIDTHS.contains(&config.position_width_radians) {
+        Some("Ignoring invalid config: position_width_radians is outside 0.001 to 6.283")
+    } else {
+        None
+    }
+}
+
+/// The environment of a configuration of which `position` is at the angle `centre_rad`. It must not be one that is [`refused`].
+pub fn played(config: &KnobConfig, position: i32, centre_rad: f64, strength: Strength) -> Played {
+    let width = f64::from(config.position_width_radians);
+    let place = |number: i64| centre_rad + (number - i64::from(position)) as f64 * width;
+    let bounds = (config.min_position <= config.max_position)
+        .then(|| [config.min_position, config.max_position].map(i64::from));
+    let mut notes = Vec::new();
+    let torque = detent_torque(config, width, strength, &mut notes);
+    let is_magnetic = !config.detent_positions.is_empty();
+    let mut positions = Positions::every(width, place(0));
+    positions.hysteresis = (f64::from(config.snap_point) - 0.5).min(0.49);
+    positions.ends = bounds.map(|[first, last]| (first, last));
+    let ends = bounds.filter(|_| config.endstop_strength_unit > 0.0);
+    Played {
+        environment: Surround {
+            first_wall: false,
+            endstops: ends.map(|[first, last]| TravelEnds {
+                lower_rad: decimal(place(first)),
+                // A knob of one position has both ends there, and the upper one must be above the lower one.
+                upper_rad: decimal(place(last).max(place(first) + 1e-6)),
+                stiffness_n_m_per_rad: Some(decimal(
+                    f64::from(config.endstop_strength_unit) * strength.endstop_n_m_per_rad,
+                )),
+            }),
+            detents: (torque > 0.0 && !is_magnetic).then(|| DetentsBeside {
+                per_rev: 0,
+                pitch_rad: decimal(width),
+                strength_n_m: decimal(torque),
+                centre_rad: decimal(place(i64::from(position))),
+            }),
+            profile: (torque > 0.0 && is_magnetic)
+                .then(|| magnetic(config, position, &place, torque, &mut notes))
+                .flatten(),
+            ..Surround::default()
+        },
+        positions,
+        notes,
+    }
+}
+
+fn detent_torque(
+    config: &KnobConfig,
+    width: f64,
+    strength: Strength,
+    notes: &mut Vec<String>,
+) -> f64 {
+    // A triangle of this stiffness at its middle is largest a quarter of a width beside it.
+    let stiffness = f64::from(config.detent_strength_unit) * strength.detent_n_m_per_rad;
+    let torque = stiffness * width / 4.0;
+    if torque > strength.most_n_m {
+        notes.push(format!(
+            "detents have {} N·m, the largest torque of the board, instead of {torque:.3}",
+            strength.most_n_m
+        ));
+    }
+    torque.min(strength.most_n_m)
+}
+
+/// Detents at some positions only, as a profile: it draws from two thirds of a width on, and is free beyond.
+fn magnetic(
+    config: &KnobConfig,
+    position: i32,
+    place: &dyn Fn(i64) -> f64,
+    torque: f64,
+    notes: &mut Vec<String>,
+) -> Option<ProfileBeside> {
+    // The nearest first, as far as a profile reaches.
+    let room = (MOST_POINTS as i64 - 5) / POINTS_A_POSITION;
+    let mut wanted: Vec<i64> = config
+        .detent_positions
+        .iter()
+        .copied()
+        .map(i64::from)
+        .collect();
+    wanted.sort_unstable_by_key(|number| (number - i64::from(position)).abs());
+    let (mut low, mut high) = (wanted.first().copied()?, wanted.first().copied()?);
+    let all = wanted.len();
+    wanted.retain(|number| {
+        let (least, most) = (low.min(*number), high.max(*number));
+        let fits = most - least <= room;
+        if fits {
+            (low, high) = (least, most);
+        }
+        fits
+    });
+    if wanted.len() < all {
+        notes.push(format!(
+            "detents at {} of {all} positions: they may be {room} positions apart",
+            wanted.len()
+        ));
+    }
+    let mut points: Vec<i16> = vec![0; usize::try_from((high - low) * POINTS_A_POSITION + 5).ok()?];
+    for number in &wanted {
+        let middle = usize::try_from((number - low) * POINTS_A_POSITION + 2).ok()?;
+        *points.get_mut(middle - 1)? = WHOLE;
+        *points.get_mut(middle + 1)? = -WHOLE;
+    }
+    let third = f64::from(config.position_width_radians) / POINTS_A_POSITION as f64;
+    Some(ProfileBeside {
+        per_rev: 0,
+        start_rad: decimal(place(low) - 2.0 * third),
+        end_rad: decimal(place(high) + 2.0 * third),
+        strength_n_m: decimal(torque),
+        shape: Points(Shape::new(&points).ok()?),
+    })
+}
+
+fn decimal(value: f64) -> Decimal {
+    Decimal(Si::saturating_from_num(value))
+}

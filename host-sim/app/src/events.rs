@@ -1,0 +1,203 @@
+//! `touchstone events`: the position of a knob for programs, a line on every change.
+
+use super::number;
+use super::out::{self, print, say, tell};
+use super::port::PortOption;
+use super::stream::{self, Until};
+use touchstone_device::Client;
+use touchstone_device::positions::{HYSTERESIS, Place, Positions};
+use touchstone_link::words::name_of;
+use touchstone_protocol::settings::environment::Surround;
+use touchstone_protocol::{Fault, Phase, Reply, Request, Telemetry};
+use touchstone_sim::error::{Error, Result};
+
+/// Records a second of which the position is taken: a hand that turns 20 positions a second loses none.
+const RECORDS_PER_S: u32 = 250;
+
+/// Options of `events`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Options {
+    #[command(flatten)]
+    port: PortOption,
+    /// Distance between two positions, degrees. Default: that of the device's detents, or of its profile.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = number::up_to(360.0, "in degrees"))]
+    pitch: Option<f64>,
+    /// How far beyond the middle between two positions the number changes, as a fraction of their distance, 0 to 0.49.
+    #[arg(long, value_name = "FRACTION", default_value_t = HYSTERESIS, allow_negative_numbers = true, value_parser = number::within(0.0, 0.49, "of the distance between two positions"))]
+    hysteresis: f64,
+    /// The number of the position in which the knob is now. Default: counted from the middle of the scene's detents.
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    position: Option<i64>,
+    /// Ends after this many seconds; without this option, at Ctrl-C.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
+    seconds: Option<f64>,
+    /// Ends after this many lines.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::within(1_u64, 1_000_000_000, "of lines"))]
+    lines: Option<u64>,
+}
+
+/// Runs the command.
+pub fn main(options: &Options) -> Result<()> {
+    let stop = super::interrupt::noted()?;
+    let mut client = options.port.connect()?;
+    let settings = client.settings()?;
+    let environment = environment(&mut client)?;
+    let mut positions = positions(options, &environment)?;
+    positions.hysteresis = options.hysteresis;
+    let rate_hz = settings.timing.rate_hz;
+    let decimation = u16::try_from((rate_hz / RECORDS_PER_S).max(1)).unwrap_or(u16::MAX);
+    let counts = f64::from(settings.encoder.counts_per_rev);
+    client.tell(&Request::Telemetry { decimation })?;
+    client.forget_telemetry();
+    if let Some((first, last)) = positions.numbers() {
+        tell!("positions {first} to {last}, Ctrl-C ends");
+    }
+    let mut line = Lines {
+        first: None,
+        rate_hz,
+        left: options.lines,
+        state: None,
+    };
+    let mut called = options.position;
+    let watched = stream::records(
+        &mut client,
+        Until {
+            stop: &stop,
+            seconds: options.seconds,
+            unread: false,
+        },
+        |_, record| {
+            let angle_rad = f64::from(record.count) / counts * std::f64::consts::TAU;
+            line.state(record)?;
+            let Some(mut place) = positions.take(angle_rad) else {
+                return Ok(line.goes_on());
+            };
+            if let Some(number) = called.take() {
+                positions.call(number);
+                place.position = number;
+            }
+            line.position(record, &place, angle_rad, &positions)?;
+            Ok(line.goes_on())
+        },
+    );
+    client.tell(&Request::Telemetry {
+        decimation: settings.telemetry.decimation,
+    })?;
+    watched
+}
+
+/// What there is to touch; a board without room for an environment has the wall alone.
+fn environment(client: &mut Client) -> Result<Surround> {
+    if !client.identity().board.is_large() {
+        return Ok(Surround::default());
+    }
+    match client.ask(&Request::Environment)? {
+        Reply::Environment(environment) => Ok(environment),
+        other => Err(client.odd(&other)),
+    }
+}
+
+fn positions(options: &Options, environment: &Surround) -> Result<Positions> {
+    let own = Positions::of(environment);
+    match options.pitch {
+        Some(degrees) => {
+            let origin_rad = own.map_or(0.0, |it| it.origin_rad);
+            Ok(Positions::every(degrees.to_radians(), origin_rad).between(environment))
+        }
+        None => own.ok_or_else(|| Error::Option {
+            option: "--pitch".into(),
+            problem: "the device has no detents and no repeated profile, so it has no positions of its own"
+                .into(),
+            fix: "give the distance between two positions, e.g. --pitch 10, or send it a feel with `touchstone config environment coarse-detents`"
+                .into(),
+        }),
+    }
+}
+
+/// The lines that are printed.
+struct Lines {
+    /// The first record's tick.
+    first: Option<u32>,
+    rate_hz: u32,
+    /// Lines that are still wanted, if they are counted.
+    left: Option<u64>,
+    state: Option<(Phase, u8)>,
+}
+
+impl Lines {
+    fn goes_on(&self) -> bool {
+        self.left != Some(0)
+    }
+
+    fn count(&mut self) {
+        if let Some(left) = &mut self.left {
+            *left = left.saturating_sub(1);
+        }
+    }
+
+    /// Time since the first record, s.
+    fn time_s(&mut self, record: &Telemetry) -> f64 {
+        let first = *self.first.get_or_insert(record.tick);
+        f64::from(record.tick.wrapping_sub(first)) / f64::from(self.rate_hz)
+    }
+
+    /// A line where the device's state or its fault is another.
+    fn state(&mut self, record: &Telemetry) -> Result<()> {
+        let now = (record.phase, record.fault);
+        if self.state.replace(now) == Some(now) || !self.goes_on() {
+            return Ok(());
+        }
+        self.count();
+        let time_s = self.time_s(record);
+        let fault = (record.fault != 0).then(|| {
+            name_of(&Fault {
+                code: record.fault,
+                tick: record.tick,
+                value: 0,
+            })
+        });
+        if out::json() {
+            let line = serde_json::json!({
+                "event": "state", "time_s": time_s, "state": record.phase.name(), "fault": fault,
+            });
+            return print(format_args!("{line}\n"));
+        }
+        say!(
+            "{time_s:>9.3} s  {}{}",
+            record.phase.name(),
+            fault.map_or_else(String::new, |fault| format!(": {fault}"))
+        );
+        Ok(())
+    }
+
+    /// A line of a position.
+    fn position(
+        &mut self,
+        record: &Telemetry,
+        place: &Place,
+        angle_rad: f64,
+        positions: &Positions,
+    ) -> Result<()> {
+        if !self.goes_on() {
+            return Ok(());
+        }
+        self.count();
+        let time_s = self.time_s(record);
+        let degrees = angle_rad.to_degrees();
+        let Place {
+            position,
+            change,
+            beside,
+        } = *place;
+        if out::json() {
+            let (first, last) = positions.numbers().unzip();
+            let line = serde_json::json!({
+                "event": "position", "time_s": time_s, "position": position, "change": change,
+                "beside": beside, "angle_rad": angle_rad, "first": first, "last": last,
+            });
+            return print(format_args!("{line}\n"));
+        }
+        say!("{time_s:>9.3} s  position {position:>5} ({change:+})  {degrees:>9.2}°");
+        Ok(())
+    }
+}

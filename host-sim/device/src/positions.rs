@@ -1,0 +1,234 @@
+//! Numbered positions of a knob: the detent that it is in, with hysteresis, as programs use it.
+
+use std::f64::consts::TAU;
+use touchstone_protocol::settings::environment::Surround;
+
+/// By default the position changes three quarters of the way to the next detent: a quarter beyond the ridge between the two.
+pub const HYSTERESIS: f64 = 0.25;
+
+/// Positions at equal distances, numbered upwards with the angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Positions {
+    /// Distance between neighbours, rad.
+    pub pitch_rad: f64,
+    /// Angle of position 0, rad.
+    pub origin_rad: f64,
+    /// The first and the last position between the end stops; `None` without end stops.
+    pub ends: Option<(i64, i64)>,
+    /// How far beyond the middle between two positions the knob must be for the number to change, as a fraction of their distance, 0 to 0.49.
+    pub hysteresis: f64,
+    /// The position that the knob was in last, before `shift`.
+    now: Option<i64>,
+    /// What is added to a position for the number that a program sees.
+    shift: i64,
+}
+
+/// Where a knob is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// The number of the position.
+    pub position: i64,
+    /// By how much the number has changed; 0 for the first place.
+    pub change: i64,
+    /// Distance from the position, as a fraction of the distance between two.
+    pub beside: f64,
+}
+
+impl Positions {
+    /// Positions at this distance, the first at `origin_rad`.
+    #[must_use]
+    pub const fn every(pitch_rad: f64, origin_rad: f64) -> Self {
+        Self {
+            pitch_rad,
+            origin_rad,
+            ends: None,
+            hysteresis: HYSTERESIS,
+            now: None,
+            shift: 0,
+        }
+    }
+
+    /// The positions of an environment: its detents, else the deepest place of each copy of its profile; `None` where it has neither.
+    #[must_use]
+    pub fn of(environment: &Surround) -> Option<Self> {
+        let positions = match (&environment.detents, &environment.profile) {
+            (Some(detents), _) => Self::every(
+                match detents.per_rev {
+                    0 => detents.pitch_rad.0.to_num(),
+                    per_rev => TAU / f64::from(per_rev),
+                },
+                detents.centre_rad.0.to_num(),
+            ),
+            (None, Some(profile)) if profile.per_rev > 0 => {
+                let pitch = TAU / f64::from(profile.per_rev);
+                let start: f64 = profile.start_rad.0.to_num();
+                Self::every(pitch, start + pitch * deepest(profile.shape.0.points()))
+            }
+            _ => return None,
+        };
+        Some(positions.between(environment))
+    }
+
+    /// These positions, as far as they lie between the environment's end stops.
+    #[must_use]
+    pub fn between(mut self, environment: &Surround) -> Self {
+        // An end stop at a position leaves that position, whatever the rounding of the two.
+        const NEARLY: f64 = 1e-6;
+        self.ends = environment.endstops.map(|ends| {
+            let place = |at: f64| (at - self.origin_rad) / self.pitch_rad;
+            let [lower, upper] = [ends.lower_rad, ends.upper_rad].map(|at| place(at.0.to_num()));
+            (
+                (lower - NEARLY).ceil() as i64,
+                (upper + NEARLY).floor() as i64,
+            )
+        });
+        self
+    }
+
+    /// Gives the present position this number, and all others theirs from it. Before the first [`Positions::take`] that is position 0.
+    pub fn call(&mut self, number: i64) {
+        self.shift = number - self.now.unwrap_or(0);
+    }
+
+    /// Takes a measured angle; returns the place where the position is another than at the last call, or at the first.
+    pub fn take(&mut self, angle_rad: f64) -> Option<Place> {
+        let way = (angle_rad - self.origin_rad) / self.pitch_rad;
+        let nearest = || {
+            let nearest = way.round() as i64;
+            self.ends.map_or(nearest, |(first, last)| {
+                nearest.clamp(first, last.max(first))
+            })
+        };
+        let before = self.now;
+        let now = match before {
+            Some(now) if (way - now as f64).abs() <= 0.5 + self.hysteresis => now,
+            _ => nearest(),
+        };
+        self.now = Some(now);
+        (before != Some(now)).then(|| Place {
+            position: now + self.shift,
+            change: before.map_or(0, |before| now - before),
+            beside: way - now as f64,
+        })
+    }
+
+    /// Says that the knob is in this position, counted from the origin.
+    pub const fn stand_at(&mut self, position: i64) {
+        self.now = Some(position);
+    }
+
+    /// Distance of an angle from the present position, as a fraction of the distance between two; from the nearest before the first.
+    #[must_use]
+    pub fn beside(&self, angle_rad: f64) -> f64 {
+        let way = (angle_rad - self.origin_rad) / self.pitch_rad;
+        way - self.now.map_or(way.round(), |now| now as f64)
+    }
+
+    /// The angle of a position, counted from the origin, rad.
+    #[must_use]
+    pub fn angle_of(&self, position: i64) -> f64 {
+        self.origin_rad + position as f64 * self.pitch_rad
+    }
+
+    /// The numbers of the first and the last position between the end stops.
+    #[must_use]
+    pub fn numbers(&self) -> Option<(i64, i64)> {
+        self.ends
+            .map(|(first, last)| (first + self.shift, last + self.shift))
+    }
+}
+
+/// The place in a copy of a profile to which it draws: where the energy that a hand has put in is least, as a fraction of the copy.
+fn deepest(points: &[i16]) -> f64 {
+    let (mut height, mut least, mut place) = (0_i64, 0, 0);
+    for (index, pair) in points.windows(2).enumerate() {
+        // Twice the energy: the mean of two torques, over a step, against the motion.
+        height -= pair.iter().map(|point| i64::from(*point)).sum::<i64>();
+        if height < least {
+            (least, place) = (height, index + 1);
+        }
+    }
+    place as f64 / points.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{HYSTERESIS, Positions, deepest};
+    use touchstone_protocol::Decimal;
+    use touchstone_protocol::settings::environment::{DetentsBeside, Surround, TravelEnds};
+
+    fn dial() -> Surround {
+        Surround {
+            detents: Some(DetentsBeside {
+                per_rev: 24,
+                pitch_rad: Decimal::lit("0"),
+                strength_n_m: Decimal::lit("0.012"),
+                centre_rad: Decimal::lit("0"),
+            }),
+            endstops: Some(TravelEnds {
+                lower_rad: Decimal::lit("-0.1309"),
+                upper_rad: Decimal::lit("2.7489"),
+                stiffness_n_m_per_rad: None,
+            }),
+            ..Surround::default()
+        }
+    }
+
+    #[test]
+    fn a_position_changes_beyond_the_ridge_and_once() {
+        let mut positions = Positions::of(&dial()).unwrap();
+        let pitch = positions.pitch_rad;
+        assert_eq!(positions.numbers(), Some((0, 10)));
+        assert_eq!(positions.take(0.01).unwrap().change, 0);
+        // Noise on a ridge says nothing.
+        for way in [0.45, 0.55, 0.49, 0.7, 0.3, 0.74] {
+            assert_eq!(positions.take(way * pitch), None, "{way}");
+        }
+        let place = positions.take(0.76 * pitch).unwrap();
+        assert_eq!((place.position, place.change), (1, 1));
+        assert!((place.beside + 0.24).abs() < 1e-9);
+        // A fast turn is one change, and every position is counted.
+        let place = positions.take(7.9 * pitch).unwrap();
+        assert_eq!((place.position, place.change), (8, 7));
+        // Beyond an end it stays at the end.
+        assert_eq!(positions.take(13.0 * pitch).unwrap().position, 10);
+        assert_eq!(positions.take(14.0 * pitch), None);
+        assert_eq!(positions.take(-5.0 * pitch).unwrap().position, 0);
+    }
+
+    #[test]
+    fn a_number_is_given_without_a_move() {
+        let mut positions = Positions::of(&dial()).unwrap();
+        positions.take(2.0 * positions.pitch_rad);
+        positions.call(100);
+        assert_eq!(positions.numbers(), Some((98, 108)));
+        let place = positions.take(3.0 * positions.pitch_rad).unwrap();
+        assert_eq!((place.position, place.change), (101, 1));
+    }
+
+    #[test]
+    fn many_turns_lose_none() {
+        let mut positions = Positions::every(0.1, 0.03);
+        let (mut sum, mut seen) = (0, 0);
+        for step in 0..200_000_i64 {
+            if let Some(place) = positions.take(0.007 * step as f64) {
+                sum += place.change;
+                seen = place.position;
+            }
+        }
+        assert_eq!(sum, seen);
+        assert!((seen as f64 * 0.1 + 0.03 - 0.007 * 200_000.0).abs() < 0.1 * (0.5 + HYSTERESIS));
+    }
+
+    #[test]
+    fn a_profile_draws_to_its_deepest_place() {
+        // Magnetic, a string in the middle, and a valley in the middle.
+        for (points, place) in [
+            (&[0_i16, -10, 0, 0, 0, 0, 0, 10][..], 0.0),
+            (&[0, 0, -10, 0, 10, 0, 0, 0], 0.0),
+            (&[0, 10, 10, 10, 0, -10, -10, -10], 0.5),
+        ] {
+            assert_eq!(deepest(points), place, "{points:?}");
+        }
+    }
+}
