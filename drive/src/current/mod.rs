@@ -312,7 +312,7 @@ impl CurrentLoop {
         .max(Volts::ZERO)
     }
 
-    /// The compare values of a voltage in the frame of the command, turned to where the rotor is when they act.
+    /// Turns a voltage from the command's frame to the rotor's angle at the time when it acts; returns the compare values.
     #[inline(always)]
     fn give(&mut self, command: &CurrentCommand, voltage: Dq) -> BridgeCommand {
         self.report.voltage = voltage;
@@ -322,15 +322,15 @@ impl CurrentLoop {
     }
 }
 
-/// How far the rotor turns in a number of PWM periods.
+/// Angle by which the rotor turns in this number of PWM periods.
 #[inline(always)]
 fn moved(command: &CurrentCommand, periods: u32) -> Angle {
     // 2^-32 turns to 2^-16.
     Angle(((i64::from(command.advance) * i64::from(periods)) >> 16) as u16)
 }
 
-/// `√(length² - side²)`: the voltage that the limit on the vector's length leaves to the q axis, rounded down to
-/// 1/1,024 V; for lengths up to 63 V.
+/// `√(length² - side²)`: the largest voltage on the q axis if the vector is at most `length` long and `side` is its d component.
+/// Rounded down to 1/1,024 V; for lengths up to 63 V.
 fn other_side(length: Volts, side: Volts) -> Volts {
     let short =
         |v: Volts| u32::from(u16::try_from(v.saturating_abs().to_bits() >> 6).unwrap_or(u16::MAX));

@@ -5,7 +5,7 @@ use crate::scenery::WallAlone;
 use crate::timing::TickTiming;
 use touchstone_control::Si;
 
-/// An input that holds only an encoder's counter.
+/// A control input with this encoder counter and default values for the rest.
 fn quiet(counter: u32) -> ControlInput {
     ControlInput {
         encoder: EncoderReading::Counter32(counter),
@@ -57,7 +57,8 @@ fn where_positions_end_a_wall_is_off_and_says_so() {
     }
 }
 
-/// A detent shaken at 20 Hz, with the position measured when the force changes: counts, forces, ways and torques of every tick.
+/// Shakes a detent at 20 Hz, with the position measured when the force changes. Returns count, force, displacement since the
+/// change, and torque of every tick.
 #[cfg(feature = "large")]
 fn shaken(turns: i64) -> Vec<(i64, i32, i32, i32)> {
     use touchstone_protocol::settings::environment::DetentsBeside;
