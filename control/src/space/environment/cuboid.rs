@@ -5,12 +5,12 @@ use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// A box. The depth is exact inside, and less than a quantum off outside.
+/// A box along the axes. Its depth is exact for a HIP inside, and less than a quantum off outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cuboid<N: Spatial> {
     /// Centre of the cuboid.
     pub centre: Vector<Position<N>>,
-    /// Distance from the centre to each face.
+    /// Distance from the centre to the face on each axis.
     pub half: Vector<Position<N>>,
 }
 

@@ -5,7 +5,7 @@ use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// What lies below a plane. The depth is within a quantum, and exact where the normal is an axis.
+/// The half-space below a plane. Its depth is right within a quantum, and exact where the normal is an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane<N: Spatial> {
     /// The direction out of the object.
@@ -15,7 +15,7 @@ pub struct Plane<N: Spatial> {
 }
 
 impl<N: Spatial> Plane<N> {
-    /// How far above the plane, negative below.
+    /// Height of a point above the plane, negative below.
     #[inline(always)]
     #[must_use]
     pub fn above(&self, at: Vector<Position<N>>) -> Position<N> {
