@@ -12,7 +12,7 @@ pub type Axes<T> = [T; 3];
 
 /// Lengths and directions in one number format. All functions are total: they saturate and never divide by zero.
 pub trait Spatial: Number {
-    /// 1, or the largest signal where the format ends below it ([`Fixed8`]).
+    /// The value 1, or the largest signal of a format whose range ends below 1 ([`Fixed8`]).
     const ONE: Self::Signal;
 
     /// `a · b` towards zero, saturating.
@@ -24,9 +24,9 @@ pub trait Spatial: Number {
     fn share(x: Self::Signal, part: Self::Signal, whole: Self::Signal) -> Self::Signal;
     /// `u · v` of a direction and a vector, rounded down once, saturating; exact for `u` of whole numbers.
     fn along(u: Axes<Self::Signal>, v: Axes<Self::Signal>) -> Self::Signal;
-    /// `|v|` rounded down: less than a quantum below. Saturates at the largest signal.
+    /// Length `|v|` rounded down, less than one step of the format too short. Saturates at the largest signal.
     fn length_down(v: Axes<Self::Signal>) -> Self::Signal;
-    /// `|v|` rounded up: less than a quantum above. Saturates at the largest signal.
+    /// Length `|v|` rounded up, less than one step of the format too long. Saturates at the largest signal.
     fn length_up(v: Axes<Self::Signal>) -> Self::Signal;
     /// `|v| > limit` for a limit of at least 0, exactly, and without a root.
     fn longer(v: Axes<Self::Signal>, limit: Self::Signal) -> bool;

@@ -135,7 +135,7 @@ mod tests {
     use super::*;
     use crate::Fixed8;
 
-    /// Checks every direction component and every length of 8 bits, components beyond 1 included: the part along it has the
+    /// Checks for every direction component and every length of 8 bits that the part of the length along the direction has the
     /// length's sign.
     #[test]
     fn a_share_of_a_length_is_the_part_along_a_direction_without_its_side() {

@@ -58,13 +58,13 @@ macro_rules! signal_vector {
             pub(super) fn reversed(self) -> Self {
                 self.map(|x| $quantity::zero() - x)
             }
-            /// Length of the vector, less than a quantum too short; saturating.
+            /// Length of the vector, rounded down: less than one step of the format too short. It saturates.
             #[inline(always)]
             #[must_use]
             pub fn length_down(self) -> $quantity<N> {
                 $quantity(N::length_down(self.signals()))
             }
-            /// Length of the vector, less than a quantum too long; saturating.
+            /// Length of the vector, rounded up: less than one step of the format too long. It saturates.
             #[inline(always)]
             #[must_use]
             pub fn length_up(self) -> $quantity<N> {
@@ -198,8 +198,8 @@ impl<N: Spatial> Direction<N> {
     pub fn times_force(&self, size: Force<N>) -> Vector<Force<N>> {
         Vector(self.0.map(|part| Force(N::times(part, size.0))))
     }
-    /// The part of a displacement across the direction: each component within two quanta, and never longer than the
-    /// displacement.
+    /// The part of a displacement perpendicular to the direction. Each component is right within two steps of the format, and the
+    /// part is never longer than the displacement.
     #[inline]
     #[must_use]
     pub fn across(&self, v: Vector<Position<N>>) -> Vector<Position<N>> {

@@ -5,7 +5,8 @@ use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// A box along the axes. Its depth is exact for a HIP inside, and less than a quantum off outside.
+/// A box along the axes. The depth that it reports is exact for a HIP inside; for one outside the error is less than one step of
+/// the format.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cuboid<N: Spatial> {
     /// Centre of the cuboid.

@@ -6,7 +6,8 @@ use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// A cylinder with flat ends. Its depth is less than a quantum off, and less than four at the rim.
+/// A cylinder with flat ends. The error of the depth that it reports is less than one step of the format, and less than four at the
+/// rim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cylinder<N: Spatial> {
     /// Centre of the cylinder.

@@ -5,7 +5,8 @@ use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// The half-space below a plane. Its depth is right within a quantum, and exact where the normal is an axis.
+/// The half-space below a plane. The depth that it reports is right within one step of the format, and exact where the normal is an
+/// axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane<N: Spatial> {
     /// The direction out of the object.
@@ -21,7 +22,7 @@ impl<N: Spatial> Plane<N> {
     pub fn above(&self, at: Vector<Position<N>>) -> Position<N> {
         self.normal.component(at) - self.height
     }
-    /// Same plane with the opposite normal.
+    /// The same plane with the opposite normal.
     #[must_use]
     pub fn flipped(&self) -> Self {
         Self {

@@ -5,7 +5,7 @@ use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 use crate::{Energy, Force, Position};
 
-/// A ball. Its depth is less than a quantum too large.
+/// A ball. The depth of the HIP that it reports is too large by less than one step of the number format.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere<N: Spatial> {
     /// Centre of the sphere.

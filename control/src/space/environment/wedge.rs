@@ -95,7 +95,7 @@ impl<N: Spatial> Surface<N> for Edge<N> {
 /// and the force lies in the plane of both normals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Corner<N: Spatial> {
-    /// The free space above both planes, as an object.
+    /// The free space above both planes, treated as an object of its own.
     free: Edge<N>,
 }
 
