@@ -16,7 +16,7 @@ const TURN: i64 = 1_768_559_438_007_110;
 /// bit for bit: the counts are reduced to a turn before anything is rounded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CountScale {
-    /// Angle of one count, rad, with [`STEP_BITS`] fractional bits.
+    /// Angle of one encoder count in rad, with [`STEP_BITS`] fractional bits.
     step: i64,
     surface: Si,
     /// Encoder counts per turn.

@@ -93,7 +93,7 @@ impl Reason {
 /// Result of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Alignment {
-    /// Electrical angle at count 0 of the unwrapped encoder.
+    /// Electrical angle in 1/65,536 of a turn at count 0 of the unwrapped encoder.
     pub offset: Angle,
     /// Whether the electrical angle falls when the count rises.
     pub against: bool,

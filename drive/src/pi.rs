@@ -69,7 +69,7 @@ impl PiGains {
     }
 }
 
-/// Memory of one controller: its integral, which settles at the voltage of resistance and motion, V.
+/// Memory of one current controller: its integral in V, which settles at the voltage of the winding's resistance and back-EMF.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Pi {
     integral: Volts,

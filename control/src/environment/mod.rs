@@ -57,7 +57,7 @@ pub struct WallSettings {
     pub k_desired: Si,
 }
 
-/// A wall with its law and the law's memory.
+/// A wall, the control law that renders it, and the law's memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Walled<N: Number> {
     wall: WallSettings,

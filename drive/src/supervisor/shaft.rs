@@ -104,7 +104,7 @@ pub enum Seen {
     Fault(FaultCode, i32),
 }
 
-/// The shaft as the encoder measures it.
+/// Memory of the shaft's motion, as the encoder measures it.
 #[derive(Debug, Clone, Copy)]
 pub struct Shaft {
     unwrapped: Option<Unwrapped>,
