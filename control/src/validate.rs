@@ -96,7 +96,7 @@ pub enum SettingsError {
         /// Largest allowed value, SI.
         max: Si,
     },
-    /// A value, or the coefficient made of it, does not fit the number format.
+    /// A setting, or the coefficient that is computed from it, does not fit the number format.
     OutOfFormat {
         /// The setting that was refused.
         field: Field,

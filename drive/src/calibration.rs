@@ -1,5 +1,5 @@
-//! Calibration, before the first torque. It measures the current sensors' offsets, the encoder's direction, and which count belongs to which
-//! electrical angle, and checks the number of pole pairs.
+//! Calibration, before the first torque. It measures the current sensors' offsets, the encoder's direction, and which count belongs
+//! to which electrical angle, and checks the number of pole pairs.
 //!
 //! ```text
 //! Offsets -> Raise -> Settle -> Forward -> Back -> done
@@ -93,7 +93,7 @@ impl Reason {
 /// Result of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Alignment {
-    /// Electrical angle at count 0 of the unwrapped encoder.
+    /// Electrical angle in 1/65,536 of a turn at count 0 of the unwrapped encoder.
     pub offset: Angle,
     /// Whether the electrical angle falls when the count rises.
     pub against: bool,

@@ -42,7 +42,7 @@ pub struct MeasurementConfig {
     current_step: Amps,
     /// Angle of the fast field per control period, 2^-32 turns.
     field_per_tick: u32,
-    /// Ticks that a current is held once it is reached.
+    /// Ticks for which the fast field's current is held once it has reached its value.
     hold: u32,
     push: Amps,
     /// Speeds at which a push ends, the fast one and the slow one, rad/s.

@@ -4,7 +4,7 @@ use crate::encoder::on_step;
 use crate::{CountScale, Force, Number, Position, Si};
 
 crate::choice! {
-    /// The side of its surface on which a wall is solid.
+    /// The side of a wall's surface on which the wall is solid.
     Side {
         /// The wall is solid at angles above its surface: it pushes towards smaller angles.
         #[default]

@@ -31,7 +31,7 @@ pub enum Refused {
     Length(Si),
     /// The strength of a profile is below 0 or above the force limit, N·m (N).
     ProfileStrength {
-        /// The strength as it was given.
+        /// The given strength, N·m (N).
         strength: Si,
         /// The force limit.
         limit: Si,

@@ -77,8 +77,8 @@ impl DeviceInTicks {
         self.flow(self.delay, |i| i)
     }
 
-    /// The motion over a time in ticks. Each command's end is given in ticks before the end of that time; the command begins one
-    /// tick earlier.
+    /// The modelled motion over a time in ticks. Each command acts for one tick and ends a given number of ticks before the end of
+    /// that time.
     fn flow<N: Number, const COMMANDS: usize>(
         &self,
         time: Exact,

@@ -9,7 +9,7 @@ use crate::{Force, Number};
 pub struct Damped<N: Number> {
     /// Spring and damper.
     pub spring: Spring<N>,
-    /// The filter that gives the damper its velocity.
+    /// The filter from which the damper gets its velocity.
     pub velocity: Velocity<N>,
 }
 

@@ -94,7 +94,7 @@ pub struct CurrentOutput {
 pub struct Trip {
     /// [`FaultCode::OverCurrent`], [`FaultCode::StaleCommand`], [`FaultCode::HardwareBreak`] or [`FaultCode::DeadlineMiss`].
     pub code: FaultCode,
-    /// Same as [`touchstone_protocol::Context::value`].
+    /// The trip's value for the fault's context, see [`touchstone_protocol::Context::value`].
     pub value: i32,
 }
 

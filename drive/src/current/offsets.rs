@@ -12,7 +12,7 @@ pub struct Offsets {
 }
 
 impl Offsets {
-    /// Fractional bits of a mean.
+    /// Fractional bits of an offset, which is a mean of readings.
     pub(super) const BITS: u32 = 4;
 }
 

@@ -131,7 +131,8 @@ fn a_detent_is_the_same_ten_thousand_turns_on() {
     }
 }
 
-/// The guard's account around a tick that ends the arming, J 2^-48: (before it, after it, after the next arming).
+/// Energy in the guard's account around a tick that ends the arming, in 2^-48 J: before that tick, after it, and after the next
+/// arming.
 fn accounts_around(ending: impl Fn(&mut ControlInput, &mut Device)) -> (i64, i64, i64) {
     let mut settings = DeviceSettings::default();
     settings.encoder.kind = EncoderKind::Incremental;

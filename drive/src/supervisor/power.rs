@@ -45,7 +45,7 @@ impl PowerConfig {
 }
 
 impl PowerConfig {
-    /// Whether a bus voltage is within its limits.
+    /// Whether this bus voltage is within the limits for the power stage.
     #[cfg(feature = "large")]
     #[must_use]
     pub fn takes(&self, bus: Volts) -> bool {
