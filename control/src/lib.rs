@@ -6,8 +6,8 @@
 //! sample -> penetration -> states -> observer -> law -> saturation -> command
 //! ```
 //!
-//! Read it in that order: [`Position`] in [`quantity`], [`observer`], one file per law in [`law`], [`filter`] for the virtual
-//! mass, [`CountScale`] for the encoder, [`Controller`] for how settings become a running law. The arithmetic of these modules is in
+//! Read it in that order: [`Position`] in [`quantity`], [`observer`], one file per law in [`law`], [`filter`] for the virtual mass,
+//! [`CountScale`] for the encoder, [`Controller`] for how settings become a running law. The arithmetic of these modules is in
 //! [`number`]; the part of it that the machine-checked proofs cover is in [`magnitude`].
 //!
 //! | word | meaning | unit (1-DoF / 3-DoF) |
@@ -33,8 +33,8 @@
 //! assert!(f.to_si() < Si::lit("0.05") && f.to_si() > Si::lit("0.0499998")); // 50 mN·m, towards zero
 //! ```
 //!
-//! `examples/one_wall.rs` and the README go from encoder count to motor torque. Values are made of [`Si`], as above. The crate of the
-//! fixed-point types (`I8F24` and the like) is re-exported as [`fixed`].
+//! `examples/one_wall.rs` and the README go from encoder count to motor torque. Values are made of [`Si`], as above. The crate of
+//! the fixed-point types (`I8F24` and the like) is re-exported as [`fixed`].
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 

@@ -1,7 +1,8 @@
 //! The one table of the control law's settings: path, type, range, default, unit, and a description for people.
 //!
-//! Everything else is generated from its rows: the fields of [`crate::Settings`] with their defaults, the variants of [`crate::Field`] with
-//! their range checks, the settings of a device, the fields of a scene file, and the output of `touchstone config schema`. A row has this form:
+//! Everything else is generated from its rows: the fields of [`crate::Settings`] with their defaults, the variants of
+//! [`crate::Field`] with their range checks, the settings of a device, the fields of a scene file, and the output of `touchstone
+//! config schema`. A row has this form:
 //!
 //! ```text
 //! Variant field, name: kind(range) = default, "unit", "words";
@@ -13,8 +14,8 @@
 //!   A scene may leave out a `choice_of_law`; the law then has its own value.
 //! - `words` is the description that messages show after "give" and before the unit.
 //!
-//! `timing`, `wall` and `law` are tables of a scene and of a device, and fields of [`crate::Settings`] itself. The sections after them are
-//! groups: a group is a struct, a field of [`crate::Settings`], and the table `law.GROUP`.
+//! `timing`, `wall` and `law` are tables of a scene and of a device, and fields of [`crate::Settings`] itself. The sections after
+//! them are groups: a group is a struct, a field of [`crate::Settings`], and the table `law.GROUP`.
 //!
 //! The texts stand in constants only, so a program contains only the texts that it uses.
 

@@ -6,8 +6,9 @@
 //! other settings wait for a calibration -> prepare waits for it as well
 //! ```
 //!
-//! If there is only the wall of the settings, the device's own law runs, as on boards without environments, and takes the same time.
-//! An environment takes the wall's place only if the user changes to another scene while the device is armed; that lasts until the next arming.
+//! If there is only the wall of the settings, the device's own law runs, as on boards without environments, and takes the same
+//! time. An environment takes the wall's place only if the user changes to another scene while the device is armed; that lasts
+//! until the next arming.
 
 use crate::change::ChangeConfig;
 use crate::cogging::Played;
@@ -114,8 +115,8 @@ impl Around {
         }
     }
 
-    /// Sets the cogging map that is compensated. If `settings_wait`, other settings wait for a calibration, and no map is used
-    /// until then.
+    /// Sets the cogging map with which the board compensates cogging. If `settings_wait`, other settings wait for a calibration,
+    /// and no map is used until then.
     pub(crate) fn play(&mut self, map: Option<&Played>, settings_wait: bool) {
         self.map = map.cloned();
         self.map_waits = settings_wait;

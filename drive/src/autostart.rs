@@ -1,16 +1,17 @@
-//! Unattended start: a board that calibrates and arms by itself when power comes on. It gives the commands that a person would give, and no
-//! others.
+//! Unattended start: a board that calibrates and arms by itself when power comes on. It gives the commands that a person would
+//! give, and no others.
 //!
-//! Fault machine and supervisor treat these commands like those from a computer: every limit holds, and the force fades in as after any arming.
-//! The board tries once. If a computer sends a frame before the board is armed, the unattended start ends and the computer is in charge.
+//! Fault machine and supervisor treat these commands like those from a computer: every limit holds, and the force fades in as after
+//! any arming. The board tries once. If a computer sends a frame before the board is armed, the unattended start ends and the
+//! computer is in charge.
 //!
 //! ```text
 //! Waiting: supply in its range, shaft at rest -> Checking: calibrate, at rest again -> Started: arm
 //! ```
 //!
-//! The limit on the computer's silence (`limits.host_silence_s`) counts from its first frame on. Until then the board itself counts as the
-//! computer. So a knob without a computer runs, and a cable that is pulled during a session switches the outputs off. The stop button
-//! always works.
+//! The limit on the computer's silence (`limits.host_silence_s`) counts from its first frame on. Until then the board itself counts
+//! as the computer. So a knob without a computer runs, and a cable that is pulled during a session switches the outputs off. The
+//! stop button always works.
 
 use crate::reset::ResetReason;
 use touchstone_protocol::{Command, SelfStart, State};

@@ -1,5 +1,5 @@
-//! Calibration, before the first torque. It measures the current sensors' offsets, the encoder's direction, and which count belongs to which
-//! electrical angle, and checks the number of pole pairs.
+//! Calibration, before the first torque. It measures the current sensors' offsets, the encoder's direction, and which count belongs
+//! to which electrical angle, and checks the number of pole pairs.
 //!
 //! ```text
 //! Offsets -> Raise -> Settle -> Forward -> Back -> done

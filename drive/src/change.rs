@@ -1,16 +1,18 @@
-//! The second encoder reading in a tick, when the force changes, and how the displacement of a tick is divided between the old and the new force.
+//! The second encoder reading in a tick, when the force changes, and how the displacement of a tick is divided between the old and
+//! the new force.
 //!
-//! The current loop gets the command of a control tick one PWM period later, and the command acts from half a period after that on. Then
-//! the current follows with the loop's own lag. Let `H(t)` be the fraction of a change of force that is still missing a time `t` after the
-//! encoder was read. Over a tick the port takes the energy `f₁ Δx - g ∫ H dx`, with the change `g`. With a second reading, after `q` periods, the
-//! two parts of the displacement `Δx = u + w` are known. For all motions of the hand within these parts
+//! The current loop gets the command of a control tick one PWM period later, and the command acts from half a period after that on.
+//! Then the current follows with the loop's own lag. Let `H(t)` be the fraction of a change of force that is still missing a time
+//! `t` after the encoder was read. Over a tick the port takes the energy `f₁ Δx - g ∫ H dx`, with the change `g`. With a second
+//! reading, after `q` periods, the two parts of the displacement `Δx = u + w` are known. For all motions of the hand within these
+//! parts
 //!
 //! ```text
 //! g ∫ H dx <= g (H₁ u + H₂ w) + g² V/4b,      H₁, H₂ the means of H over the parts,  V = ∫ (H - its mean in the part)² dt
 //! ```
 //!
-//! The damping `b` dissipates further energy in `u` and `w` themselves (Cauchy and Schwarz, as in `docs/energy-guard.md`). So the guard gets the
-//! position at which a sudden change of force would have the same effect, and charges `V` as the lag that remains.
+//! The damping `b` dissipates further energy in `u` and `w` themselves (Cauchy and Schwarz, as in `docs/energy-guard.md`). So the
+//! guard gets the position at which a sudden change of force would have the same effect, and charges `V` as the lag that remains.
 
 use crate::hardware::Hardware;
 use crate::settings::periods_per_tick;

@@ -4,9 +4,10 @@
 //! reading -> supervisor -> fault machine -> penetration -> law -> torque -> drive
 //! ```
 //!
-//! The law is [`touchstone_control::Controller`] over [`Fixed32`], as in the simulator. Its force depends only on the encoder counts
-//! since the tick that armed, on the guard's energy account at that tick, and on the forces that were really commanded. Stages after the law
-//! reduce its force (fading in, current limit, temperature) and report the result to its estimator and its guard.
+//! The law is [`touchstone_control::Controller`] over [`Fixed32`], as in the simulator. Its force depends only on the encoder
+//! counts since the tick that armed, on the guard's energy account at that tick, and on the forces that were really commanded.
+//! Stages after the law reduce its force (fading in, current limit, temperature) and report the result to its estimator and its
+//! guard.
 
 use crate::angle::Angle;
 #[cfg(feature = "large")]
@@ -83,7 +84,7 @@ impl Device {
         &self.memory
     }
 
-    /// The law of the settings' wall, with its memory.
+    /// The control law of the single wall that the settings describe, with the law's memory.
     #[must_use]
     pub const fn law(&self) -> &Controller<Fixed32> {
         &self.law

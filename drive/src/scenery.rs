@@ -44,7 +44,7 @@ pub(crate) trait Scenery {
     fn runs(&self) -> bool;
     /// Reports that a calibration has changed to other settings.
     fn calibrated(&mut self, law: &mut Law);
-    /// The cogging map that is compensated; `None` without one.
+    /// The cogging map with which the board compensates cogging; `None` without one.
     #[cfg(feature = "large")]
     fn played(&self) -> Option<&crate::cogging::Played>;
 }

@@ -1,13 +1,13 @@
-//! Cogging sweep after a calibration. It turns the shaft slowly and evenly, in one direction and back, and reports the current that this takes
-//! at each position. The desktop calculates the cogging from it, in `touchstone_lab::identify::cogging`.
+//! Cogging sweep after a calibration. It turns the shaft slowly and evenly, in one direction and back, and reports the current that
+//! this takes at each position. The desktop calculates the cogging from it, in `touchstone_lab::identify::cogging`.
 //!
 //! ```text
 //! Forward: a quarter of a turn to get going, two turns -> Backward: the same -> stand -> done
 //! ```
 //!
-//! A position loop follows a reference that moves at a quarter of a turn per second. The loop need not be stiff: the counts show where it gives
-//! way, and the desktop corrects for the inertia. Friction changes its sign with the direction and cogging does not, so the mean of both
-//! directions is the cogging alone. Two turns in each direction show how well it repeats.
+//! A position loop follows a reference that moves at a quarter of a turn per second. The loop need not be stiff: the counts show
+//! where it gives way, and the desktop corrects for the inertia. Friction changes its sign with the direction and cogging does not,
+//! so the mean of both directions is the cogging alone. Two turns in each direction show how well it repeats.
 
 use crate::Amps;
 use crate::calibration::Reason;

@@ -1,7 +1,8 @@
 //! Replaces an environment (walls and detents) by another while a hand touches it.
 //!
-//! **No jump of the force.** The first tick of the new environment commands the last force of the old one. The difference between the old force
-//! and the new environment's own force `g` is added to `g` and fades at a set rate `r`: `f(n) = g(n) + d(n)` with `|d(n+1)| <=
+//! **No jump of the force.** The first tick of the new environment commands the last force of the old one. The difference between
+//! the old force and the new environment's own force `g` is added to `g` and fades at a set rate `r`: `f(n) = g(n) + d(n)` with
+//! `|d(n+1)| <=
 //! |d(n)|` and `|d(n+1) - d(n)| <= r T`. So a change of environment adds at most `r T` per tick to the changes that `g` makes by
 //! itself.
 //!

@@ -151,7 +151,7 @@ impl<N: Number> Detents<N> {
 #[inline(never)]
 fn along_axis(per_pitch: u64, angle: Si, centre: Si) -> i32 {
     let way = angle.saturating_sub(centre).to_bits();
-    // The pitches since the centre, with 32 digits behind the point, of which only these are wanted.
+    // Number of pitches from the centre with 32 fractional bits; only the fractional bits are needed.
     let pitches = way.unsigned_abs().wrapping_mul(per_pitch);
     let beyond = ((pitches >> 32) as u32).cast_signed();
     if way < 0 {

@@ -1,5 +1,5 @@
-//! Everything to touch on one axis: several walls, solid above or below their surfaces, detents, and a drawn torque profile. One energy
-//! guard limits the sum of their forces.
+//! Everything to touch on one axis: several walls, solid above or below their surfaces, detents, and a drawn torque profile. One
+//! energy guard limits the sum of their forces.
 //!
 //! ```text
 //! angle -> each wall: penetration -> states -> law \
@@ -7,17 +7,18 @@
 //!       -> profile --------------------------------->
 //! ```
 //!
-//! **Nothing is switched.** Every wall has a law with a memory of its own and gets the device's position at every tick. Outside its own wall a
-//! law gives no force and has no memory, so it is not influenced by a touch of another wall. The sum of all forces is limited as one force and
-//! passes one guard. So the guard's account also bounds the energy that a hand gets by going from one wall to the next. Estimators get the sum
-//! of all forces, since the sum moves the device.
+//! **Nothing is switched.** Every wall has a law with a memory of its own and gets the device's position at every tick. Outside its
+//! own wall a law gives no force and has no memory, so it is not influenced by a touch of another wall. The sum of all forces is
+//! limited as one force and passes one guard. So the guard's account also bounds the energy that a hand gets by going from one wall
+//! to the next. Estimators get the sum of all forces, since the sum moves the device.
 //!
-//! **Signs.** Forces here act against `+x`, like the force of a wall that is solid above its surface. A wall that is solid below is calculated
-//! as the mirror image of one above. So an environment and its mirror image answer mirrored motions with mirrored forces, bit for bit.
+//! **Signs.** Forces here act against `+x`, like the force of a wall that is solid above its surface. A wall that is solid below is
+//! calculated as the mirror image of one above. So an environment and its mirror image answer mirrored motions with mirrored
+//! forces, bit for bit.
 //!
-//! **Many turns.** A knob may turn for 340 million turns: detents and the guard's energy account are the same at every turn, bit for bit. A wall
-//! acts as far as positions reach, 128 rad with 32 bits. Further outside there is no wall to feel. Further inside the wall is off, which
-//! [`Environment::is_beyond_reach`] reports.
+//! **Many turns.** A knob may turn for 340 million turns: detents and the guard's energy account are the same at every turn, bit
+//! for bit. A wall acts as far as positions reach, 128 rad with 32 bits. Further outside there is no wall to feel. Further inside
+//! the wall is off, which [`Environment::is_beyond_reach`] reports.
 //!
 //! Objects on three axes are in [`crate::space::environment`]: there a point is inside one shape, here inside any number of walls.
 

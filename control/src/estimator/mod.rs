@@ -1,9 +1,9 @@
 //! State estimator: position, velocity and the hand's push, from encoder counts, known inertia and damping, and commanded torque.
 //!
-//! A velocity taken as the difference of two counts is coarse and late, and a command acts later still. This estimator models
-//! the device's own motion, `J dv/dt = -f - b v + J h`, with the commanded force `f`. The hand's push `h` is an acceleration that is assumed
-//! constant. So only the hand's push has to be estimated. Per tick, with the velocity as a
-//! displacement `d` per tick and the push as `g` per tick²:
+//! A velocity taken as the difference of two counts is coarse and late, and a command acts later still. This estimator models the
+//! device's own motion, `J dv/dt = -f - b v + J h`, with the commanded force `f`. The hand's push `h` is an acceleration that is
+//! assumed constant. So only the hand's push has to be estimated. Per tick, with the velocity as a displacement `d` per tick and
+//! the push as `g` per tick²:
 //!
 //! ```text
 //! x⁻ = x + V d + X g - Σ q x_i f(n-1-i)     position that the model expects     V, X, ρ: one tick of the damped device
@@ -12,17 +12,17 @@
 //! x  = x⁻ + α r    d = d⁻ + β r    g = g + γ r
 //! ```
 //!
-//! The three poles of the estimator's error are equal, `z = exp(-2π p T)` for a bandwidth `p`:
-//! `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V β = 2 + ρ - 3z - α - X γ`. Then the same model predicts the state for the time at which the next command
-//! begins to act, with the commands that are already given but not yet in effect. The law gets that prediction.
+//! The three poles of the estimator's error are equal, `z = exp(-2π p T)` for a bandwidth `p`: `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V
+//! β = 2 + ρ - 3z - α - X γ`. Then the same model predicts the state for the time at which the next command begins to act, with the
+//! commands that are already given but not yet in effect. The law gets that prediction.
 //!
-//! **At rest the position is exact**, to a step of the format at most: `g` sums up `r` until `r` is zero, whatever inertia and torque
-//! constant are assumed. So a wrong inertia costs accuracy while the device moves, and none when it is held.
+//! **At rest the position is exact**, to a step of the format at most: `g` sums up `r` until `r` is zero, whatever inertia and
+//! torque constant are assumed. So a wrong inertia costs accuracy while the device moves, and none when it is held.
 //!
-//! **Nothing overflows**, and no sum has to saturate. A state that leaves `|r| < 8 rad`, `|d| < 4 rad` per tick or
-//! `|g| < 4 rad` per tick², which no real device does, is reset to the measured position. So `|x| <= 128 + 8`. Commands take less than
-//! 2 rad in each tick (settings allow 1; the coefficients are checked) over at most two ticks. So a sum stays below
-//! `136 + 2·4 + 2·4 + 4 < 157` of 512 rad. See `proofs/src/estimator.rs`.
+//! **Nothing overflows**, and no sum has to saturate. A state that leaves `|r| < 8 rad`, `|d| < 4 rad` per tick or `|g| < 4 rad`
+//! per tick², which no real device does, is reset to the measured position. So `|x| <= 128 + 8`. Commands take less than 2 rad in
+//! each tick (settings allow 1; the coefficients are checked) over at most two ticks. So a sum stays below `136 + 2·4 + 2·4 + 4 <
+//! 157` of 512 rad. See `proofs/src/estimator.rs`.
 
 mod flow;
 mod settings;

@@ -1,21 +1,22 @@
 //! The energy guard: a bound on the energy that any hand can get out of a device, whatever the control law does.
 //!
-//! It is a token bucket for energy at the hand's port, with one energy account that is full at power-up only. The account gains the energy that
-//! the hand puts in, the energy that a trusted fraction of the device's own damping dissipates, and a small refill. The energy that the hand
-//! gets out is taken off. The force is bounded so that the account covers every displacement that is not overspeed:
+//! It is a token bucket for energy at the hand's port, with one energy account that is full at power-up only. The account gains the
+//! energy that the hand puts in, the energy that a trusted fraction of the device's own damping dissipates, and a small refill. The
+//! energy that the hand gets out is taken off. The force is bounded so that the account covers every displacement that is not
+//! overspeed:
 //!
 //! ```text
 //! E(n) = E(n-1) + f(n-1) Δx - s g Δx + c (|Δx| - δ)² + P T - κ g² - |g| δ/2      at most C, at least R(n-1)
 //! |f(n)| <= (E(n) - R(n-1))/D,   R(n) = |f(n)| (s d + δ/2)
 //! ```
 //!
-//! `E` is the energy in the account, `g = f(n-1) - f(n-2)` the last change of force, and `s` the fraction of a tick after which a force begins to
-//! act. `κ = s (1-s)/4c` covers the energy that the device can gain between two samples without being seen. `δ` is an encoder count, `d` the
-//! largest displacement in a tick, and `D = d + δ`. `R` is the reserve for a force that acts on after the next sample. `docs/energy-guard.md`
-//! has the derivation, the theorem and the remaining terms.
+//! `E` is the energy in the account, `g = f(n-1) - f(n-2)` the last change of force, and `s` the fraction of a tick after which a
+//! force begins to act. `κ = s (1-s)/4c` covers the energy that the device can gain between two samples without being seen. `δ` is
+//! an encoder count, `d` the largest displacement in a tick, and `D = d + δ`. `R` is the reserve for a force that acts on after the
+//! next sample. `docs/energy-guard.md` has the derivation, the theorem and the remaining terms.
 //!
-//! A later stage that makes the force smaller (fading in, a limit, rounding to a current) must report the result to [`Guard::commanded`].
-//! Otherwise the account counts a force that never acted.
+//! A later stage that makes the force smaller (fading in, a limit, rounding to a current) must report the result to
+//! [`Guard::commanded`]. Otherwise the account counts a force that never acted.
 
 mod guarded;
 mod settings;
@@ -49,7 +50,8 @@ pub struct Guard<N: Number> {
     pub stray: Compliance<N>,
     /// Distance by which every change of force is multiplied and charged: half an encoder count and the errors of rounding.
     pub slack: Position<N>,
-    /// `1/D`, rounded down: the largest allowed force for each joule in the account.
+    /// `1/D`, rounded down: largest allowed force for each joule in the account. `D` is the largest displacement per tick plus a
+    /// count.
     pub per_reach: Stiffness<N>,
     /// Largest displacement under a force after the sample that ends it, plus half an encoder count, rounded up.
     pub in_flight: Position<N>,

@@ -16,8 +16,8 @@
 //! the wrong sign. Here the loan is explicit. The observer starts each contact with the energy `energy_credit`, and over one
 //! contact the mass can never give more than that beyond what it took.
 //!
-//! **A damper beside the augmented wall.** The force `(B/T) Δe`, the damper of the plain spring, is added to the wall's force in every
-//! phase. The sum never pulls and stays within the force limit. Up to `k_v` the law is that damped spring, with damping `B
+//! **A damper beside the augmented wall.** The force `(B/T) Δe`, the damper of the plain spring, is added to the wall's force in
+//! every phase. The sum never pulls and stays within the force limit. Up to `k_v` the law is that damped spring, with damping `B
 //! k_de/k_v`. The energy sum at the *mass* leaves the damper out: the energy that it takes is never given back through the offset,
 //! and the offset regulates the stiffness of the wall alone. At the *wall's* port its force is held over a tick and acts over the
 //! next displacement. So where the motion turns, the damper gives up to `(B/T) |Δe(n) Δe(n+1)|`. A device with the damping `k T/2 +

@@ -1,4 +1,4 @@
-//! Virtual spring (thesis 1.6), with optional virtual damping (thesis §1.2.6).
+//! Virtual spring, equation (1.6) of the thesis, with optional virtual damping (§1.2.6).
 
 use super::{Contact, Law, Sample, View};
 use crate::{Force, Number, Position, Stiffness};

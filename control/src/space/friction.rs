@@ -5,14 +5,14 @@
 //! z = across the normal (x - anchor)      F = -k z      stick:  |k z| <= μ_s f_n      slide:  z cut to |k z| = μ_k f_n
 //! ```
 //!
-//! **Stick does not creep.** While the spring sticks on a flat surface, the anchor is constant. `z` then depends on the position alone, and
-//! no rounding errors add up.
+//! **Stick does not creep.** While the spring sticks on a flat surface, the anchor is constant. `z` then depends on the position
+//! alone, and no rounding errors add up.
 //!
-//! **It is passive with the device's own damping.** With `V = k z²/2`, a tick in stick takes `k z·Δ` and `V` grows by
-//! `k z·Δ + k Δ²/2`. The difference is the energy leak of a sampled spring; a device that damps `c = b/T >= k/2` dissipates `c Δ²`. A cut only
-//! shortens `z`. Where the normal turns, `z` and the anchor are first laid into the new tangent plane, which also shortens `z`.
-//! So `Σ (F taken + c |Δx|²) >= V >= 0` from the first touch on, over any path. [`FrictionSettings::friction`] refuses a `k` above
-//! `2 b/T`. Rounding adds at most four quanta of displacement times the force per tick.
+//! **It is passive with the device's own damping.** With `V = k z²/2`, a tick in stick takes `k z·Δ` and `V` grows by `k z·Δ + k
+//! Δ²/2`. The difference is the energy leak of a sampled spring; a device that damps `c = b/T >= k/2` dissipates `c Δ²`. A cut only
+//! shortens `z`. Where the normal turns, `z` and the anchor are first laid into the new tangent plane, which also shortens `z`. So
+//! `Σ (F taken + c |Δx|²) >= V >= 0` from the first touch on, over any path. [`FrictionSettings::friction`] refuses a `k` above `2
+//! b/T`. Rounding adds at most four quanta of displacement times the force per tick.
 //!
 //! `μ_k > μ_s` would stop a sliding point and release a resting one, so it is refused.
 

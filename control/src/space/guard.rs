@@ -21,8 +21,8 @@ pub struct VectorGuard<N: Spatial> {
     /// Coordinate, to either side, from which on no force is allowed: the end of the position format less two largest displacements
     /// per tick.
     edge: Position<N>,
-    /// Largest error of a displacement's length that was rounded up: a count and a quantum. The length less this error is at most the
-    /// true length.
+    /// Largest error of a displacement's length that was rounded up: a count and a quantum. The length less this error is at most
+    /// the true length.
     unsure: Position<N>,
 }
 

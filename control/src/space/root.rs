@@ -1,14 +1,15 @@
 //! Square roots of double words, exact: `floor(sqrt(n))` and the remainder.
 //!
-//! The root of one word gives the root of the next width (Zimmermann, "Karatsuba square root", 1999). Let `n = h 2^W + a 2^(W/2) + b` with `h` of
-//! one word that has one of its two highest bits set, and `h = s² + r`; then
+//! The root of one word gives the root of the next width (Zimmermann, "Karatsuba square root", 1999). Let `n = h 2^W + a 2^(W/2) +
+//! b` with `h` of one word that has one of its two highest bits set, and `h = s² + r`; then
 //!
 //! ```text
 //! q, u = divide(r 2^(W/2) + a, 2 s)       root = s 2^(W/2) + q       rest = u 2^(W/2) + b - q²
 //! ```
 //!
-//! Where the rest is negative, the root is one less. The first 16 bits come from a table of 256 bytes. So a root of 64 bits takes two machine
-//! divisions, a quarter of the instructions of 32 binary digits. Tests check every root of 16 bits, and every step of a root of 32 bits.
+//! Where the rest is negative, the root is one less. The first 16 bits come from a table of 256 bytes. So a root of 64 bits takes
+//! two machine divisions, a quarter of the instructions of 32 binary digits. Tests check every root of 16 bits, and every step of a
+//! root of 32 bits.
 
 /// The root of the largest 16-bit number whose first eight bits are `h`: `floor(sqrt(256 h + 255))`.
 const LARGEST_ROOTS: [u8; 256] = {

@@ -76,7 +76,7 @@ impl<N: Spatial> Track<N> {
             return Sample::measured(e, Position::zero());
         };
         let change = e - last.depth;
-        // Rounded down: never further in than it went, so that no law books work that was not done.
+        // Rounded down, so that no law counts more inward work than was done.
         let moved = last.normal.opposite().component(touch.at - *at);
         let straight = last.normal == touch.normal && is_rounding(change, moved);
         Sample {

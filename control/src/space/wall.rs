@@ -104,7 +104,7 @@ impl<N: Spatial, S: Surface<N>, L: Along<N>> SpaceWall<N, S, L> {
             force = force + friction.tick(state, &touch, pressed);
         }
         let force = force.within(self.limit);
-        // The guard keeps the books of the port, and so is told what was measured.
+        // The guard sums the energy at the port, so it gets the measured position.
         let moved = self.last.map_or(Vector::default(), |last| at - last);
         self.last = Some(at);
         let guarded = match &mut self.guard {

@@ -4,8 +4,8 @@
 //! Offsets -> Raise -> Settle -> Rock: out, back, forth, home -> done
 //! ```
 //!
-//! Let `φ` be the electrical angle by which the stored alignment is wrong. A current along the stored direction of the rotor turns the rotor
-//! by `k_t I sin φ` towards its true direction.
+//! Let `φ` be the electrical angle by which the stored alignment is wrong. A current along the stored direction of the rotor turns
+//! the rotor by `k_t I sin φ` towards its true direction.
 //!
 //! 1. The check waits until the shaft stands still, for at most four seconds. The stored alignment gives the electrical angle of that position,
 //!    and the field is raised there.

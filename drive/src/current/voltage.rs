@@ -10,14 +10,15 @@
 //! τ = (k_t i* - b ω)/(1 + s L/R)        b = k_t ψ p/R = k_t²/(3/2 R)
 //! ```
 //!
-//! The damping `b` comes from the motor itself, without an encoder, a filter or a delay. Like a resistor across the winding it takes energy
-//! for any `R` and `ψ`. Compensating the back-EMF would be a positive feedback of an estimated speed, `+b̂ ω̂`, late by a tick and
-//! more. If `b̂` is a third too large, a negative damping remains. With the small gimbal motor it is -1.1e-4 N·m·s/rad, twelve
-//! times the damping of its bearings, and a knob that is let go speeds up by itself.
+//! The damping `b` comes from the motor itself, without an encoder, a filter or a delay. Like a resistor across the winding it
+//! takes energy for any `R` and `ψ`. Compensating the back-EMF would be a positive feedback of an estimated speed, `+b̂ ω̂`, late
+//! by a tick and more. If `b̂` is a third too large, a negative damping remains. With the small gimbal motor it is -1.1e-4
+//! N·m·s/rad, twelve times the damping of its bearings, and a knob that is let go speeds up by itself.
 //!
-//! The current is calculated from the voltage given, the encoder's speed and the settings: `i = (v - e)/R`. It has the same relative error as
-//! `R`. The trip current and the heat model of the windings use this current. So they do not protect against a wrong `R`, a
-//! shorted phase or an open one. The driver's own protection does, and reports by its error line. See docs/voltage-mode.md.
+//! The current is calculated from the voltage given, the encoder's speed and the settings: `i = (v - e)/R`. It has the same
+//! relative error as `R`. The trip current and the heat model of the windings use this current. So they do not protect against a
+//! wrong `R`, a shorted phase or an open one. The driver's own protection does, and reports by its error line. See
+//! docs/voltage-mode.md.
 
 use super::{BridgeCommand, CurrentLoop, CurrentSample, other_side};
 use crate::hardware::Hardware;

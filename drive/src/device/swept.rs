@@ -1,4 +1,4 @@
-//! A calibration with a cogging sweep, and the cogging map that is compensated.
+//! A calibration with a cogging sweep, and the cogging map with which the board compensates cogging.
 
 use super::Device;
 use crate::Amps;
@@ -23,8 +23,8 @@ impl Device {
         self.swept.wanted = sweep;
     }
 
-    /// Sets the cogging map that is compensated; `None` for no map. The map must have been computed with the settings that
-    /// [`Device::prepare`] got last. If these settings wait for a calibration, no map is used until then.
+    /// Sets the cogging map with which the board compensates cogging; `None` for no map. The map must have been computed with the
+    /// settings that [`Device::prepare`] got last. If these settings wait for a calibration, no map is used until then.
     pub fn play(&self, around: &mut Around, map: Option<&Played>) {
         around.play(map, self.configs.has_next());
     }

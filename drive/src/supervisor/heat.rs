@@ -1,15 +1,16 @@
 //! Temperature limit of the motor's windings, from a model of their heat: the windings have no sensor.
 //!
-//! The model has one thermal mass and one thermal resistance. The windings' rise above the room's temperature follows the mean square of the
-//! current, with one time constant:
+//! The model has one thermal mass and one thermal resistance. The windings' rise above the room's temperature follows the mean
+//! square of the current, with one time constant:
 //!
 //! ```text
 //! τ ds/dt = i² - s        rise = s R_th 3/2 R        at rest: s = i²
 //! ```
 //!
 //! A motor that can carry a current continuously can bear every `s` up to that current squared. So neither `R_th` nor the room's
-//! temperature need be known. From 80 % of that `s` on, the largest allowed current falls in a straight line, from the motor's current limit
-//! to its continuous current. So `s` comes near its limit and does not exceed it, whatever current is requested. The model leaves out:
+//! temperature need be known. From 80 % of that `s` on, the largest allowed current falls in a straight line, from the motor's
+//! current limit to its continuous current. So `s` comes near its limit and does not exceed it, whatever current is requested. The
+//! model leaves out:
 //!
 //! - the motor's iron and frame, which warm more slowly (the shorter time constant of the windings alone is on the safe side);
 //! - a room hotter than the one for which the continuous current was stated;

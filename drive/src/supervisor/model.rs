@@ -5,9 +5,10 @@
 //! r_q = v_q - R i_q - ψ ω              a_q = 1 V + R |i|/2 + ψ |ω|/2              ψ = k_t/(3/2)
 //! ```
 //!
-//! `r` is the part of the voltage that the motor's equations do not explain, and `a` the largest such part of a good motor. Times the current,
-//! `r` is the balance of power: `3/2 (v·i - R i²)` less the commanded torque times the speed, separately for each axis. Only the equation of the
-//! q axis depends much on the windings' resistance, which is known to a third only. A voltage on the d axis shows an error of the angle.
+//! `r` is the part of the voltage that the motor's equations do not explain, and `a` the largest such part of a good motor. Times
+//! the current, `r` is the balance of power: `3/2 (v·i - R i²)` less the commanded torque times the speed, separately for each
+//! axis. Only the equation of the q axis depends much on the windings' resistance, which is known to a third only. A voltage on the
+//! d axis shows an error of the angle.
 //!
 //! The limit `a` allows:
 //!
@@ -19,8 +20,8 @@
 //! Both `r` and `a` go through the same mean of 10 to 20 ms. The mean is
 //! linear and positive: a device that keeps `|r| <= a` in each tick keeps it in the mean, so there is no alarm.
 //!
-//! The check does not detect an error while the shaft hardly turns and the current is the commanded one, since no power is missing then. A
-//! board that measures no current calculates it by the same equations, so there the check is left out.
+//! The check does not detect an error while the shaft hardly turns and the current is the commanded one, since no power is missing
+//! then. A board that measures no current calculates it by the same equations, so there the check is left out.
 
 use crate::current::CurrentReport;
 use crate::hardware::Hardware;

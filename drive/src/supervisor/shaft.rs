@@ -40,7 +40,7 @@ pub struct ShaftConfig {
     fastest: i32,
     /// Speed in rad/s for each count in a window.
     speed_per_count: I16F16,
-    /// Electrical turns per PWM period for each count in a window, 2^-48.
+    /// Electrical angle per PWM period for each count that the shaft moves in a window, in 2^-48 turns.
     advance_per_count: i64,
 }
 
