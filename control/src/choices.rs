@@ -83,7 +83,7 @@ crate::choice! {
 crate::choice! {
     /// The source of the position and velocity that the control law uses.
     StatesKind {
-        /// The measured penetration, and its change since the last tick.
+        /// The position and velocity come from the measured penetration and its change since the last tick.
         #[default]
         Measured = "measured",
         /// The state estimator's prediction for the time at which the calculated force will act.

@@ -147,7 +147,7 @@ impl<N: Number> Common<N> {
             ObserverForm::Exact => settings.energy_credit,
             ObserverForm::Thesis => Si::ZERO,
         };
-        // A loan above the cap would break the books of the narrow formats (0.5 of 8 J and the like).
+        // A loan above the cap would break the energy sums of the narrow formats (for example 0.5 of 8 J).
         N::energy(lent)
             .map(Energy)
             .filter(|credit| *credit <= self.energy_cap)

@@ -12,11 +12,11 @@ const TURN: i64 = 1_768_559_438_007_110;
 
 /// Converts an encoder's counts to angles relative to a wall's surface.
 ///
-/// **The error does not grow over many turns.** [`CountScale::angle`], [`CountScale::turn`] and [`CountScale::moved`] are the same at every turn,
-/// bit for bit: the counts are reduced to a turn before anything is rounded.
+/// **The error does not grow over many turns.** [`CountScale::angle`], [`CountScale::turn`] and [`CountScale::moved`] are the same
+/// at every turn, bit for bit: the counts are reduced to a turn before anything is rounded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CountScale {
-    /// Angle of one count, rad, with [`STEP_BITS`] fractional bits.
+    /// Angle of one encoder count in rad, with [`STEP_BITS`] fractional bits.
     step: i64,
     surface: Si,
     /// Encoder counts per turn.
@@ -45,7 +45,7 @@ impl CountScale {
     pub fn new(counts_per_rev: u32, surface: Si) -> Option<Self> {
         let counts = i64::from(counts_per_rev);
         let step = TURN.checked_add(counts / 2)?.checked_div(counts)?;
-        // Of one count a turn the share is a whole turn, 2^64: the largest is as good.
+        // With one count per turn the fraction is 2^64, which does not fit; the largest value is close enough.
         let share = (1_u128 << 64)
             .checked_add(u128::from(counts_per_rev / 2))?
             .checked_div(u128::from(counts_per_rev))?;

@@ -9,10 +9,10 @@
 //! F  = k_f (x - x_f') + C (Δx - d')      force on the HIP
 //! ```
 //!
-//! Backward Euler is passive at the HIP's discrete port for every `M, k_f, C, G >= 0`. The force `F` is passive at the physical port
-//! if the device's damping is at least `k_f T/2 + c_f`. `d'` is one quotient of exact sums rounded towards zero. The remainder of that
-//! rounding, `r = N0 - f_p - D d'`, has the sign of `d'`, so it acts like dry friction and can only dissipate energy.
-//! `f_p` is chosen from the mass' position *before* the update, which can inject energy unless `c_env >= k_v T/2`.
+//! Backward Euler is passive at the HIP's discrete port for every `M, k_f, C, G >= 0`. The force `F` is passive at the physical
+//! port if the device's damping is at least `k_f T/2 + c_f`. `d'` is one quotient of exact sums rounded towards zero. The remainder
+//! of that rounding, `r = N0 - f_p - D d'`, has the sign of `d'`, so it acts like dry friction and can only dissipate energy. `f_p`
+//! is chosen from the mass' position *before* the update, which can inject energy unless `c_env >= k_v T/2`.
 
 use crate::{Divisor, Energy, Force, Number, Position, Stiffness, Tension};
 

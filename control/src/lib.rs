@@ -1,14 +1,14 @@
 //! Stiff virtual walls in fixed point: energy observers, passivity control, successive force augmentation.
 //!
-//! The tick, the same in firmware, simulator and proofs:
+//! One tick (control period) has these steps, the same in firmware, simulator and proofs:
 //!
 //! ```text
 //! sample -> penetration -> states -> observer -> law -> saturation -> command
 //! ```
 //!
-//! Read it in that order: [`Position`] in [`quantity`], [`observer`], one file per law in [`law`], [`filter`] for the virtual
-//! mass, [`CountScale`] for the encoder, [`Controller`] for how settings become a running law. The arithmetic below is in [`number`] and, for what the
-//! proofs are about, in [`magnitude`].
+//! Read it in that order: [`Position`] in [`quantity`], [`observer`], one file per law in [`law`], [`filter`] for the virtual mass,
+//! [`CountScale`] for the encoder, [`Controller`] for how settings become a running law. The arithmetic of these modules is in
+//! [`number`]; the part of it that the machine-checked proofs cover is in [`magnitude`].
 //!
 //! | word | meaning | unit (1-DoF / 3-DoF) |
 //! |---|---|---|
@@ -33,8 +33,8 @@
 //! assert!(f.to_si() < Si::lit("0.05") && f.to_si() > Si::lit("0.0499998")); // 50 mN·m, towards zero
 //! ```
 //!
-//! From encoder count to motor torque: `examples/one_wall.rs`, and in the README. Values are made of [`Si`], as above; whoever
-//! needs the types of a format by name (`I8F24` and the like) finds their crate here as [`fixed`].
+//! `examples/one_wall.rs` and the README go from encoder count to motor torque. Values are made of [`Si`], as above. The crate of
+//! the fixed-point types (`I8F24` and the like) is re-exported as [`fixed`].
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
@@ -66,7 +66,7 @@ pub mod table;
 pub mod validate;
 pub mod velocity;
 
-/// The crate of the fixed-point types, re-exported so that a user need not match its version.
+/// The crate of the fixed-point types, re-exported so that a user need not depend on the same version of it.
 pub use fixed;
 
 pub use choices::*;

@@ -242,10 +242,10 @@ pub fn affordable<W: Word>(energy: W::Wide, force: W) -> Retreat<W> {
     }
 }
 
-/// State of a square root being computed: the digits found so far, and their square.
+/// State of a square root that is calculated digit by digit: the root of the digits found so far, and its square.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Root<W: Word> {
-    /// The digits found so far.
+    /// The root as far as its binary digits are found, from the highest down.
     pub root: W,
     /// The square of `root`, never above the radicand.
     pub square: W::Wide,

@@ -32,7 +32,7 @@ macro_rules! reciprocal {
             /// Prepares a divisor. For a divisor of 0 every quotient is 0.
             pub fn new(divisor: $word) -> Self {
                 let shift = divisor.leading_zeros();
-                // A shift by all bits of the word is one by none: the scale of the divisor 0, which is not used.
+                // A shift by all bits of the word wraps to a shift by none. It gives the scale of the divisor 0, which is not used.
                 let (scale, normal) = (
                     (1 as $word).wrapping_shl(shift),
                     <$wide>::from(divisor.wrapping_shl(shift)),

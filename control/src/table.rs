@@ -1,24 +1,25 @@
-//! The one table of the law's settings: path, kind, range, default, unit, and words for a person.
+//! The one table of the control law's settings: path, type, range, default, unit, and a description for people.
 //!
-//! Everything else follows from a row: the field of [`crate::Settings`] and its default, its variant in [`crate::Field`] and its
-//! check, the leaf of a device's settings, the field of a scene, `touchstone config schema`. A row reads
+//! Everything else is generated from its rows: the fields of [`crate::Settings`] with their defaults, the variants of
+//! [`crate::Field`] with their range checks, the settings of a device, the fields of a scene file, and the output of `touchstone
+//! config schema`. A row has this form:
 //!
 //! ```text
 //! Variant field, name: kind(range) = default, "unit", "words";
 //! ```
 //!
-//! - `field` is its name in [`crate::Settings`], where one number serves an angle or a length. `name` ends in the unit for one
-//!   degree of freedom, and is its last word in scenes and on devices.
-//! - kinds: `number(least, most)` with exact decimal texts, `u32(least, most)`, `flag()`, `choice(Enum)`, and `choice_of_law(Enum)`, which
-//!   a scene may leave out: the law then has its own.
-//! - `words` stand after "give", and before the unit.
+//! - `field` is the name in [`crate::Settings`], where one number stands for an angle or a length. `name` is the last part of the path in scene
+//!   files and on devices; it ends in the unit for one degree of freedom.
+//! - `kind` is one of `number(least, most)` with exact decimal texts, `u32(least, most)`, `flag()`, `choice(Enum)`, and `choice_of_law(Enum)`.
+//!   A scene may leave out a `choice_of_law`; the law then has its own value.
+//! - `words` is the description that messages show after "give" and before the unit.
 //!
-//! `timing`, `wall` and `law` are tables of a scene and of a device, and fields of [`crate::Settings`] itself. What follows are groups:
-//! a struct each, a field of [`crate::Settings`], and the table `law.GROUP`.
+//! `timing`, `wall` and `law` are tables of a scene and of a device, and fields of [`crate::Settings`] itself. The sections after
+//! them are groups: a group is a struct, a field of [`crate::Settings`], and the table `law.GROUP`.
 //!
-//! A program has none of the texts that it does not use: they stand in constants only.
+//! The texts stand in constants only, so a program contains only the texts that it uses.
 
-/// Hands the table to a macro.
+/// Passes the table of settings to another macro, which generates code from it.
 #[macro_export]
 macro_rules! law_settings {
     ($with:ident $($more:tt)*) => {
@@ -76,7 +77,8 @@ macro_rules! law_settings {
                 States states, states: choice(StatesKind) = Estimated, "",
                     "what the law is told of position and velocity (estimated: predicted for when its force acts)";
             }
-            /// The virtual mass of the enhanced law between HIP and wall, by its physical parts (§3.5, Fig. 3.11).
+            /// The virtual mass of the enhanced law between the hand's point (HIP) and the wall, by its physical parameters (thesis
+            /// §3.5, Fig. 3.11).
             filter FilterSettings {
                 FilterMass mass, mass_kg_m2: number("0", "10000") = "0.000009", "kg·m²",
                     "the filter's virtual mass";
@@ -88,8 +90,8 @@ macro_rules! law_settings {
                 FilterGroundDamping ground_damping, ground_damping_n_m_s_per_rad: number("0", "10000") = "0.01027", "N·m·s/rad",
                     "the damping c_env from virtual mass to ground (at least k_v T/2)";
             }
-            /// The state estimator before the law, for `law.states = "estimated"`. It has its own figures of the device, because a tuned
-            /// estimator may do better with others than those that were measured.
+            /// The state estimator before the law, for `law.states = "estimated"`. It has inertia and damping values of its own,
+            /// because tuned values can give better estimates than the measured ones.
             estimator EstimatorSettings {
                 EstimatorBandwidth bandwidth_hz, bandwidth_hz: number("0.002", "20000") = "80", "Hz",
                     "the bandwidth with which the estimator believes what is measured (a 500th to a fifth of the control rate)";
@@ -100,7 +102,7 @@ macro_rules! law_settings {
                 EstimatorDelay delay_s, delay_s: number("0", "2") = "0.001175", "s",
                     "the time from a sample until its force acts, over which the estimator predicts (at most two ticks)";
             }
-            /// The energy guard after the law: a bound on what any hand can get out.
+            /// The energy guard after the law, which bounds the energy that any hand can get out of the device.
             guard GuardSettings {
                 Guard on, on: flag() = true, "",
                     "whether the energy guard stands after the law";
@@ -123,7 +125,7 @@ macro_rules! law_settings {
                 GuardChange change, change: choice(ChangeOfForce) = Estimated, "",
                     "what is known of the position when the force changes (measured: the encoder is also read then)";
             }
-            /// The velocity filter of the law spring-damper. It works on the penetrations that the law gets.
+            /// The velocity filter of the law `spring-damper`. It filters the penetrations that the law gets.
             velocity VelocitySettings {
                 VelocityFrom from, from: choice(VelocityKind) = Told, "",
                     "what the law spring-damper takes for the velocity (told: as every law, by law.states)";
@@ -137,8 +139,8 @@ macro_rules! law_settings {
     };
 }
 
-/// Hands the thesis' settings that differ from the table's defaults to a macro, as `(table) field, name = value`.
-/// Beside these the thesis uses measured states (`law.states`) and no guard (`law.guard.on`).
+/// Passes the thesis' settings that differ from the table's defaults to another macro, as `(table) field, name = value`. The thesis
+/// also uses measured states (`law.states`) and no guard (`law.guard.on`).
 #[macro_export]
 macro_rules! thesis_settings {
     ($with:ident $($more:tt)*) => {
@@ -166,7 +168,7 @@ macro_rules! thesis_settings {
     };
 }
 
-/// The Rust type of a kind of row.
+/// The Rust type of a setting, by the kind in its row of the table.
 #[macro_export]
 macro_rules! setting_type {
     (number $range:tt) => {
@@ -186,7 +188,7 @@ macro_rules! setting_type {
     };
 }
 
-/// The default of a row as a value of its type.
+/// The default of a setting, as a value of its Rust type.
 #[macro_export]
 macro_rules! setting_value {
     ($value:tt: number $range:tt) => {
@@ -206,7 +208,7 @@ macro_rules! setting_value {
     };
 }
 
-/// The path of a row: `setting_path!((law filter) mass_kg_m2)`.
+/// The path of a setting as text, for example `setting_path!((law filter) mass_kg_m2)`.
 #[macro_export]
 macro_rules! setting_path {
     (($($table:ident)+) $name:ident) => { concat!($(stringify!($table), ".",)+ stringify!($name)) };
@@ -214,12 +216,12 @@ macro_rules! setting_path {
 
 /// A setting that is one of a few words.
 pub trait Choice: Copy + PartialEq + 'static {
-    /// All variants; the place in the list is the number on the wire, so new ones go to the end.
+    /// All variants. The place in this list is the variant's number on the wire, so new variants go to the end.
     const ALL: &'static [Self];
-    /// Their words, in the order of [`Choice::ALL`].
+    /// The words of the variants in scene files, in the order of [`Choice::ALL`].
     const WORDS: &'static [&'static str];
 
-    /// The variant's place in [`Choice::ALL`].
+    /// The variant's place in [`Choice::ALL`], which is its number on the wire.
     #[must_use]
     fn number(self) -> u32 {
         // At most as many as there are words.
@@ -239,7 +241,7 @@ pub trait Choice: Copy + PartialEq + 'static {
             .map_or("", |(_, word)| word)
     }
 
-    /// The one with this word.
+    /// The variant that has this word; `None` if there is none.
     #[must_use]
     fn of_word(word: &str) -> Option<Self> {
         Self::WORDS
@@ -250,7 +252,7 @@ pub trait Choice: Copy + PartialEq + 'static {
     }
 }
 
-/// An enum whose variants have words: `Variant = "word"`, all documented.
+/// Declares an enum whose variants have words: `Variant = "word"`. Every variant needs a doc comment.
 #[macro_export]
 macro_rules! choice {
     ($(#[$meta:meta])* $name:ident { $($(#[$variant_meta:meta])* $variant:ident = $word:literal,)+ }) => {
@@ -265,7 +267,7 @@ macro_rules! choice {
     };
 }
 
-/// Units as a name ends in them, and as a person reads them.
+/// Each unit as the end of a setting's name, and as people read it.
 const UNITS: &[(&str, &str)] = &[
     ("", ""),
     ("hz", "Hz"),
@@ -288,10 +290,10 @@ const UNITS: &[(&str, &str)] = &[
     ("per_rev", "counts/rev"),
 ];
 
-/// The ending of a name for a unit as people read it: `N·m/rad` gives `n_m_per_rad`. For constants only.
+/// The end of a setting's name for a unit as people read it: `N·m/rad` gives `n_m_per_rad`. For constants only.
 ///
 /// # Panics
-/// No setting has such a unit. Only constants call it, so this stops the compiler and never a program.
+/// No setting has this unit. Only constants call the function, so a panic stops the compiler and never a running program.
 #[must_use]
 pub const fn suffix(unit: &str) -> &'static str {
     let mut index = 0;
@@ -305,7 +307,7 @@ pub const fn suffix(unit: &str) -> &'static str {
     panic!("no setting has this unit")
 }
 
-/// `==` in constants.
+/// Whether two texts are equal, for use in constants.
 #[must_use]
 pub const fn equal(left: &str, right: &str) -> bool {
     let (mut left, mut right) = (left.as_bytes(), right.as_bytes());
@@ -327,7 +329,7 @@ mod tests {
     macro_rules! rows {
         ($($(#[$doc:meta])* $table:ident $($group:ident)? { $($variant:ident $field:ident, $name:ident:
             $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+ })+) => {
-            /// The rows of the table: path, unit and words of each setting.
+            /// Variant, last part of the path, unit and description of each setting, in the order of the table.
             const ROWS: &[(Field, &str, &str, &str)] = &[$($((Field::$variant, stringify!($name), $unit, $about),)+)+];
         };
     }

@@ -1,5 +1,5 @@
-//! Validation of settings. An error refuses; a warning names a passivity bound that is exceeded and what is lost by
-//! it.
+//! Validation of settings. An error refuses the settings. A warning names a passivity bound that the settings violate, and what
+//! that costs.
 
 use crate::{GuardedDevice, LawKind, Number, Regulate, Settings, Si, StatesKind};
 use core::fmt;
@@ -21,17 +21,17 @@ macro_rules! fields {
     (@rows $($table:tt {
         $($variant:ident $field:ident, $name:ident: $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+
     })+) => {
-        /// A setting.
+        /// Names one setting of the control law.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum Field {
             $($(#[doc = concat!("For ", $about)] $variant,)+)+
         }
 
         impl Field {
-            /// All settings.
+            /// All settings, in the order of the table.
             pub const ALL: &[Field] = &[$($(Field::$variant,)+)+];
 
-            /// The path of the setting in scenes and on devices.
+            /// The path of the setting in scene files and on devices, for example `wall.k_desired_n_m_per_rad`.
             #[must_use]
             pub fn path(self) -> &'static str {
                 match self {
@@ -44,7 +44,7 @@ macro_rules! fields {
         $($variant:ident $field:ident, $name:ident: $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+
     }) => {
         impl crate::settings::$Table {
-            /// Every number against its own range.
+            /// Checks every number against its own range in the table of settings.
             #[inline]
             pub(crate) fn check_ranges(&self) -> Result<(), SettingsError> {
                 $(fields!(@check (self) $field, $variant: $kind $range);)+
@@ -85,7 +85,7 @@ pub(crate) fn within(field: Field, value: Si, min: Si, max: Si) -> Result<(), Se
 /// Why settings are refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SettingsError {
-    /// Outside its physical range.
+    /// The value is outside its physical range.
     OutOfRange {
         /// The setting that was refused.
         field: Field,
@@ -96,33 +96,33 @@ pub enum SettingsError {
         /// Largest allowed value, SI.
         max: Si,
     },
-    /// A value, or the coefficient made of it, does not fit the number format.
+    /// A setting, or the coefficient that is computed from it, does not fit the number format.
     OutOfFormat {
         /// The setting that was refused.
         field: Field,
         /// The coefficient, SI (e.g. `m/T²` for the filter's mass).
         value: Si,
-        /// The format.
+        /// Name of the number format.
         format: &'static str,
     },
-    /// (3.5) has no positive solution: `k_de >= k_f`.
+    /// The stiffness of equation (3.5) of the thesis has no positive solution, because `k_de >= k_f`.
     NoCompensation {
-        /// Desired stiffness.
+        /// Desired stiffness `k_de`.
         k_desired: Si,
-        /// Coupling stiffness.
+        /// Coupling stiffness `k_f`.
         k_filter: Si,
     },
-    /// The encoder's counts are too far apart for the guard's energy account.
+    /// The encoder's resolution is too coarse for the guard's energy account.
     TooCoarse {
-        /// A count, rad (m).
+        /// Angle or length of an encoder count, rad (m).
         count: Si,
-        /// Largest allowed count, rad (m).
+        /// Largest allowed angle or length of an encoder count, rad (m).
         coarsest: Si,
     },
 }
 
 impl SettingsError {
-    /// Whether it is about this setting's value.
+    /// Whether the error concerns the value of this setting.
     #[must_use]
     pub fn at(&self, setting: Field) -> bool {
         match self {
@@ -173,52 +173,52 @@ impl fmt::Display for SettingsError {
     }
 }
 
-/// A passivity bound that the settings violate.
+/// A passivity bound that the settings violate. The settings work, but the wall may give a hand more energy than it took.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Warning {
-    /// `k_v > k_c`: the soft spring itself needs more damping than the device has.
+    /// `k_v > k_c`: the soft spring alone already needs more damping than the device has.
     SoftAboveCritical {
         /// Soft stiffness: `k_v`.
         k_soft: Si,
-        /// `k_c = 2 c_i/T`.
+        /// Critical stiffness `k_c = 2 c_i/T`, which the device's damping just makes passive.
         k_critical: Si,
     },
-    /// `k_f > 2 (c_i - c_f - B)/T`: the coupling is not passive at the physical port under sampling.
+    /// `k_f > 2 (c_i - c_f - B)/T`: under sampling, the coupling of the virtual mass is not passive at the physical port.
     CouplingAboveBound {
-        /// Stiffness of the filter: `k_f`.
+        /// Coupling stiffness of the filter: `k_f`.
         k_filter: Si,
-        /// Value of the bound.
+        /// Largest passive coupling stiffness: `2 (c_i - c_f - B)/T`.
         bound: Si,
     },
-    /// `c_env < k_v T/2`: the force taken from the previous mass position may inject energy into the filter.
+    /// `c_env < k_v T/2`: the wall's force, calculated from the mass' previous position, may inject energy into the filter.
     GroundDampingBelowBound {
         /// Ground damping per tick: `c_env/T`.
         ground_damping_per_tick: Si,
-        /// Bound: `k_v/2`.
+        /// Smallest passive ground damping per tick: `k_v/2`.
         bound: Si,
     },
-    /// The thesis' observer reports the sampling leak with the wrong sign.
+    /// The thesis' energy observer counts the energy leak of sampling with the wrong sign.
     ThesisObserver,
-    /// Time-domain passivity observes estimated displacements, which are not those of the port.
+    /// The time-domain passivity law sums energy over estimated displacements, which differ from those of the real device.
     ObservesEstimates,
-    /// A contact may give this much energy beyond what it took.
+    /// In each contact the wall may give this much energy more than it took.
     EnergyCredit {
-        /// The credit, J.
+        /// The lent energy, J.
         credit: Si,
     },
-    /// A full account does not answer for the force limit: harder presses meet a softer wall.
+    /// Even a full energy account does not allow the force limit, so a hard press meets a softer wall.
     GuardSoftensAtForceLimit {
-        /// `C`, J.
+        /// Capacity `C` of the guard's energy account, J.
         capacity: Si,
-        /// Energy that the force limit needs, J.
+        /// Capacity that the force limit needs, J.
         needed: Si,
     },
-    /// Without a refill, rounding and one-count chatter use the account up in time, in the quietest hold.
+    /// The guard's account has no refill. Rounding and jitter of one count then use it up in time, even if the hand holds still.
     GuardNeverRefilled,
 }
 
 impl Warning {
-    /// Whether it is about energy that a hand can get out: an energy guard bounds that, whatever the law does.
+    /// Whether the warning is about energy that a hand can get out. An energy guard bounds that energy, whatever the law does.
     #[must_use]
     pub fn is_answered_by_guard(&self) -> bool {
         !matches!(
@@ -229,7 +229,7 @@ impl Warning {
         )
     }
 
-    /// The setting that leaves the bound.
+    /// The setting that violates the bound.
     #[must_use]
     pub fn field(&self) -> Field {
         match self {
@@ -287,10 +287,10 @@ impl fmt::Display for Warning {
     }
 }
 
-/// The bounds that depend on several settings, computed once. All in N·m/rad (N/m), saturating.
+/// Quantities that depend on several settings, computed once. All are in N·m/rad (N/m) and saturate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Derived {
-    /// `k_c = 2 c_i/T`.
+    /// Critical stiffness `k_c = 2 c_i/T`.
     pub k_critical: Si,
     /// Mass over the squared tick: `m/T²`.
     pub mass_per_tick2: Si,
@@ -300,12 +300,12 @@ pub struct Derived {
     pub ground_damping_per_tick: Si,
     /// Device damping per tick: `c_i/T`.
     pub device_damping_per_tick: Si,
-    /// Virtual damping per tick.
+    /// Virtual damping per tick: `B/T`.
     pub virtual_damping_per_tick: Si,
 }
 
 impl Settings {
-    /// Damping and inertia per tick.
+    /// Computes the critical stiffness, and dampings and inertia per tick, from the settings.
     #[must_use]
     #[inline]
     pub fn derived(&self) -> Derived {
@@ -321,13 +321,13 @@ impl Settings {
         }
     }
 
-    /// Whether the enhanced law is a plain spring for these settings (§3.1: a stiffness that needs no augmentation).
+    /// Whether the enhanced law is a plain spring for these settings: a stiffness up to `k_v` needs no augmentation (thesis §3.1).
     #[must_use]
     pub fn is_plain_spring(&self) -> bool {
         self.law == LawKind::EnhancedSfa && self.k_desired <= self.k_soft
     }
 
-    /// Checks every setting against its physical range; the number format is checked by [`crate::Controller::new`].
+    /// Checks every setting against its physical range. [`crate::Controller::new`] checks whether values fit the number format.
     ///
     /// # Errors
     /// The first setting that is out of range.
@@ -360,7 +360,7 @@ impl Settings {
         Ok(())
     }
 
-    /// The properties of the device that the guard needs.
+    /// The properties of the device that the guard's coefficients depend on.
     #[must_use]
     pub fn guarded_device(&self) -> GuardedDevice {
         GuardedDevice {
@@ -370,7 +370,7 @@ impl Settings {
         }
     }
 
-    /// The passivity bounds that these settings violate, for the law they choose.
+    /// The passivity bounds that these settings violate with the law that they choose.
     pub fn warnings(&self) -> impl Iterator<Item = Warning> {
         let derived = self.derived();
         let half = const { Si::lit("0.5") };
@@ -423,7 +423,7 @@ impl Settings {
     }
 }
 
-/// A coefficient in the format `N`, or the error that names its setting.
+/// Converts a coefficient to the format `N`, or returns the error that names its setting.
 pub(crate) fn gain<N: Number>(field: Field, value: Si) -> Result<N::Gain, SettingsError> {
     N::gain(value).ok_or(SettingsError::OutOfFormat {
         field,
@@ -432,7 +432,7 @@ pub(crate) fn gain<N: Number>(field: Field, value: Si) -> Result<N::Gain, Settin
     })
 }
 
-/// A ratio or compliance in the format `N`, or the error that names its setting.
+/// Converts a ratio or compliance to the format `N`, or returns the error that names its setting.
 pub(crate) fn ratio<N: Number>(field: Field, value: Si) -> Result<N::Ratio, SettingsError> {
     N::ratio(value).ok_or(SettingsError::OutOfFormat {
         field,

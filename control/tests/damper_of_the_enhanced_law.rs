@@ -1,4 +1,4 @@
-//! The damper beside the enhanced law's augmented wall: what it adds to a force, and what it leaves alone.
+//! Tests of the damper beside the enhanced law's augmented wall: what it adds to the force, and which values it does not change.
 
 use touchstone_control::law::{Contact, Law, Sample};
 use touchstone_control::{
@@ -11,7 +11,7 @@ fn si(text: &str) -> Si {
     Si::from_str(text).unwrap()
 }
 
-/// The enhanced law on measured states, without a guard.
+/// Settings of the enhanced law on measured states, without a guard.
 fn settings(k_desired: &str, virtual_damping: &str) -> Settings {
     let mut settings = Settings {
         law: LawKind::EnhancedSfa,
@@ -30,7 +30,8 @@ fn law(settings: &Settings) -> AnyLaw<N> {
     Controller::<N>::new(settings).unwrap().law
 }
 
-/// Some twenty thousandths of a radian in and a few out, forth and back over 512 ticks, with a tremor of a few counts.
+/// A simulated hand that swings from some 20 mrad inside the wall to a few mrad outside and back in 512 ticks, with a tremor of a
+/// few counts.
 fn hand() -> impl Iterator<Item = Sample<N>> {
     let mut random = 1_u64;
     let mut last = Position::zero();
@@ -81,7 +82,7 @@ fn the_damper_changes_no_memory_and_adds_its_force() {
     );
 }
 
-/// From `k_v` up the damper acts fully; below, in proportion to the stiffness.
+/// For stiffnesses from `k_v` up the damper acts fully; below `k_v` it is in proportion to the stiffness.
 #[test]
 fn up_to_the_soft_stiffness_the_law_is_the_damped_spring() {
     let soft = settings("5", "0").k_soft;
@@ -107,7 +108,7 @@ fn up_to_the_soft_stiffness_the_law_is_the_damped_spring() {
     }
 }
 
-/// The preset of the thesis has none.
+/// The preset with the thesis' settings has no damper.
 #[test]
 fn the_thesis_law_has_no_damper() {
     assert_eq!(Settings::thesis().virtual_damping, Si::ZERO);

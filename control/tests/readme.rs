@@ -1,4 +1,4 @@
-//! The README's example is the compiled one.
+//! Checks that the README's code example is the one in `examples`, which is compiled.
 
 #[test]
 fn the_example_in_the_readme_is_the_one_that_is_compiled() {

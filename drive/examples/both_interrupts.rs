@@ -1,7 +1,7 @@
-//! What firmware's two interrupts and its set-up use of this crate, and nothing else.
+//! Everything that firmware uses of this crate, in its set-up and its two interrupts.
 //!
-//! It is a library, so that it builds without an operating system; `cargo xtask float-free` looks at the code that the
-//! compiler makes of it.
+//! The example is a library, so that it builds without an operating system. `cargo xtask float-free` checks that the compiled code
+//! has no floating-point operations.
 #![no_std]
 
 use touchstone_drive::mailbox::{CommandWords, ReportWords};
@@ -11,7 +11,7 @@ use touchstone_drive::{
     ResetReason, Ring, SettingsError,
 };
 
-/// Validates settings and computes everything.
+/// Validates the settings and computes all coefficients.
 ///
 /// # Errors
 /// Same as [`Device::new`].
@@ -20,7 +20,7 @@ pub fn set_up(settings: &DeviceSettings, hardware: &Hardware) -> Result<Device, 
     Device::new(settings, hardware)
 }
 
-/// Other settings.
+/// Gives the device other settings.
 ///
 /// # Errors
 /// Same as [`Device::configure`].
@@ -33,13 +33,13 @@ pub fn configure(
     device.configure(settings, hardware)
 }
 
-/// Reports the start.
+/// Reports to the device why the processor started.
 #[inline(never)]
 pub fn started(device: &mut Device, flags: &ResetFlags) {
     device.started(ResetReason::of(flags));
 }
 
-/// The control interrupt.
+/// The control interrupt: runs one control tick and keeps its record.
 #[inline(never)]
 pub fn control(device: &mut Device, ring: &mut Ring, input: &ControlInput) -> ControlOutput {
     let output = device.tick(input);
@@ -47,13 +47,13 @@ pub fn control(device: &mut Device, ring: &mut Ring, input: &ControlInput) -> Co
     output
 }
 
-/// The mailbox from the control tick to the current loop.
+/// Packs the control tick's command for the mailbox to the current loop.
 #[inline(never)]
 pub fn down(output: &ControlOutput) -> CommandWords {
     output.mailbox().to_words()
 }
 
-/// The current interrupt, from mailbox to mailbox.
+/// The current interrupt: runs one PWM period, from the command's mailbox to the report's mailbox.
 #[inline(never)]
 pub fn current(
     current: &mut CurrentLoop,
@@ -71,13 +71,13 @@ pub fn reconfigure(current: &mut CurrentLoop, config: &CurrentConfig) {
     current.reconfigure(*config);
 }
 
-/// The mailbox from the current loop to the control tick.
+/// Unpacks the current loop's report from the mailbox to the control tick.
 #[inline(never)]
 pub fn up(words: &ReportWords) -> CurrentReport {
     CurrentReport::from_words(words)
 }
 
-/// A record of the last second before a fault.
+/// Reads one of the records of the last second before a fault; index 0 is the oldest.
 #[inline(never)]
 pub fn oldest(ring: &mut Ring, index: usize) -> Option<CompactRecord> {
     let record = ring.get(index).map(CompactRecord::from_bytes);

@@ -1,25 +1,25 @@
 //! Electrical angle as a fraction of a turn, and its sine and cosine from a table.
 
-/// An angle as a `u16` fraction of a turn: 0x4000 is a quarter turn, and a full turn is zero again.
+/// An angle as a `u16` fraction of a turn: 0x4000 is a quarter turn, and the value wraps to zero after a full turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Angle(
-    /// An angle in turns/65,536.
+    /// The angle in 1/65,536 of a turn.
     pub u16,
 );
 
-/// Steps of the table in a turn.
+/// Steps of the sine table per turn.
 const STEPS: usize = 256;
-/// Bits of an angle between two entries of the table.
+/// Bits of an angle below a step of the sine table, for interpolation.
 const STEP_BITS: u32 = 8;
-/// A table with one entry more than a turn needs, so that each entry has a neighbour.
+/// Sine table with one entry more than a turn needs, so that each entry has a next one.
 const TABLE: [i16; STEPS + 1] = table();
 
 /// `2 π` with 60 fractional bits.
 const TWO_PI: i128 = 7_244_019_458_077_122_842;
-/// Fractional bits of the calculation of the table.
+/// Fractional bits with which the sine table is calculated.
 const BITS: u32 = 60;
 
-/// `sin(2π k / 256)` in 1/32,768, rounded to the nearest, 1 as 32,767. By the power series, once, when compiling.
+/// Calculates `sin(2π k / 256)` in 1/32,768, rounded to the nearest, with 1 as 32,767. The compiler evaluates the power series.
 const fn table() -> [i16; STEPS + 1] {
     let mut table = [0; STEPS + 1];
     let mut k = 0;
@@ -55,7 +55,7 @@ impl Angle {
     /// A quarter turn.
     pub const QUARTER: Self = Self(0x4000);
 
-    /// Sine in 1/32,768, linear between 256 entries; at most 4 away from the exact value (1.3e-4).
+    /// Sine in 1/32,768, interpolated linearly between 256 entries. The error is at most 4/32,768 (1.3e-4).
     #[inline]
     #[must_use]
     pub const fn sin(self) -> i32 {
@@ -66,21 +66,21 @@ impl Angle {
         from + (((to - from) * rest + (1 << (STEP_BITS - 1))) >> STEP_BITS)
     }
 
-    /// Cosine in 1/32,768, as [`Angle::sin`].
+    /// Cosine in 1/32,768, calculated like [`Angle::sin`].
     #[inline]
     #[must_use]
     pub const fn cos(self) -> i32 {
         self.plus(Self::QUARTER).sin()
     }
 
-    /// The sum, wrapping.
+    /// Sum of the two angles, wrapping at a turn.
     #[inline]
     #[must_use]
     pub const fn plus(self, other: Self) -> Self {
         Self(self.0.wrapping_add(other.0))
     }
 
-    /// How far it is from `other` to this one, the short way: turns/65,536.
+    /// Signed angle from `other` to this angle, the short way, in 1/65,536 of a turn.
     #[inline]
     #[must_use]
     pub const fn since(self, other: Self) -> i16 {
@@ -88,15 +88,15 @@ impl Angle {
     }
 }
 
-/// From encoder counts to the electrical angle: exact to 2^-64 turns a count, so that no number of turns adds up to a drift.
+/// Converts encoder counts to the electrical angle. It is exact to 2^-64 turns per count, so no error builds up over many turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ElectricalScale {
-    /// `2^64 pole pairs/counts`, wrapping as angles do.
+    /// Electrical turns per count in units of 2^-64, `2^64 pole pairs/counts`, wrapping.
     per_count: u64,
 }
 
 impl ElectricalScale {
-    /// For a motor's pole pairs and an encoder's counts a turn; 0 counts count as 1.
+    /// Makes the scale from a motor's pole pairs and an encoder's counts per turn; 0 counts are treated as 1.
     #[must_use]
     pub const fn new(pole_pairs: u8, counts_per_rev: u32) -> Self {
         let counts = if counts_per_rev == 0 {
@@ -112,7 +112,7 @@ impl ElectricalScale {
         }
     }
 
-    /// The angle of a count, relative to that of count 0.
+    /// The electrical angle of a count, relative to that of count 0.
     #[inline]
     #[must_use]
     pub const fn angle(&self, count: i64) -> Angle {

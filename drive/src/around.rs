@@ -1,4 +1,4 @@
-//! Environments at work on a board: one that runs, and room for the one that takes its place.
+//! The environments (walls and detents) of a board: one that runs, and room for the one that replaces it.
 //!
 //! ```text
 //! armed:      prepare -> next tick:        takes over from what runs, no jump
@@ -6,8 +6,9 @@
 //! other settings wait for a calibration -> prepare waits for it as well
 //! ```
 //!
-//! The wall alone is the device's own law, as on boards without an environment, and costs what it costs there. Only a change
-//! under a hand makes an environment of it, until the next arming.
+//! If there is only the wall of the settings, the device's own law runs, as on boards without environments, and takes the same
+//! time. An environment takes the wall's place only if the user changes to another scene while the device is armed; that lasts
+//! until the next arming.
 
 use crate::change::ChangeConfig;
 use crate::cogging::Played;
@@ -22,7 +23,7 @@ use touchstone_protocol::settings::environment::{CountsFrom, Surround};
 
 type Law = Controller<Fixed32>;
 
-/// What settings and an environment are computed into.
+/// The coefficients that are computed from settings and an environment.
 #[derive(Debug, Clone, Copy)]
 pub struct Surrounding {
     environment: Environment<Fixed32>,
@@ -33,7 +34,7 @@ pub struct Surrounding {
 }
 
 impl Surrounding {
-    /// Checks and computes.
+    /// Checks the environment and computes its coefficients.
     ///
     /// # Errors
     /// The setting that is refused.
@@ -53,7 +54,8 @@ impl Surrounding {
     }
 }
 
-/// An environment. Where the position is measured when the force changes, its guard also gets the board's own delay.
+/// Makes an environment of settings. If the position is measured when the force changes, the board's own delay is added to the
+/// guard's settings.
 ///
 /// # Errors
 /// The setting that is refused.
@@ -70,7 +72,7 @@ pub fn built(
     environment.built(&told)
 }
 
-/// What waits in the place that does not run.
+/// What is prepared but does not run yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Waits {
     Nothing,
@@ -78,25 +80,25 @@ enum Waits {
     ForTheCalibration,
 }
 
-/// The environments of a board.
+/// The running environment of a board, and the one that is prepared.
 #[derive(Debug, Clone)]
 pub struct Around {
     places: [Option<Surrounding>; 2],
     use_second: bool,
     waits: Waits,
-    /// An environment runs, and not the wall alone.
+    /// Whether an environment runs, in the place of the single wall of the settings.
     runs: bool,
-    /// Since the arming there was a tick, at this count, with this force.
+    /// Whether there was a tick since the arming; the next fields hold its encoder count and its force.
     ticked: bool,
     count: i64,
     shown: Force<Fixed32>,
-    /// The map of the cogging, and whether it waits for a calibration.
+    /// The cogging map in use, and whether it waits for a calibration.
     map: Option<Played>,
     map_waits: bool,
 }
 
 impl Around {
-    /// An environment with one wall and nothing else.
+    /// Starts without an environment: the board runs the single wall of the settings.
     #[must_use]
     #[allow(clippy::new_without_default, reason = "for a static")]
     pub const fn new() -> Self {
@@ -113,13 +115,15 @@ impl Around {
         }
     }
 
-    /// Takes the map of the cogging; `settings_wait` as in [`Around::prepare`], and nothing is played until then.
+    /// Sets the cogging map with which the board compensates cogging. If `settings_wait`, other settings wait for a calibration,
+    /// and no map is used until then.
     pub(crate) fn play(&mut self, map: Option<&Played>, settings_wait: bool) {
         self.map = map.cloned();
         self.map_waits = settings_wait;
     }
 
-    /// Takes an environment; from when on it counts. `settings_wait` if settings wait for a calibration, with which it was computed.
+    /// Prepares an environment and returns from when on it counts. `settings_wait` means that the settings with which it was
+    /// computed wait for a calibration.
     pub(crate) fn prepare(
         &mut self,
         surrounding: &Surrounding,
@@ -162,7 +166,8 @@ impl Around {
         }
     }
 
-    /// No environment runs any more. The wall's own guard has the account while nothing runs: it is one hand's, whatever is touched.
+    /// Ends the running environment. The energy in its guard's account goes back to the guard of the settings' wall, as the hand is
+    /// the same.
     #[cold]
     #[inline(never)]
     fn end(&mut self, law: &mut Law) {
@@ -177,7 +182,7 @@ impl Around {
         self.runs = false;
     }
 
-    /// Starts, after an arming, the environment that was prepared last.
+    /// Starts the environment that was prepared last, at an arming.
     #[cold]
     #[inline(never)]
     fn begin(&mut self, law: &Law) {
@@ -191,7 +196,7 @@ impl Around {
         }
     }
 
-    /// Changes over under a hand.
+    /// Changes to the prepared environment while the device is armed, without a jump of the force.
     #[cold]
     #[inline(never)]
     fn take_over(&mut self, law: &Law, scale: CountScale) {
@@ -321,7 +326,7 @@ impl Scenery for Around {
     }
 }
 
-/// Inner values of the wall that is touched; detents alone have none.
+/// Internal values of the wall that is touched; an environment of detents alone has none.
 #[inline(never)]
 fn seen(environment: &Environment<Fixed32>) -> View<Fixed32> {
     environment.view().unwrap_or(View {
@@ -332,7 +337,8 @@ fn seen(environment: &Environment<Fixed32>) -> View<Fixed32> {
     })
 }
 
-/// The environment's tick. It is a function of its own in every program, as the law's tick is.
+/// Runs one tick of an environment. It is a separate function in every program, like the law's tick, so that its time can be
+/// counted.
 #[inline(never)]
 fn environment_tick(
     environment: &mut Environment<Fixed32>,

@@ -1,60 +1,63 @@
-//! A board that starts by itself when power comes on. It asks for what a person would ask for, calibrate and arm, and for nothing else.
+//! Unattended start: a board that calibrates and arms by itself when power comes on. It gives the commands that a person would
+//! give, and no others.
 //!
-//! The fault machine and the supervisor know nothing of it: every limit holds as for a command from the desktop, and the force fades in as
-//! after any arming. It is tried once. A desktop that speaks before the board is armed has the word: nothing starts by itself any more.
+//! Fault machine and supervisor treat these commands like those from a computer: every limit holds, and the force fades in as after
+//! any arming. The board tries once. If a computer sends a frame before the board is armed, the unattended start ends and the
+//! computer is in charge.
 //!
 //! ```text
 //! Waiting: supply in its range, shaft at rest -> Checking: calibrate, at rest again -> Started: arm
 //! ```
 //!
-//! The silence of a desktop (`limits.host_silence_s`) counts from its first word on: until then the board says that word for it. So a knob without a
-//! desktop runs, and a cable that is pulled in a session switches off as ever. The stop button holds always.
+//! The limit on the computer's silence (`limits.host_silence_s`) counts from its first frame on. Until then the board itself counts
+//! as the computer. So a knob without a computer runs, and a cable that is pulled during a session switches the outputs off. The
+//! stop button always works.
 
 use crate::reset::ResetReason;
 use touchstone_protocol::{Command, SelfStart, State};
 
-/// A step is to be made so often, ms.
+/// Time between two calls of [`Autostart::step`], ms.
 pub const STEP_MS: u32 = 10;
 
-/// Supply and shaft must be in order for this many steps: half a second.
+/// Steps for which supply and shaft must be in order before the check: half a second.
 const REST: u32 = 500 / STEP_MS;
-/// Time at rest after the check: a fifth of a second.
+/// Steps for which the shaft must be at rest after the check: a fifth of a second.
 const REST_AGAIN: u32 = 200 / STEP_MS;
-/// The board waits this many steps for supply and shaft: ten seconds, and three after the check.
+/// Longest time that the board waits for supply and shaft, in steps: ten seconds. After the check it waits three seconds.
 const PATIENCE: u32 = 10_000 / STEP_MS;
 const PATIENCE_AGAIN: u32 = 3_000 / STEP_MS;
-/// Counts that a shaft at rest may jitter.
+/// Encoder counts by which a shaft at rest may jitter.
 const JITTER: u64 = 4;
 
-/// Inputs of one step.
+/// The state of the board at one step of the unattended start.
 #[derive(Debug, Clone, Copy)]
 pub struct Glance {
     /// State of the device.
     pub state: State,
-    /// The supply is within its limits.
+    /// Whether the supply voltage is within its limits.
     pub is_supplied: bool,
     /// The encoder's count.
     pub count: i64,
-    /// The stop button is pressed.
+    /// Whether the stop button is pressed.
     pub is_stop_pressed: bool,
-    /// A desktop has spoken since the start.
+    /// Whether a computer has sent a frame since the start.
     pub desktop_spoke: bool,
 }
 
-/// The unattended start.
+/// The state of the unattended start.
 #[derive(Debug, Clone, Copy)]
 pub struct Autostart {
     told: SelfStart,
-    /// Steps in this phase, and how many of them were in order.
+    /// Steps in the present phase; the next field holds how many of them were in order.
     steps: u32,
     rest: u32,
-    /// Where the shaft rests.
+    /// Encoder count at which the shaft rests.
     count: i64,
 }
 
 impl Autostart {
-    /// The state at power-up, given whether autostart is on, why the processor started, and whether there is an
-    /// alignment to check.
+    /// The state at power-up. It depends on whether the settings switch autostart on, why the processor started, and whether there
+    /// is a stored alignment to check.
     #[must_use]
     pub fn new(is_asked: bool, reason: ResetReason, has_alignment: bool) -> Self {
         let told = if !is_asked {
@@ -74,19 +77,19 @@ impl Autostart {
         }
     }
 
-    /// State of the unattended start so far.
+    /// The present phase of the unattended start, as it is reported.
     #[must_use]
     pub const fn told(&self) -> SelfStart {
         self.told
     }
 
-    /// Whether a word is to be said in place of a desktop that never spoke.
+    /// Whether the board itself counts as the computer, because none has sent a frame since the start.
     #[must_use]
     pub const fn stands_in(&self, desktop_spoke: bool) -> bool {
         matches!(self.told, SelfStart::Checking | SelfStart::Started) && !desktop_spoke
     }
 
-    /// A step: a command for the next control tick.
+    /// Runs one step; returns a command for the next control tick, if there is one.
     pub fn step(&mut self, now: &Glance) -> Option<Command> {
         let is_first = self.told == SelfStart::Waiting;
         if !is_first && self.told != SelfStart::Checking {

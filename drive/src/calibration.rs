@@ -1,23 +1,23 @@
-//! Before the first torque: what the current sensors read without current, which way the encoder counts, whether the pole
-//! pairs are those of the settings, and which count belongs to which electrical angle.
+//! Calibration, before the first torque. It measures the current sensors' offsets, the encoder's direction, and which count belongs
+//! to which electrical angle, and checks the number of pole pairs.
 //!
 //! ```text
 //! Offsets -> Raise -> Settle -> Forward -> Back -> done
 //! ```
 //!
-//! 1. Bridge off: the mean of 1,024 readings of each current sensor, which must be near where the schematic says.
-//! 2. A current along a field that stands still is raised slowly; the rotor turns into it, at most half an electrical turn. One that
-//!    stood against the field comes loose late, and swings about it: as long as it does, up to three seconds, the field waits.
+//! 1. With the bridge off, it takes the mean of 1,024 readings of each current sensor. The mean must be near the schematic's value.
+//! 2. A current along a field that stands still is raised slowly. The rotor turns into the field, by at most half an electrical turn. A rotor
+//!    that stood against the field comes loose late and swings about it. The field waits as long as the rotor swings, up to three seconds.
 //! 3. The field turns one electrical turn and then one mechanical turn forward (`pole pairs` electrical turns), and all of it back;
 //!    the rotor follows. The first electrical turn of each way is not examined: it frees a rotor that happened to stand
 //!    against the field, and takes up friction. The counts moved in the mechanical turn give direction and pole pairs.
 //! 4. On the way, at each eighth of an electrical turn, the difference between field and count is taken. Friction makes the
-//!    rotor lag; it lags the other way on the way back, so the mean of both ways is right, and being that of a whole turn, so
-//!    is the mean over an eccentric magnet.
+//!    rotor lag, on the way back in the other direction, so the mean of both ways is right. As the mean is over a whole turn, an eccentric
+//!    magnet does not change it.
 //!
-//! Nothing is learned unless all of it is plausible, and every stage ends after a limited number of ticks.
+//! The result is used only if all of it is plausible. Every stage ends after a limited number of ticks.
 //!
-//! Where an absolute encoder's alignment is kept, it is checked instead of looked for: `check`.
+//! If the alignment of an absolute encoder is stored, the calibration checks that alignment instead (module `check`).
 
 #[cfg(feature = "large")]
 mod check;
@@ -45,29 +45,30 @@ pub enum Reason {
     OffsetsLate = 1,
     /// The shaft moved, but not as far as the settings' pole pairs and counts say.
     PolePairs = 2,
-    /// The shaft did not come back to where it began: it slipped by a pole.
+    /// The shaft did not return to the position where it began: it slipped by a pole.
     NotBack = 3,
-    /// The shaft did not follow the field: held fast, loaded, or the encoder is not on the motor's shaft.
+    /// The shaft did not follow the field: it is held or loaded, or the encoder is not on the motor's shaft.
     Uneven = 4,
-    /// The current did not reach the wanted value: a phase is open, or the bus voltage is too low.
+    /// The current did not reach the requested value: a phase is open, or the bus voltage is too low.
     NoCurrent = 5,
-    /// A push of the measurement hardly moved the shaft: it is held, or its friction is more than the push.
+    /// A push of the motor measurement hardly moved the shaft: it is held, or its friction is larger than the push.
     Held = 6,
-    /// The field does not hold the shaft where the kept alignment says that it does.
+    /// The rotor was not near the field at the electrical angle that the stored alignment gives.
     KeptWrong = 7,
-    /// While a kept alignment was checked, the shaft did not go along with the field: held, loaded, or the alignment is wrong.
+    /// During the check of a stored alignment the shaft did not move with the field: it is held or loaded, or the alignment is
+    /// wrong.
     KeptNotFollowed = 8,
-    /// The shaft did not come to rest, so that a kept alignment could be checked.
+    /// The shaft did not come to rest, so the stored alignment could not be checked.
     KeptTurning = 9,
     /// The board measures no current, and the motor's resistance, inductance or torque constant is not set.
     MotorUntold = 10,
-    /// The same current needed a different voltage in another direction: the gain of a current sensor, or the
-    /// resistance of a phase, is wrong.
+    /// The same current needed a different voltage in another direction: the gain of a current sensor or the resistance of a phase
+    /// is wrong.
     Unbalanced = 11,
 }
 
 impl Reason {
-    /// All reasons.
+    /// All reasons, in the order of their values.
     pub const ALL: [Self; 11] = [
         Self::OffsetsLate,
         Self::PolePairs,
@@ -82,7 +83,7 @@ impl Reason {
         Self::Unbalanced,
     ];
 
-    /// The reason behind a fault's value.
+    /// The reason that a fault's value stands for; `None` for a value without a reason.
     #[must_use]
     pub fn from_value(value: i32) -> Option<Self> {
         Self::ALL.into_iter().find(|reason| *reason as i32 == value)
@@ -92,29 +93,30 @@ impl Reason {
 /// Result of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Alignment {
-    /// Electrical angle at count 0 of the unwrapped encoder.
+    /// Electrical angle in 1/65,536 of a turn at count 0 of the unwrapped encoder.
     pub offset: Angle,
-    /// The electrical angle falls when the count rises.
+    /// Whether the electrical angle falls when the count rises.
     pub against: bool,
 }
 
-/// How far a calibration is.
+/// Progress of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
     /// The calibration goes on; holds the command for the current loop.
     Running(CurrentCommand),
-    /// Done.
+    /// The calibration is done; holds its result.
     Done(Alignment),
-    /// Failed.
+    /// The calibration failed; holds the fault's code and value.
     Failed(FaultCode, i32),
 }
 
-/// Samples in an electrical turn, as a power of two.
+/// Samples per electrical turn, as a power of two.
 const SAMPLES_LOG2: u32 = 3;
-/// Furthest apart that field and rotor may be over all samples, turns/65,536: a quarter turn, where the torque is largest.
+/// Largest spread of the angles between field and rotor over all samples, in 1/65,536 of a turn: a quarter turn, where the torque
+/// is largest.
 const SPREAD: i32 = 0x4000;
 
-/// Quarters of a second that a rotor may swing in the field, before it is turned all the same.
+/// Longest time in quarters of a second that a rotor may swing in the field before the field turns.
 const SWINGS: u8 = 12;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -128,28 +130,29 @@ enum Stage {
     Rock,
 }
 
-/// A running calibration.
+/// The state of a running calibration.
 #[derive(Debug, Clone, Copy)]
 pub struct Calibration {
     config: CalibrationConfig,
     stage: Stage,
-    /// Ticks in the stage.
+    /// Ticks since the present stage began.
     ticks: u32,
     current: Amps,
-    /// Where the field is, 2^-32 electrical turns.
+    /// Angle of the field, 2^-32 electrical turns.
     field: i64,
-    /// Speed of the field, in units of its angle per tick.
+    /// Speed of the field, 2^-32 electrical turns per tick.
     speed: u32,
-    /// Counts where the mechanical turn began and ended, forward; before it the ends of where the rotor was in the last quarter of a second.
+    /// Counts at which the forward mechanical turn began and ended. Before that turn, the range of the rotor's counts in the last
+    /// quarter of a second.
     began: i64,
     ended: i64,
-    /// Quarters of a second in which it swung.
+    /// Quarters of a second in which the rotor swung.
     swung: u8,
-    /// Offsets for a count that rises with the field and for one that falls.
+    /// Angles between field and rotor, for a count that rises with the field and for one that falls.
     along: Fit,
     against: Fit,
     samples: i32,
-    /// Voltage along the field: the mean over 16 ticks, and its extremes at the places where samples are taken.
+    /// Voltage along the field: the mean over 16 ticks, and its smallest and largest value at the sampled positions.
     volts: Volts,
     least: Volts,
     most: Volts,
@@ -182,9 +185,9 @@ impl Calibration {
         }
     }
 
-    /// Runs one control tick with a good reading: takes the unwrapped count and the current loop's report.
+    /// Runs one control tick with a good encoder reading: takes the unwrapped count and the current loop's report.
     ///
-    /// A tick without a good reading is left out: the outputs are off in it, and the field waits.
+    /// In a tick without a good reading the caller does not call this function: the outputs are off, and the field waits.
     pub fn tick(&mut self, tick: u32, count: i64, report: &CurrentReport) -> Progress {
         self.ticks = self.ticks.saturating_add(1);
         #[cfg(feature = "large")]
@@ -327,7 +330,7 @@ impl Calibration {
         None
     }
 
-    /// Moves the field by a tick, towards `target`; whether it has passed one of the places of the samples.
+    /// Moves the field by one tick towards `target`. Returns whether it has passed a position at which a sample is taken.
     fn turn(&mut self, forward: bool, target: i64) -> bool {
         self.speed = self
             .speed
@@ -358,12 +361,12 @@ impl Calibration {
         self.volts = self.volts.saturating_add(Volts::from_bits(step));
     }
 
-    /// Whether the same current took much more voltage in one direction than in another.
+    /// Whether the same current needed much more voltage in one direction than in another.
     ///
-    /// If the sensor of phase A reads `1/(1 + ε)` of its current, the loop drives `1 + ε/2 (1 + cos 2θ + sin 2θ/√3)`
-    /// of the wanted current along the field, so the voltage varies by `±0.58 ε`. The limit of a quarter and half a
-    /// volt (dead time, the rotor's swing, cogging) corresponds to `ε = 0.3` for the shipped motor. A warmer winding
-    /// changes all directions alike, so the resistance need not be known.
+    /// If the sensor of phase A reads `1/(1 + ε)` of its current, the loop drives `1 + ε/2 (1 + cos 2θ + sin 2θ/√3)` of the
+    /// requested current along the field, so the voltage varies by `±0.58 ε`. The limit of a quarter and half a volt (dead time,
+    /// the rotor's swing, cogging) corresponds to `ε = 0.3` for the shipped motor. A warmer winding changes the voltage equally in
+    /// all directions, so the resistance need not be known.
     fn is_unbalanced(&self) -> bool {
         let quarter = Volts::from_bits(self.least.max(Volts::ZERO).to_bits() >> 2);
         let half_volt = Volts::from_bits(1 << 15);
@@ -390,7 +393,7 @@ impl Calibration {
         self.judge_distance()
     }
 
-    /// Whether the mechanical turn was one.
+    /// Checks that the shaft moved one mechanical turn; returns the failure if it did not.
     fn judge_distance(&self) -> Option<Progress> {
         let counts = i64::from(self.config.counts_per_rev);
         let moved = self.ended.saturating_sub(self.began).saturating_abs();
@@ -421,7 +424,7 @@ impl Calibration {
         (self.field <= 0).then(|| self.judge())
     }
 
-    /// Whether rotor and field agreed all along, and on what.
+    /// Checks that rotor and field agreed in all samples; returns the alignment or the failure.
     fn judge(&self) -> Progress {
         let config = &self.config;
         let slipped = self.ended.saturating_sub(self.began).saturating_abs();
@@ -447,7 +450,7 @@ impl Calibration {
     }
 }
 
-/// Whole electrical turns of the field.
+/// Whole electrical turns of a field angle.
 const fn field_turns(field: i64) -> i64 {
     field >> 32
 }

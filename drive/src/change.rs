@@ -1,17 +1,18 @@
-//! Where the device is when the force changes: one more reading of the encoder in a tick, and how the way of a tick is shared
-//! between the old force and the new one.
+//! The second encoder reading in a tick, when the force changes, and how the displacement of a tick is divided between the old and
+//! the new force.
 //!
-//! A command that a control tick gives is seen by the current loop a period later and acts from half a period after that on. Then
-//! the current follows as the loop lets it. Let `H(t)` be the share of a change of force that is still missing a time `t` after the
-//! encoder was read. Over a tick the port takes `f₁ Δx - g ∫ H dx`, with the change `g`. With one more reading, after `q` periods, the
-//! way `Δx = u + w` is known in its two parts, and over all that a hand can have done within each of them
+//! The current loop gets the command of a control tick one PWM period later, and the command acts from half a period after that on.
+//! Then the current follows with the loop's own lag. Let `H(t)` be the fraction of a change of force that is still missing a time
+//! `t` after the encoder was read. Over a tick the port takes the energy `f₁ Δx - g ∫ H dx`, with the change `g`. With a second
+//! reading, after `q` periods, the two parts of the displacement `Δx = u + w` are known. For all motions of the hand within these
+//! parts
 //!
 //! ```text
 //! g ∫ H dx <= g (H₁ u + H₂ w) + g² V/4b,      H₁, H₂ the means of H over the parts,  V = ∫ (H - its mean in the part)² dt
 //! ```
 //!
-//! beside what the damping `b` takes of `u` and `w` themselves: Cauchy and Schwarz, as in `docs/energy-guard.md`. So the guard is
-//! told the position at which all of the change would have had to come at once, and charges `V` as the lag that is left.
+//! The damping `b` dissipates further energy in `u` and `w` themselves (Cauchy and Schwarz, as in `docs/energy-guard.md`). So the
+//! guard gets the position at which a sudden change of force would have the same effect, and charges `V` as the lag that remains.
 
 use crate::hardware::Hardware;
 use crate::settings::periods_per_tick;
@@ -23,32 +24,32 @@ use touchstone_protocol::settings::MotorSettings;
 use touchstone_protocol::settings::{DriveKind, Reason, SettingsError};
 use touchstone_protocol::{Decimal, DeviceSettings};
 
-/// The encoder is read a quarter of a PWM period after the currents are sampled, both times: the current loop's interrupt runs first.
+/// Quarters of a PWM period from the sampling of the currents to each encoder reading: the current loop's interrupt runs first.
 const READ_AFTER_QUARTERS: u32 = 1;
-/// Fractional bits of everything below.
+/// Fractional bits of the calculations in this module.
 const BITS: u32 = 28;
 const ONE: i64 = 1 << BITS;
-/// What may be missing of a change of force when the next one begins: a fiftieth.
+/// Largest fraction of a change of force that may be missing when the next change begins: a fiftieth.
 const REST_MAX: i64 = ONE / 50;
 /// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
 
-/// The current loop's answer to a step of the wanted current, as computed and as its bridge acts: the share that is
-/// still missing, quarter by quarter of a PWM period. An error that a sample finds acts half a period later, for a
-/// whole period, and changes the current by `ω T` of itself.
+/// The current loop's answer to a step of the requested current, as calculated and as the bridge acts. It gives the fraction that
+/// is still missing, quarter by quarter of a PWM period. The loop acts on a sampled error half a period later, for a whole period,
+/// and changes the current by `ω T` times the error.
 struct Answer {
-    /// `ω T/4`: share of an error by which the current changes in a quarter of a period.
+    /// `ω T/4`: fraction of an error by which the current changes in a quarter of a period.
     step: i64,
-    /// Error found by the sample before the last, which acts in the first half of a period.
+    /// Error at the sample before the last, on which the loop acts in the first half of a period.
     before: i64,
-    /// Error found by the last sample. The sample of the tick itself did not see the step yet.
+    /// Error at the last sample. The sample at the tick itself did not see the step yet.
     last: i64,
-    /// Share of the change that is still missing: `H`.
+    /// Fraction of the change that is still missing: `H`.
     missing: i64,
-    /// Quarters of periods since the tick's sample.
+    /// Quarters of a PWM period since the tick's sample.
     quarter: u32,
-    /// For a drive by voltage instead of current: the share of the missing current that the winding takes up in a
-    /// quarter.
+    /// Only for a drive by voltage instead of current: fraction of the missing current that the winding gains in a quarter of a
+    /// period.
     #[cfg(feature = "voltage")]
     winding: Option<i64>,
 }
@@ -72,8 +73,8 @@ impl Answer {
         }
     }
 
-    /// `s/(1 + s)` with `s = R/4L T`: a backward step, which leaves at least as much missing as the exponential does.
-    /// 0 for a motor whose values are not set, as it is never driven.
+    /// The winding's gain per quarter of a period, `s/(1 + s)` with `s = R/4L T`. A backward Euler step leaves at least as much
+    /// current missing as the exact exponential does. 0 for a motor whose values are not set, as it is never driven.
     #[cfg(feature = "voltage")]
     #[inline]
     fn winding(motor: &MotorSettings, is_untold: bool, quarters_per_s: Si) -> i64 {
@@ -87,7 +88,7 @@ impl Answer {
         quotient(way, Si::ONE.saturating_add(way)).to_bits() >> (Si::FRAC_NBITS - BITS)
     }
 
-    /// `H` at the end of the next quarter.
+    /// Calculates the next quarter of a period; returns `H` at its end.
     #[inline(never)]
     fn next(&mut self) -> i64 {
         // The voltage is there from its bottom on, one and a half periods after the tick's sample, and stays.
@@ -113,7 +114,7 @@ impl Answer {
     }
 }
 
-/// Integrals over a part of a tick, in quarters of PWM periods.
+/// Integrals over a part of a tick, with a quarter of a PWM period as the unit of time.
 #[derive(Debug, Clone, Copy, Default)]
 struct Part {
     quarters: i64,
@@ -122,7 +123,7 @@ struct Part {
 }
 
 impl Part {
-    /// Adds a quarter of a period.
+    /// Adds a quarter of a period in which `H` goes from one value to another.
     #[inline(never)]
     fn add(&mut self, from: i64, to: i64) {
         self.quarters += 1;
@@ -143,7 +144,7 @@ impl Part {
     }
 }
 
-/// Product of two values of at most some hundreds, with [`BITS`] fractional bits.
+/// Product of two values with [`BITS`] fractional bits, each at most some hundreds.
 #[inline]
 fn times(a: i64, b: i64) -> i64 {
     (a * b) >> BITS
@@ -152,24 +153,25 @@ fn times(a: i64, b: i64) -> i64 {
 /// The time of the encoder's second reading and the use of that reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChangeConfig {
-    /// PWM periods from the reading of a control tick to the one more.
+    /// PWM periods from the first encoder reading of a control tick to the second.
     pub read_at: u16,
-    /// Share of the way before the second reading that was under the new force, beyond what the guard itself charges
-    /// for it, 2^-28.
+    /// Fraction, in 2^-28, of the displacement before the second reading that was under the new force, beyond the delay that the
+    /// guard itself charges.
     pub before: i32,
-    /// The share of the way after the second reading.
+    /// Fraction, in 2^-28, of the displacement after the second reading that was under the new force.
     pub after: i32,
-    /// From the reading of a tick to the change of force, in the mean, without the lag below, s.
+    /// Mean time in seconds from a tick's encoder reading to the change of force, without `lag_s`.
     pub delay_s: Si,
-    /// The uncertainty that a second reading leaves, as a lag, s.
+    /// The uncertainty that remains with a second reading, expressed as a lag in seconds.
     pub lag_s: Si,
 }
 
 impl ChangeConfig {
-    /// From settings; `None` where the guard is off or estimates the position at the change.
+    /// Calculates the time and use of the second reading from settings. `None` where the guard is off, or where it estimates the
+    /// position at the change.
     ///
     /// # Errors
-    /// A drive without our current loop, or one that has not finished a change of force when the next one begins.
+    /// The drive does not use this crate's current loop, or the loop has not finished a change of force when the next one begins.
     #[inline]
     pub fn new(
         settings: &DeviceSettings,
@@ -241,8 +243,8 @@ impl ChangeConfig {
         })
     }
 
-    /// How far the device has moved since the force changed, as if all of the change had come at once. Given are the way from a tick's
-    /// reading to the second one, and the way from there to the next tick's.
+    /// Displacement since the force changed, as if the whole change had come at one instant. Takes the displacement from a tick's
+    /// first reading to its second, and that from the second to the next tick's first.
     #[inline(always)]
     #[must_use]
     pub fn since_change(
@@ -260,8 +262,8 @@ impl ChangeConfig {
     }
 }
 
-/// The settings for a device's law: where the position is measured when the force changes, the board's own delay is
-/// added.
+/// The settings for a device's law. If the position is measured when the force changes, the board's own delay is added to the
+/// guard's settings.
 ///
 /// # Errors
 /// Same as [`ChangeConfig::new`].

@@ -1,9 +1,9 @@
-//! The kept map of the cogging, played: a current by the place of the shaft, beside what the law asks for.
+//! Compensation of cogging by a stored map: a current by the shaft's position, added to the current that the law requests.
 //!
-//! The map's harmonics are summed once, where time does not matter, into a table over a turn, between whose entries the control tick goes in a
-//! straight line. Three things keep it harmless: no entry is more than a quarter of the current limit; the entries are zero in their
-//! sum, so that a turn takes and gives no work; and it is looked up where the shaft will be when the current acts. What is left over is in
-//! `docs/energy-guard.md`.
+//! The map's harmonics are summed once, outside the ticks, into a table over a turn. The control tick interpolates linearly between
+//! the table's entries. Three properties bound the map's effect: no entry is more than a quarter of the current limit; the entries
+//! add up to zero, so the work over a turn is zero; and the table is read at the position that the shaft has when the current acts.
+//! `docs/energy-guard.md` has the energy that remains.
 
 use crate::Amps;
 use crate::angle::{Angle, ElectricalScale};
@@ -14,32 +14,34 @@ use touchstone_control::Si;
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::settings::cogging::{CURRENT_BITS, CoggingMap};
 
-/// Entries in a turn, as a power of two: 24 for each period of the usual 84, between which a straight line is 0.9 % of the amplitude off at most.
+/// Table entries per turn, as a power of two: 24 for each of the usual 84 periods. Linear interpolation then errs by at most 0.9 %
+/// of the amplitude.
 const PLACES_LOG2: u32 = 11;
-/// Entries in a turn.
+/// Table entries per turn.
 pub const PLACES: usize = 1 << PLACES_LOG2;
-/// Bits of an angle between two entries.
+/// Bits of an angle below a step of the table, for interpolation.
 const REST_BITS: u32 = 16 - PLACES_LOG2;
-/// The map may be this part of the current limit: with more, there is too little left to push with.
+/// The map may use at most the current limit divided by this number. With more, too little current would be left for the wall's
+/// force.
 pub const SHARE: i32 = 4;
 
 /// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
-/// PWM periods from the reading of a tick until its command acts, in the mean, without the current loop's own lag.
+/// Mean time in PWM periods from a tick's encoder reading until its command acts, without the current loop's own lag.
 const ACTS_AFTER_PERIODS: i64 = 2;
 
-/// A map made ready for the control tick.
+/// A cogging map prepared for the control tick, as a table of currents.
 #[derive(Debug, Clone)]
 pub struct Played {
-    /// The current by position in a turn, in 2^-13 A.
+    /// Current by position within a turn, in 2^-13 A.
     table: [i16; PLACES],
     scale: ElectricalScale,
-    /// How far ahead of the shaft it is looked up, 2^-16 turns per rad/s.
+    /// Distance ahead of the shaft at which the table is read, 2^-16 turns per rad/s.
     lead: I16F16,
 }
 
 impl Played {
-    /// Sums the harmonics.
+    /// Sums the map's harmonics into the table.
     #[cold]
     #[inline(never)]
     #[must_use]
@@ -72,7 +74,8 @@ impl Played {
         }
     }
 
-    /// The current along the count, for a place in counts from the encoder's zero and a speed.
+    /// The compensating current, positive in the direction of rising counts. Takes the position in counts from the encoder's zero,
+    /// and the speed.
     #[inline]
     #[must_use]
     pub const fn current(&self, place: i64, rad_per_s: I16F16) -> Amps {
@@ -91,7 +94,7 @@ impl Played {
     }
 }
 
-/// The harmonics at a place of the table.
+/// Sum of the map's harmonics at one entry of the table.
 fn sum_at(map: &CoggingMap, place: u32) -> i64 {
     let of = |it: &touchstone_protocol::CoggingHarmonic| {
         let angle = Angle((place.wrapping_mul(u32::from(it.order)) << REST_BITS) as u16);
@@ -101,7 +104,7 @@ fn sum_at(map: &CoggingMap, place: u32) -> i64 {
     (sum + (1 << 14)) >> 15
 }
 
-/// Makes the sum of the entries zero: straight lines between them take as much work over a turn as they give then.
+/// Makes the entries add up to zero. Then linear interpolation between them takes as much work over a turn as it gives.
 fn level(table: &mut [i16; PLACES], sum: i64) {
     let (each, mut rest) = (sum.div_euclid(PLACES as i64), sum.rem_euclid(PLACES as i64));
     for entry in table {
@@ -112,7 +115,7 @@ fn level(table: &mut [i16; PLACES], sum: i64) {
     }
 }
 
-/// How far the shaft goes until a current acts, in the middle of its tick.
+/// Distance that the shaft moves until a current acts, in the middle of the tick in which it acts.
 fn lead(settings: &DeviceSettings, hardware: &Hardware) -> I16F16 {
     let of = |parts: i64, rate: Si| quotient(Si::const_from_int(parts), rate);
     let period = of(ACTS_AFTER_PERIODS, Si::saturating_from_num(hardware.pwm_hz));

@@ -1,4 +1,4 @@
-//! From a torque to a drive command: a current for this board's bridge, or a voltage for an external amplifier.
+//! From a torque to a command for the drive: a current for this board's bridge, or a voltage for an external amplifier.
 
 use crate::Amps;
 use crate::angle::Angle;
@@ -11,15 +11,15 @@ use touchstone_control::{Fixed32, Force, Number as _, Si};
 use touchstone_protocol::settings::{DriveSettings, SettingsError};
 use touchstone_protocol::{DeviceSettings, Limit, Limits};
 
-/// A code of the 12-bit output.
+/// A code of the 12-bit analogue output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DacCode(
-    /// Code of the output, 0 to 4,095.
+    /// The code, 0 to 4,095.
     pub u16,
 );
 
 impl DacCode {
-    /// The middle: zero torque.
+    /// The middle of the output's range, which commands zero torque.
     pub const ZERO: Self = Self(2_048);
 }
 
@@ -30,44 +30,44 @@ pub enum DriveCommand {
     Off,
     /// A command for the current loop.
     Current(CurrentCommand),
-    /// A command for the amplifier, which is enabled.
+    /// A code for the external amplifier, which is enabled.
     Analogue(DacCode),
 }
 
-/// Where the rotor is, for the drives that need to know.
+/// Position and motion of the rotor, for the drives that need them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Rotor {
     /// Number of the control tick.
     pub tick: u32,
-    /// Electrical angle.
+    /// Electrical angle of the rotor.
     pub angle: Angle,
-    /// How far it moves in a PWM period, 2^-32 turns.
+    /// Change of the electrical angle in a PWM period, 2^-32 turns.
     pub advance: i32,
     /// Whether the electrical angle falls when the count rises.
     pub against: bool,
-    /// Share of the current limit that the temperature leaves, in 1/65,536; at most 65,536.
+    /// Fraction of the current limit that the temperature allows, in 1/65,536; at most 65,536.
     pub derating: u32,
-    /// Current that the cogging map adds, along `+x`.
+    /// Current that the cogging map adds, positive along `+x`.
     #[cfg(feature = "large")]
     pub map: Amps,
 }
 
 impl Rotor {
-    /// The cogging map's current, limited to the current that is left; 0 without a map.
+    /// The cogging map's current, limited to the current that the law leaves; 0 without a map.
     #[inline(always)]
     #[cfg(feature = "large")]
     fn added(&self, left: Amps) -> Amps {
         self.map.min(left).max(left.saturating_neg())
     }
 
-    /// Adds nothing: this build keeps no map.
+    /// Returns zero, since this build has no cogging map.
     #[inline(always)]
     #[cfg(not(feature = "large"))]
     const fn added(&self, _left: Amps) -> Amps {
         Amps::ZERO
     }
 
-    /// The command for a current that pushes along `+x`.
+    /// The command for a current whose torque acts along `+x`.
     #[inline(always)]
     pub(crate) const fn along(&self, current: Amps) -> CurrentCommand {
         CurrentCommand {
@@ -92,13 +92,13 @@ impl Rotor {
 pub struct Driven {
     /// The command to the drive.
     pub command: DriveCommand,
-    /// The limits that the torque met.
+    /// The limits that made the torque smaller.
     pub limits: Limits,
-    /// The torque along `+x` that is left after them.
+    /// The torque along `+x` that is left after the limits.
     pub torque: Force<Fixed32>,
 }
 
-/// A drive: torque in, command out.
+/// Turns a torque into a command for the motor's drive.
 pub trait Drive {
     /// The command for a torque along `+x`.
     fn command(&self, torque: Force<Fixed32>, rotor: &Rotor) -> Driven;
@@ -109,16 +109,16 @@ pub trait Drive {
 pub struct ThreePhase {
     /// `1/k_t`, A/(N·m).
     amps_per_nm: Amps,
-    /// `k_t`, N·m/A.
+    /// Torque constant `k_t`, N·m/A.
     nm_per_amp: I8F24,
     limit: Amps,
 }
 
 impl ThreePhase {
-    /// Computes it from the motor's settings.
+    /// Computes the coefficients from the motor's settings.
     ///
     /// # Errors
-    /// A torque constant whose inverse does not fit.
+    /// The inverse of the torque constant does not fit its format.
     #[inline]
     pub fn new(motor: &MotorSettings) -> Result<Self, SettingsError> {
         let inverse = quotient(Si::ONE, motor.torque_constant_n_m_per_a);
@@ -169,7 +169,7 @@ impl Drive for ThreePhase {
     }
 }
 
-/// A servo amplifier at the analogue output.
+/// A servo amplifier connected to the analogue output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Analogue {
     /// Codes per N·m with 16 fractional bits.
@@ -177,10 +177,10 @@ pub struct Analogue {
 }
 
 impl Analogue {
-    /// Computes it from the amplifier's settings.
+    /// Computes the coefficient from the amplifier's settings.
     ///
     /// # Errors
-    /// A full scale whose inverse does not fit.
+    /// The inverse of the full-scale torque does not fit its format.
     #[inline]
     pub fn new(drive: &DriveSettings) -> Result<Self, SettingsError> {
         let codes = quotient(Si::const_from_int(2_047), drive.analogue_full_scale_n_m);
@@ -208,7 +208,7 @@ impl Drive for Analogue {
     }
 }
 
-/// Either, chosen by the settings.
+/// The drive that the settings choose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AnyDrive {
     /// The command goes to this board's three-phase bridge.
@@ -218,10 +218,10 @@ pub enum AnyDrive {
 }
 
 impl AnyDrive {
-    /// Computes it from the settings.
+    /// Computes the drive's coefficients from the settings.
     ///
     /// # Errors
-    /// A coefficient that does not fit.
+    /// A coefficient does not fit its format.
     #[inline]
     pub fn new(settings: &DeviceSettings) -> Result<Self, SettingsError> {
         Ok(match settings.drive.kind {

@@ -1,7 +1,8 @@
-//! What settings are computed into, once, and how a calibration changes over to other ones.
+//! The coefficients that are computed once from settings, and how a calibration changes to those of other settings.
 //!
-//! The functions that compute it, here and in the crate `control`, are `#[inline]`: a program compiles them as its own, the firmware for size.
-//! What runs in every tick is compiled with its crate, for speed. On the STM32G431 that leaves 6 KiB of flash.
+//! The functions that compute the coefficients, here and in the crate `control`, are `#[inline]`. So each program compiles them
+//! itself, the firmware for size. The code of the ticks is compiled with its crate, for speed. On the STM32G431 that saves 6 KiB of
+//! flash.
 
 use crate::angle::ElectricalScale;
 use crate::calibration::CalibrationConfig;
@@ -22,12 +23,12 @@ use touchstone_control::{Controller, CountScale, Fixed32, Number, Si};
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::settings::{SettingsError, refused};
 
-/// What settings are computed into.
+/// All coefficients that are computed from the settings.
 #[derive(Debug, Clone, Copy)]
 pub struct Config {
     /// Coefficients of the current loop.
     pub current: CurrentConfig,
-    /// Limits that are faults.
+    /// Limits whose violation is a fault.
     pub supervisor: SupervisorConfig,
     /// Coefficients of the calibration.
     pub calibration: CalibrationConfig,
@@ -36,29 +37,29 @@ pub struct Config {
     /// Coefficients of a cogging sweep that follows the calibration.
     #[cfg(feature = "large")]
     pub sweep: crate::sweep::SweepConfig,
-    /// What makes a current or a voltage of a torque.
+    /// Converts a torque to a current, or to a voltage for an external amplifier.
     pub drive: AnyDrive,
-    /// The law at its beginning.
+    /// The control law in the state at power-up.
     pub law: Controller<Fixed32>,
-    /// Force from which on a tick is reported as being at the limit, N·m.
+    /// Force from which on a tick is reported as being at the force limit, N·m.
     pub force_limit: I8F24,
-    /// From counts to penetration.
+    /// Converts encoder counts to the penetration.
     pub scale: CountScale,
-    /// From counts to the electrical angle.
+    /// Converts encoder counts to the electrical angle.
     pub electrical: ElectricalScale,
-    /// Converts the converter's code to the temperature.
+    /// Converts the analogue-to-digital converter's code to the temperature.
     pub thermistor: Thermistor,
-    /// The position when the force changes, where it is measured.
+    /// The second encoder reading at the change of force; `None` where it is not used.
     pub change: Option<ChangeConfig>,
-    /// Growth of the torque's share in a tick while it fades in, 2^-32.
+    /// Growth per tick of the torque's fraction while the torque fades in, 2^-32.
     pub fade_step: u32,
 }
 
 impl Config {
-    /// Validates and computes.
+    /// Validates the settings and computes the coefficients.
     ///
     /// # Errors
-    /// Same as [`validate`], and coefficients that do not fit their formats.
+    /// Same as [`validate`]; also coefficients that do not fit their formats.
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Result<Self, SettingsError> {
         validate(settings, hardware)?;
@@ -93,17 +94,17 @@ impl Config {
         })
     }
 
-    /// Whether there is a motor to be aligned.
+    /// Whether the drive has a motor whose electrical angle must be calibrated.
     pub(crate) const fn aligns(&self) -> bool {
         matches!(self.drive, AnyDrive::ThreePhase(_))
     }
 }
 
 impl CurrentConfig {
-    /// The current loop's coefficients.
+    /// Computes the current loop's coefficients.
     ///
     /// # Errors
-    /// Gains that do not fit. For an analogue drive they are not used and never refused.
+    /// Gains that do not fit their formats. For an analogue drive they are not used and never refused.
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Result<Self, SettingsError> {
         let motor = &settings.motor;
@@ -133,8 +134,8 @@ impl CurrentConfig {
     }
 }
 
-/// The coefficients in use, and room for the next ones: a calibration changes over by a flag, as copying them all would be the
-/// longest thing that a control tick ever does.
+/// The coefficients in use, and room for the next ones. A calibration switches between them with a flag, because copying all of
+/// them would be the longest operation of a control tick.
 #[derive(Debug, Clone)]
 pub(crate) struct Configs {
     first: Config,
@@ -162,7 +163,7 @@ impl Configs {
         }
     }
 
-    /// Prepares a configuration for the next turn.
+    /// Prepares a configuration for the next switch.
     pub(crate) const fn prepare(&mut self, config: Config) {
         if self.use_second {
             self.first = config;
@@ -172,7 +173,7 @@ impl Configs {
         self.has_next = true;
     }
 
-    /// Whether something was prepared for the next turn.
+    /// Whether a configuration is prepared for the next switch.
     #[cfg(feature = "large")]
     pub(crate) const fn has_next(&self) -> bool {
         self.has_next

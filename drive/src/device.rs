@@ -1,12 +1,13 @@
-//! One control tick, from the encoder's raw word to what the drive is told.
+//! One control tick, from the encoder's raw word to the command for the drive.
 //!
 //! ```text
 //! reading -> supervisor -> fault machine -> penetration -> law -> torque -> drive
 //! ```
 //!
-//! The law is [`touchstone_control::Controller`] over [`Fixed32`], as in the simulator: its force is a function of the counts
-//! since the tick that armed, of the guard's account then, and of what became of its forces: what holds them back (fading in,
-//! current limit, temperature) comes after it and is told to its estimator and its guard.
+//! The law is [`touchstone_control::Controller`] over [`Fixed32`], as in the simulator. Its force depends only on the encoder
+//! counts since the tick that armed, on the guard's energy account at that tick, and on the forces that were really commanded.
+//! Stages after the law reduce its force (fading in, current limit, temperature) and report the result to its estimator and its
+//! guard.
 
 use crate::angle::Angle;
 #[cfg(feature = "large")]
@@ -35,7 +36,7 @@ use touchstone_protocol::{
     Command, Context, Event, FaultCode, Limit, Limits, Machine, MeasuringPart, Outputs, State,
 };
 
-/// The device: settings made into coefficients, and everything that a control tick remembers.
+/// The device: the coefficients computed from settings, and all memory of the control tick.
 #[derive(Debug, Clone)]
 pub struct Device {
     configs: Configs,
@@ -51,7 +52,7 @@ pub struct Device {
 }
 
 impl Device {
-    /// The state just after power-on.
+    /// Makes a device in the state just after power-on.
     ///
     /// # Errors
     /// Same as [`Config::new`].
@@ -60,8 +61,7 @@ impl Device {
         Ok(Self::of(Config::new(settings, hardware)?, Memory::new()))
     }
 
-    /// A device with a given memory, for restoring or examining one. Supervisor and law start anew, and no calibration
-    /// runs.
+    /// Makes a device with a given memory, for restoring or examining one. Supervisor and law start anew, and no calibration runs.
     #[must_use]
     pub fn of(config: Config, memory: Memory) -> Self {
         Self {
@@ -84,13 +84,13 @@ impl Device {
         &self.memory
     }
 
-    /// The law of the settings' wall, with all that it remembers.
+    /// The control law of the single wall that the settings describe, with the law's memory.
     #[must_use]
     pub const fn law(&self) -> &Controller<Fixed32> {
         &self.law
     }
 
-    /// Takes the reason of the start: some are faults, latched with the next tick.
+    /// Takes the reason why the processor started. Some reasons are faults, which the next tick latches.
     pub fn started(&mut self, reason: ResetReason) {
         if reason != ResetReason::PowerOn {
             self.supervisor
@@ -101,26 +101,26 @@ impl Device {
         }
     }
 
-    /// Reports a fault that another part of the firmware found; the next tick latches the first one reported.
+    /// Reports a fault that another part of the firmware detected. The next tick latches the first reported fault.
     ///
-    /// [`FaultCode::SettingsInvalid`] stays until [`Device::configure`] succeeds: until then every calibration ends
-    /// with it.
+    /// [`FaultCode::SettingsInvalid`] stays until [`Device::configure`] succeeds: until then every calibration ends with that
+    /// fault.
     pub fn report_fault(&mut self, code: FaultCode, value: i32) {
         self.memory.reported.get_or_insert((code, value));
         self.memory.settings_refused |= code == FaultCode::SettingsInvalid;
     }
 
-    /// Whether settings are taken now: not while anything may move.
+    /// Whether the device accepts settings now: not while the motor may move.
     #[must_use]
     pub const fn may_configure(&self) -> bool {
         matches!(self.memory.machine.outputs(), Outputs::Off)
     }
 
-    /// Takes other settings, which are used from the next calibration on. Ask [`Device::may_configure`] before; at any
-    /// other time nothing that runs changes.
+    /// Sets other settings, which are used from the next calibration on. Call [`Device::may_configure`] first: if it is false,
+    /// nothing that runs changes.
     ///
     /// # Errors
-    /// Same as [`Config::new`]; nothing is changed then.
+    /// Same as [`Config::new`]; the device is then unchanged.
     pub fn configure(
         &mut self,
         settings: &DeviceSettings,
@@ -130,14 +130,14 @@ impl Device {
         Ok(())
     }
 
-    /// Same as [`Device::configure`], with coefficients that were computed before: takes no time and no stack.
+    /// Same as [`Device::configure`], with coefficients that were computed before, so that the call needs little time and stack.
     pub fn prepare(&mut self, config: Config) {
         self.configs.prepare(config);
         self.memory.settings_refused = false;
     }
 
-    /// The position of the last tick is zero from now on, until the next calibration. `false`, and nothing changes, while the
-    /// outputs may be on: a wall must not jump at a hand.
+    /// Makes the position of the last tick the zero, until the next calibration. While the outputs may be on, the function changes
+    /// nothing and returns `false`: a wall must not jump at a hand.
     pub fn zero_here(&mut self) -> bool {
         if !self.may_configure() {
             return false;
@@ -159,7 +159,7 @@ impl Device {
         self.memory.machine.state()
     }
 
-    /// The latched fault.
+    /// The latched fault with its context; `None` without a fault.
     #[must_use]
     pub const fn fault(&self) -> Option<Context> {
         self.memory.machine.fault()
@@ -171,7 +171,7 @@ impl Device {
         &self.memory.record
     }
 
-    /// The present part of a measurement of the motor; `None` while none runs.
+    /// The present part of a motor measurement; `None` while none runs.
     #[must_use]
     pub fn measuring(&self) -> Option<MeasuringPart> {
         #[cfg(feature = "large")]
@@ -187,9 +187,9 @@ impl Device {
         self.memory.alignment
     }
 
-    /// Takes the encoder's second reading, at the time that
-    /// [`CurrentOutput::reads_change`](crate::CurrentOutput::reads_change) names, for the next tick. If a tick drives
-    /// and this is not called, or the reading is bad, the next tick counts as one without a good reading.
+    /// Takes the encoder's second reading for the next tick, at the time that
+    /// [`CurrentOutput::reads_change`](crate::CurrentOutput::reads_change) gives. If a tick drives the motor and this function is
+    /// not called, or the reading is bad, the next tick counts as one without a good reading.
     pub fn read_change(&mut self, reading: EncoderReading) {
         let config = self.configs.now();
         if config.change.is_none() {
@@ -206,8 +206,8 @@ impl Device {
         });
     }
 
-    /// Whether the tick drives and the second reading is still missing. Code that delays the control tick for long in
-    /// that time makes the next tick lose that reading.
+    /// Whether the tick drives the motor and the second encoder reading is still missing. Code that delays the control tick for
+    /// long in that time makes the next tick lose the reading.
     #[must_use]
     pub fn awaits_reading(&self) -> bool {
         self.memory.record.law_ran
@@ -220,13 +220,14 @@ impl Device {
         self.tick_with(input, &mut WallAlone)
     }
 
-    /// Runs one control tick with an environment.
+    /// Runs one control tick with an environment of walls and detents.
     #[cfg(feature = "large")]
     pub fn tick_around(&mut self, input: &ControlInput, around: &mut Around) -> ControlOutput {
         self.tick_with(input, around)
     }
 
-    /// Takes what there is to touch, and from when on it counts. Computed before, with the settings that [`Device::prepare`] got last.
+    /// Sets the environment to touch; returns from when on it counts. It must have been computed with the settings that
+    /// [`Device::prepare`] got last.
     #[cfg(feature = "large")]
     pub fn surround(&mut self, around: &mut Around, surrounding: &Surrounding) -> CountsFrom {
         let is_armed = self.memory.machine.state() == State::Armed;
@@ -305,7 +306,7 @@ impl Device {
         }
     }
 
-    /// Runs one tick of the calibration; a drive without a motor to align needs none.
+    /// Runs one tick of the calibration. A drive without a motor to align is done at once.
     fn calibrate(
         &mut self,
         tick: u32,
@@ -348,8 +349,8 @@ impl Device {
         }
     }
 
-    /// Runs one tick of the measurement after a calibration. It is a function of its own, so that it costs the wall's
-    /// ticks nothing.
+    /// Runs one tick of the motor measurement after a calibration. It is a separate function, so that it adds no time to the ticks
+    /// of a wall.
     #[cold]
     #[inline(never)]
     fn measure(&mut self, tick: u32, count: i64) -> Progress {
@@ -366,7 +367,7 @@ impl Device {
         }
     }
 
-    /// Where the rotor is.
+    /// Electrical angle and motion of the rotor at this tick's count.
     #[inline(always)]
     fn rotor(&self, tick: u32, count: i64, derating: u32) -> Rotor {
         let config = self.configs.now();
@@ -430,7 +431,7 @@ impl Device {
         is_new
     }
 
-    /// What telemetry shows in every state.
+    /// Writes the values that telemetry reports in every state.
     // A call would have the whole input in memory, and it is copied there.
     #[inline(always)]
     fn observe(&mut self, tick: u32, input: &ControlInput, count: Option<i64>) {
@@ -456,7 +457,7 @@ impl Device {
         record.contact = Contact::Free;
     }
 
-    /// The rest of the record.
+    /// Fills in the rest of the tick's record, and returns the tick's output.
     fn finish(
         &mut self,
         input: &ControlInput,
@@ -477,7 +478,7 @@ impl Device {
     }
 }
 
-/// The drive command of a calibration; off in its first tick and in ticks without a reading.
+/// The drive command of a calibration. It is off in the first tick and in ticks without a good reading.
 const fn calibration_drive(progress: Option<Progress>) -> DriveCommand {
     match progress {
         Some(Progress::Running(command)) => DriveCommand::Current(command),

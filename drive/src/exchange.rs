@@ -1,8 +1,8 @@
-//! What passes between current loop and control tick in every tick: words in atomics, and neither side ever waits.
+//! Exchange between current loop and control tick in every tick: words in atomics, with neither side ever waiting.
 //!
-//! On one core a higher priority is never interrupted by a lower one, so two shapes are enough: the writer may be interrupted by
-//! its reader ([`CommandBox`]), or the reader by its writer ([`ReportBox`]). Functions of this crate and not of the firmware's, as
-//! this crate is compiled for speed.
+//! On one core a lower priority never interrupts a higher one, so two forms are enough. In [`CommandBox`] the reader may interrupt
+//! the writer; in [`ReportBox`] the writer may interrupt the reader. The functions are in this crate and not in the firmware,
+//! because this crate is compiled for speed.
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering, compiler_fence};
 
@@ -12,25 +12,26 @@ use crate::mailbox::{CommandWords, ReportWords};
 const COMMAND_WORDS: usize = size_of::<CommandWords>() / 4;
 const REPORT_WORDS: usize = size_of::<ReportWords>() / 4;
 
-/// From the control tick to the current loop, which may interrupt the writing and then sees the command before.
+/// Passes a command from the control tick to the current loop. The loop may interrupt the writing, and then reads the command
+/// before.
 #[derive(Debug)]
 pub struct CommandBox(Down<COMMAND_WORDS>);
 
 impl CommandBox {
-    /// The default command: off.
+    /// Holds the default command: off.
     #[must_use]
     #[allow(clippy::new_without_default, reason = "for a static")]
     pub const fn new() -> Self {
         Self(Down::new())
     }
 
-    /// Called only by the control tick.
+    /// Writes a command. Only the control tick may call it.
     #[inline(never)]
     pub fn put(&self, command: &CurrentCommand) {
         self.0.put(&command.to_words());
     }
 
-    /// Called only by the current loop.
+    /// Reads the last command. Only the current loop may call it.
     #[inline(never)]
     #[must_use]
     pub fn get(&self) -> CurrentCommand {
@@ -38,25 +39,25 @@ impl CommandBox {
     }
 }
 
-/// Passes a report from the current loop to the control tick; the writing interrupts the reading.
+/// Passes a report from the current loop to the control tick; the writer may interrupt the reader.
 #[derive(Debug)]
 pub struct ReportBox(Up<REPORT_WORDS>);
 
 impl ReportBox {
-    /// The default report.
+    /// Holds the default report.
     #[must_use]
     #[allow(clippy::new_without_default, reason = "for a static")]
     pub const fn new() -> Self {
         Self(Up::new())
     }
 
-    /// Called only by the current loop.
+    /// Writes a report. Only the current loop may call it.
     #[inline(never)]
     pub fn put(&self, report: &CurrentReport) {
         self.0.put(&report.to_words());
     }
 
-    /// Called only by the control tick.
+    /// Reads the last report. Only the control tick may call it.
     #[inline(never)]
     #[must_use]
     pub fn get(&self) -> CurrentReport {
@@ -86,7 +87,8 @@ fn load<const N: usize>(words: &Words<N>) -> [u32; N] {
     values
 }
 
-/// From a lower priority to a higher one. The reader never sees half of a value: it is published by one store.
+/// Passes words from a lower priority to a higher one. The reader never sees half of a value, because one store publishes the whole
+/// value.
 #[derive(Debug)]
 struct Down<const N: usize> {
     first: Words<N>,
@@ -104,7 +106,7 @@ impl<const N: usize> Down<N> {
         }
     }
 
-    /// Must be called from one priority only.
+    /// Writes a value. It must be called from one priority only.
     #[inline(always)]
     fn put(&self, values: &[u32; N]) {
         let second = !self.use_second.load(Ordering::Relaxed);
@@ -114,7 +116,7 @@ impl<const N: usize> Down<N> {
         self.use_second.store(second, Ordering::Relaxed);
     }
 
-    /// Must be called from a higher priority than [`Self::put`].
+    /// Reads the last value. It must be called from a higher priority than [`Self::put`].
     #[inline(always)]
     fn get(&self) -> [u32; N] {
         load(if self.use_second.load(Ordering::Relaxed) {
@@ -125,14 +127,14 @@ impl<const N: usize> Down<N> {
     }
 }
 
-/// Passes words from a higher priority to a lower one. The reader first announces which of two places it reads, and
-/// meanwhile the writer writes the other. So no value is ever torn, however often the reader is interrupted, and
-/// neither side has to retry.
+/// Passes words from a higher priority to a lower one. The reader first announces which of two places it reads, and the writer then
+/// writes the other place. So no value is ever a mix of two, however often the reader is interrupted, and neither side has to
+/// retry.
 #[derive(Debug)]
 struct Up<const N: usize> {
     first: Words<N>,
     second: Words<N>,
-    /// The places of the last value and of the value being read.
+    /// Whether the last value is in the second place. The next field: whether the second place is being read.
     last_is_second: AtomicBool,
     reads_second: AtomicBool,
 }
@@ -148,7 +150,7 @@ impl<const N: usize> Up<N> {
         }
     }
 
-    /// Must be called from one priority only.
+    /// Writes a value. It must be called from one priority only.
     #[inline(always)]
     fn put(&self, values: &[u32; N]) {
         let second = !self.reads_second.load(Ordering::Relaxed);
@@ -157,13 +159,13 @@ impl<const N: usize> Up<N> {
         self.last_is_second.store(second, Ordering::Relaxed);
     }
 
-    /// Must be called from a single priority that is lower than [`Self::put`]'s.
+    /// Reads the last value. It must be called from a single priority that is lower than [`Self::put`]'s.
     #[inline(always)]
     fn get(&self) -> [u32; N] {
         self.get_interrupted(|| ())
     }
 
-    /// Same as `get`, with a function that stands for an interrupt between any two of the steps.
+    /// Same as `get`, and calls `interrupt` between any two steps, as an interrupt would come.
     #[inline(always)]
     fn get_interrupted(&self, mut interrupt: impl FnMut()) -> [u32; N] {
         let second = self.last_is_second.load(Ordering::Relaxed);
@@ -209,7 +211,7 @@ mod tests {
             assert_eq!(reports.get(), report);
         }
     }
-    /// Tries every way in which up to eleven writes can fall between the steps of a read: one word of bits says which.
+    /// Tries every order in which up to eleven writes can fall between the steps of a read; the bits of a word give the order.
     #[test]
     fn no_report_is_torn_however_often_its_reading_is_interrupted() {
         const WORDS: usize = 6;

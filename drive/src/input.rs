@@ -8,20 +8,21 @@ use touchstone_protocol::Command;
 /// The values that the firmware read for a control tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ControlInput {
-    /// The encoder.
+    /// The encoder's reading.
     pub encoder: EncoderReading,
-    /// The current loop's mailbox; the default for a board without one.
+    /// The current loop's report from its mailbox; the default value for a board without a current loop.
     pub current: CurrentReport,
-    /// The command of a person or the desktop, if there is one.
+    /// The command from a person or the computer, if there is one.
     pub command: Option<Command>,
-    /// The hardware break has pulled since [`ControlOutput::clear_latches`](crate::ControlOutput::clear_latches) was last given.
+    /// Whether the hardware break switched off since [`ControlOutput::clear_latches`](crate::ControlOutput::clear_latches) was last
+    /// set.
     pub hardware_break: bool,
-    /// The gate driver reports an error.
+    /// Whether the gate driver reports an error.
     pub gate_driver_error: bool,
-    /// The board's stop button is pressed.
+    /// Whether the board's stop button is pressed.
     pub stop_button: bool,
-    /// The desktop was heard since the last tick: a whole frame came.
+    /// Whether a whole frame came from the computer since the last tick.
     pub host_heard: bool,
-    /// Processor cycles of the tick.
+    /// The tick's timing in processor cycles.
     pub timing: TickTiming,
 }

@@ -1,15 +1,16 @@
-//! What the firmware decides, from raw readings to compare values, as plain structs in and plain structs out.
+//! All decisions of the firmware, from raw readings to compare values, with plain structs as inputs and outputs.
 //!
 //! ```text
 //! encoder register -> decode (encoder) -> unwrap (protocol) -> supervisor -> fault machine (protocol)
 //!   -> penetration, law (control, unchanged) -> torque -> current (command) -> mailbox -> current loop (current) -> compare values
 //! ```
 //!
-//! Two calls are all that an interrupt makes: [`CurrentLoop::tick`] once a PWM period and [`Device::tick`] once a control period.
-//! Neither waits, allocates, panics, knows a clock or a register, or calculates with floats; so both run the same on any host.
+//! The firmware's interrupts make only two calls: [`CurrentLoop::tick`] once a PWM period and [`Device::tick`] once a control
+//! period. Neither waits, allocates, panics, reads a clock or a register, or calculates with floats. So both run the same on any
+//! host.
 //!
-//! Read it in this order: [`device`] for one control tick, [`command`] for what becomes of its torque, [`current`] for one PWM
-//! period; [`supervisor`] for what may go wrong and [`calibration`] for what must be known first.
+//! Read it in this order: [`device`] for one control tick, [`command`] for how its torque becomes a command, [`current`] for one
+//! PWM period; then [`supervisor`] for the faults and [`calibration`] for the values that must be known before.
 //!
 //! | word | meaning | type |
 //! |---|---|---|
@@ -88,5 +89,5 @@ pub use touchstone_protocol::settings::SettingsError;
 pub type Amps = fixed::types::I16F16;
 /// A voltage, V: ±32,768 in steps of 15 µV.
 pub type Volts = fixed::types::I16F16;
-/// A temperature, degrees Celsius.
+/// A temperature in degrees Celsius, ±32,768 in steps of 1.5e-5.
 pub type Celsius = fixed::types::I16F16;

@@ -1,5 +1,5 @@
-//! The two mailboxes between current loop and control tick as words of 32 bits, so that the firmware can pass them through
-//! atomics. Every pattern of bits decodes to something harmless: what is unknown is [`CurrentMode::Off`] or no trip.
+//! The two mailboxes between current loop and control tick as 32-bit words, so that the firmware can pass them through atomics.
+//! Every bit pattern decodes to a harmless value: an unknown mode to [`CurrentMode::Off`], an unknown trip to none.
 
 use crate::Volts;
 use crate::angle::Angle;
@@ -8,9 +8,9 @@ use crate::transform::Dq;
 use fixed::types::I16F16;
 use touchstone_protocol::FaultCode;
 
-/// A command in words.
+/// The words of a [`CurrentCommand`].
 pub type CommandWords = [u32; 5];
-/// A report in words.
+/// The words of a [`CurrentReport`].
 pub type ReportWords = [u32; 12];
 
 const fn bits(value: I16F16) -> u32 {
@@ -34,7 +34,7 @@ const fn high(word: u32) -> u16 {
 }
 
 impl CurrentCommand {
-    /// Packs it into words for the exchange between interrupts.
+    /// Packs the command into words for the exchange between interrupts.
     #[inline]
     #[must_use]
     pub const fn to_words(&self) -> CommandWords {
@@ -47,7 +47,7 @@ impl CurrentCommand {
         ]
     }
 
-    /// Unpacks it from the words of the exchange between interrupts.
+    /// Unpacks a command from the words of the exchange between interrupts.
     #[inline]
     #[must_use]
     pub const fn from_words(words: &CommandWords) -> Self {
@@ -70,7 +70,7 @@ impl CurrentCommand {
 }
 
 impl CurrentReport {
-    /// Packs it into words for the exchange between interrupts.
+    /// Packs the report into words for the exchange between interrupts.
     #[inline]
     #[must_use]
     pub fn to_words(&self) -> ReportWords {
@@ -99,7 +99,7 @@ impl CurrentReport {
         ]
     }
 
-    /// Unpacks it from the words of the exchange between interrupts.
+    /// Unpacks a report from the words of the exchange between interrupts.
     #[inline]
     #[must_use]
     pub fn from_words(words: &ReportWords) -> Self {

@@ -1,16 +1,16 @@
-//! What a calibration that measures does with the motor, so that the desktop can tell what motor it is: the excitation alone. What is
-//! made of it is in `touchstone_lab::identify::motor`.
+//! The excitation of a motor measurement, after a calibration. From the recorded data the desktop identifies the motor, in
+//! `touchstone_lab::identify::motor`.
 //!
 //! ```text
 //! Low -> High -> 4 x (Brake -> Push -> Coast) -> done
 //! ```
 //!
-//! 1. A current that turns far faster than the rotor can follow, at half of the calibration's current and at all of it. In the frame of
-//!    that current the voltage stands still: `ΔV/ΔI = R + jωL`. What dead time takes is the same at both, and falls out.
-//! 2. Pushes by a quarter of that current up to a speed, both ways; after each the bridge is off, and the knob coasts. The voltage
-//!    of a push rises with the speed by the flux; the motion tells inertia, damping and friction.
+//! 1. A current turns far faster than the rotor can follow, first at half of the calibration's current, then at all of it. In the frame of
+//!    that current the voltage is constant: `ΔV/ΔI = R + jωL`. The voltage lost in dead time is the same at both currents and cancels out.
+//! 2. A quarter of that current pushes the shaft up to a speed, in both directions. After each push the bridge is off, and the knob coasts. The
+//!    voltage of a push rises with the speed by the flux; the motion gives inertia, damping and friction.
 //!
-//! Every stage ends after a fixed number of ticks, and a push that moves nothing is a failure.
+//! Every stage ends after a fixed number of ticks. A push that does not move the shaft is a failure.
 
 use crate::Amps;
 use crate::angle::Angle;
@@ -25,37 +25,38 @@ use fixed::types::I16F16;
 use touchstone_control::Si;
 use touchstone_protocol::{DeviceSettings, MeasuringPart};
 
-/// The fast field's turn in a PWM period, 2^-32 turns: a sixty-third, 317 Hz at 20 kHz. What dead time does repeats itself in a sixth of
-/// a turn; a control period is no multiple of that, as it is 2s and 5s of PWM periods, so what the ticks see of it is its mean.
+/// Angle of the fast field per PWM period, 2^-32 turns: a sixty-third of a turn, 317 Hz at 20 kHz. The effect of dead time repeats
+/// every sixth of a turn. A control period, a product of 2s and 5s of PWM periods, is no multiple of that, so the ticks see the
+/// mean of the effect.
 pub const FAST_FIELD: u32 = u32::MAX / 63;
-/// Pushes: the fast ones, then those to a third of the speed; each with its way back.
+/// Number of pushes: two fast ones, there and back, then two to a third of the speed.
 const PUSHES: u8 = 4;
 
-/// Coefficients of a measurement.
+/// Coefficients of a motor measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MeasurementConfig {
-    /// Whether there is one at all.
+    /// Whether the user has requested a measurement.
     pub(crate) wanted: bool,
     current: Amps,
-    /// Rise of the fast field's current in a tick.
+    /// Rise of the fast field's current per tick, A.
     current_step: Amps,
-    /// The fast field's turn in a control period, 2^-32 turns.
+    /// Angle of the fast field per control period, 2^-32 turns.
     field_per_tick: u32,
-    /// Ticks that a current is held once it is reached.
+    /// Ticks for which the fast field's current is held once it has reached its value.
     hold: u32,
     push: Amps,
-    /// Speeds at which a push ends, fast and slow.
+    /// Speeds at which a push ends, the fast one and the slow one, rad/s.
     speeds: [I16F16; 2],
-    /// Current of the brake per speed, A·s/rad.
+    /// Braking current per speed, A·s/rad.
     brake: I16F16,
-    /// Ticks without a count that are rest.
+    /// Ticks without a change of count after which the shaft is at rest.
     rest: u32,
-    /// Longest push, longest coast, longest brake.
+    /// Longest time of a push, a coast or a brake, ticks.
     longest: u32,
 }
 
 impl MeasurementConfig {
-    /// Computes it from validated settings.
+    /// Computes the coefficients from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -83,36 +84,36 @@ impl MeasurementConfig {
     }
 }
 
-/// How far a measurement is.
+/// Progress of a motor measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measuring {
-    /// The calibration goes on; holds the command for the current loop.
+    /// The measurement goes on; holds the command for the current loop.
     Running(CurrentCommand),
-    /// Done.
+    /// The measurement is done.
     Done,
-    /// Failed.
+    /// The measurement failed; holds the reason.
     Failed(Reason),
 }
 
-/// A running measurement.
+/// The state of a running motor measurement.
 #[derive(Debug, Clone, Copy)]
 pub struct Measurement {
     config: MeasurementConfig,
     part: MeasuringPart,
-    /// Ticks in the part.
+    /// Ticks since the present part began.
     ticks: u32,
-    /// Ticks without a count.
+    /// Ticks since the count last changed.
     still: u32,
     last: i64,
     current: Amps,
-    /// Where the fast field is, 2^-32 turns.
+    /// Angle of the fast field, 2^-32 turns.
     field: u32,
-    /// Pushes that are over.
+    /// Number of pushes that are over.
     pushes: u8,
 }
 
 impl Measurement {
-    /// Begins with the shaft at a count.
+    /// Begins a measurement with the shaft at this count.
     #[must_use]
     pub const fn new(config: MeasurementConfig, count: i64) -> Self {
         Self {
@@ -133,9 +134,9 @@ impl Measurement {
         self.part
     }
 
-    /// Runs one control tick with a good reading: takes the unwrapped count, the shaft's speed and the rotor's angle.
+    /// Runs one control tick with a good encoder reading: takes the unwrapped count, the shaft's speed and the rotor's angle.
     ///
-    /// A tick without a good reading is left out: the outputs are off in it.
+    /// In a tick without a good reading the caller does not call this function: the outputs are off.
     pub fn tick(&mut self, count: i64, speed: I16F16, rotor: &Rotor) -> Measuring {
         self.ticks = self.ticks.saturating_add(1);
         self.still = if count == self.last {
@@ -161,7 +162,7 @@ impl Measurement {
         self.still = 0;
     }
 
-    /// The fast field, its current raised and then held.
+    /// Turns the fast field by one tick; its current is raised and then held.
     fn turn(&mut self, tick: u32, current: Amps, next: MeasuringPart) -> Measuring {
         if self.current < current {
             self.current = self
@@ -186,7 +187,7 @@ impl Measurement {
         })
     }
 
-    /// Brings the shaft to rest.
+    /// Brakes the shaft until it is at rest.
     fn brake(&mut self, speed: I16F16, rotor: &Rotor) -> Measuring {
         if self.still >= self.config.rest || self.ticks >= self.config.longest {
             if self.pushes >= PUSHES {
@@ -230,7 +231,7 @@ impl Measurement {
     }
 }
 
-/// A measurement with the bridge off; the current loop gets this command.
+/// A step of the measurement with the bridge off, as a command for the current loop.
 const fn off(tick: u32) -> Measuring {
     Measuring::Running(CurrentCommand {
         tick,

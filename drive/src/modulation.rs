@@ -1,18 +1,18 @@
-//! Space-vector modulation: a voltage vector to three compare values.
+//! Space-vector modulation: converts a voltage vector to three compare values.
 //!
-//! The three phase voltages are shifted by half the sum of the largest and the smallest (the same switching times as sectors
-//! and dwell times give, without sectors): line voltages up to the whole bus, a vector up to `bus/√3`.
+//! The three phase voltages are shifted by half the sum of the largest and the smallest. This gives the same switching times as the
+//! method of sectors and dwell times. Line voltages reach the whole bus voltage, and a vector `bus/√3`.
 
 use crate::Volts;
 use crate::transform::AlphaBeta;
 use crate::units::{clamp_i32, product};
 
-/// The timer's range, and the time that sampling the currents needs.
+/// The timer's range, and the largest compare value that leaves time to sample the currents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Modulator {
     /// Compare value at which a phase is always high: the timer's reload value.
     pub top: u16,
-    /// Largest compare value: above it the low side is on for too short a time to sample its shunt.
+    /// Largest compare value. Above it the low side is on for too short a time to sample its shunt.
     pub longest: u16,
 }
 
@@ -22,14 +22,14 @@ const HALF_ROOT_3: i32 = 56_756;
 const ONE_OVER_ROOT_3: i64 = 37_837;
 
 impl Modulator {
-    /// Zero voltage: all phases half.
+    /// Compare values for zero voltage: all phases are high half of the time.
     #[must_use]
     pub const fn zero(&self) -> [u16; 3] {
         [self.top / 2; 3]
     }
 
-    /// Length of the longest vector that the compare range leaves at a bus voltage:
-    /// `(2 longest/top - 1) bus/√3`.
+    /// Length of the longest voltage vector that the compare range allows, as a fraction of the bus voltage in 1/65,536: `(2
+    /// longest/top - 1)/√3`.
     #[must_use]
     pub const fn share(&self) -> i32 {
         let span = 2 * self.longest as i64 - self.top as i64;
@@ -40,7 +40,7 @@ impl Modulator {
         clamp_i32(span * ONE_OVER_ROOT_3 / self.top as i64 - 1)
     }
 
-    /// Compare values for a voltage vector at a bus voltage, each within `top - longest ..= longest`.
+    /// Compare values for a voltage vector at this bus voltage, each within `top - longest ..= longest`.
     ///
     /// A bus voltage of 1 V or less gives zero voltage.
     #[inline]

@@ -5,26 +5,27 @@ use crate::current::CurrentCommand;
 use crate::record::Record;
 use touchstone_protocol::Outputs;
 
-/// The actions of the firmware after a control tick.
+/// The actions that the firmware has to take after a control tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ControlOutput {
-    /// Whether anything may be on at all; `Off` clears the main output enable. `Off` exactly when `drive` is.
+    /// Whether any output may be on; `Off` clears the timer's main output enable. It is `Off` exactly when `drive` is.
     pub outputs: Outputs,
-    /// For the current loop or the analogue output, see [`ControlOutput::mailbox`] and [`ControlOutput::analogue`].
+    /// The command for the current loop or the analogue output; see [`ControlOutput::mailbox`] and [`ControlOutput::analogue`].
     pub drive: DriveCommand,
-    /// Clear the timer's break flag: the fault was left by command.
+    /// Whether to clear the timer's break flag, because a command has left the fault.
     pub clear_latches: bool,
-    /// The settings of this calibration differ from the last one's: rebuild the current loop from [`crate::Device::current_config`]
-    /// before its next sample. The bridge is off.
+    /// Whether the settings of this calibration differ from those of the last one. The firmware then rebuilds the current loop from
+    /// [`crate::Device::current_config`] before its next sample; the bridge is off.
     pub reconfigure: bool,
-    /// Whether the command of this tick had an effect; `None` without one.
+    /// Whether this tick's command had an effect; `None` without a command.
     pub accepted: Option<bool>,
-    /// The telemetry record; also for the [`Ring`](crate::Ring), which is no part of the device: it is too large for a stack.
+    /// The telemetry record. The firmware also puts it into the [`Ring`](crate::Ring), which is not part of the device, as it is
+    /// too large for a stack.
     pub record: Record,
 }
 
 impl ControlOutput {
-    /// The current loop's mailbox: also when nothing is to move it gets a command, as a sign of life.
+    /// The command for the current loop's mailbox. Even when nothing is to move, the loop gets a command as a sign of life.
     #[must_use]
     pub const fn mailbox(&self) -> CurrentCommand {
         match self.drive {
@@ -36,7 +37,7 @@ impl ControlOutput {
         }
     }
 
-    /// The analogue output, and whether the amplifier is enabled.
+    /// The code of the analogue output, and whether the amplifier is enabled.
     #[must_use]
     pub const fn analogue(&self) -> (DacCode, bool) {
         match self.drive {

@@ -1,17 +1,17 @@
 //! The two current controllers: proportional and integral, with an integrator that cannot wind up.
 //!
-//! A winding is `L di/dt = v - R i - e`. With `k_p = ω L` and `k_i = ω R` the controller's zero cancels the winding's pole and
-//! the loop is a first-order lag of bandwidth `ω`. The integrator is written so that the limit is part of it:
+//! A winding obeys `L di/dt = v - R i - e`. With `k_p = ω L` and `k_i = ω R` the controller's zero cancels the winding's pole, and
+//! the loop is a first-order lag of bandwidth `ω`. The integrator contains the voltage limit:
 //!
 //! ```text
 //! v  = limited(k_p (i* - i) + s)
 //! s' = s + (R T/L) (v - s)
 //! ```
 //!
-//! Without the limit that is the usual sum, `s' = s + k_i T (i* - i)`. At the limit `s` follows the voltage that is really there
-//! with the winding's own time constant, so that it is what the resistance takes when the limit is left: no wind-up, no
-//! tail (Hanus' conditioned controller). Being a mean of itself and `v`, it is
-//! never more than the limit or what it was; where the bus falls it follows.
+//! Below the limit this is the usual sum, `s' = s + k_i T (i* - i)`. At the limit `s` follows the real voltage with the winding's
+//! own time constant. So when the limit is left, `s` is the voltage of the resistance: there is no wind-up and no tail (Hanus'
+//! conditioned controller). As `s'` is a weighted mean of `s` and `v`, it never exceeds the limit or its earlier value. If the bus
+//! voltage falls, `s` follows.
 
 use crate::settings::out_of_format;
 use crate::units::{clamp_i32, narrow, product, quotient, share_of};
@@ -20,12 +20,12 @@ use fixed::types::I16F16;
 use touchstone_control::Si;
 use touchstone_protocol::settings::SettingsError;
 
-/// Gains, computed once.
+/// Gains of a current controller, computed once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PiGains {
-    /// `ω L`, V/A.
+    /// Proportional gain `ω L`, V/A.
     pub proportional: I16F16,
-    /// `R T/L`, the share of its way that the integrator goes in a period; 0 to 1, in 1/65,536.
+    /// `R T/L`: the fraction, 0 to 1 in 1/65,536, by which the integrator approaches the voltage in a PWM period.
     pub share: u16,
 }
 
@@ -33,7 +33,7 @@ pub struct PiGains {
 const TWO_PI: Si = Si::lit("6.283185307");
 
 impl PiGains {
-    /// Gains of a loop that never drives.
+    /// Gains of a loop that never drives a motor.
     pub const NONE: Self = Self {
         proportional: I16F16::ZERO,
         share: 0,
@@ -42,7 +42,7 @@ impl PiGains {
     /// Gains for a winding (phase to star point), a bandwidth and the loop's rate.
     ///
     /// # Errors
-    /// A gain that does not fit: an inductance so large or so small that a period does not resolve the winding.
+    /// A gain does not fit its format: the inductance is so large or so small that a PWM period does not resolve the winding.
     #[inline]
     pub fn new(
         resistance_ohm: Si,
@@ -69,7 +69,7 @@ impl PiGains {
     }
 }
 
-/// Memory of one controller: its integral, which settles at the voltage of resistance and motion, V.
+/// Memory of one current controller: its integral in V, which settles at the voltage of the winding's resistance and back-EMF.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Pi {
     integral: Volts,
@@ -82,14 +82,13 @@ impl Pi {
         Self { integral }
     }
 
-    /// The integral, V.
+    /// The controller's integral, V.
     #[must_use]
     pub const fn integral(&self) -> Volts {
         self.integral
     }
 
-    /// Runs one period: takes the error of the current, returns a voltage within `-limit..=limit` and whether the
-    /// limit acted.
+    /// Runs one PWM period: takes the error of the current, returns a voltage within `-limit..=limit` and whether the limit acted.
     #[inline]
     pub fn tick(&mut self, gains: &PiGains, error: Amps, limit: Volts) -> (Volts, bool) {
         let wanted = Volts::from_bits(product(gains.proportional.to_bits(), error.to_bits(), 16))
@@ -102,7 +101,7 @@ impl Pi {
         (given, given != wanted)
     }
 
-    /// Forgets; for a bridge that is off.
+    /// Clears the integral, for a bridge that is off.
     pub fn reset(&mut self) {
         *self = Self::default();
     }

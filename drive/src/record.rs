@@ -8,45 +8,45 @@ use touchstone_control::law::Contact;
 use touchstone_control::{Energy, Fixed32, Force, Position};
 use touchstone_protocol::{Limits, State};
 
-/// One control tick.
+/// The telemetry values of one control tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Record {
-    /// Number of the tick, wrapping; the first is 1.
+    /// Number of the tick, wrapping at 2^32; the first tick is 1.
     pub tick: u32,
-    /// State after the tick.
+    /// State of the device after the tick.
     pub state: State,
-    /// What held the force back.
+    /// The limits that reduced the force.
     pub limits: Limits,
-    /// Encoder counts since the calibration, as the law was given them.
+    /// Encoder counts since the calibration, as the law got them.
     pub count: i64,
-    /// Whether the law ran in this tick: armed, and with a good reading.
+    /// Whether the law ran in this tick: the device was armed, and the encoder reading was good.
     pub law_ran: bool,
-    /// Penetration `e`, rad; as of the last good reading.
+    /// Penetration `e` at the last good reading, rad.
     pub penetration: Position<Fixed32>,
-    /// How far the device has moved since the force changed, had all of the change come at once, rad; 0 where that is not measured
+    /// Displacement since the force changed, as if the whole change had come at one instant, rad; 0 where that is not measured
     /// ([`crate::change`]).
     pub since_change: Position<Fixed32>,
-    /// Force out of the law, N·m.
+    /// Force that the law and its guard returned, N·m.
     pub force: Force<Fixed32>,
-    /// The law's offset, rad.
+    /// Offset of the law's virtual spring, rad.
     pub offset: Position<Fixed32>,
-    /// The law's observed energy, J; `None` if it observes none.
+    /// Energy that the law's own observer has summed, J; `None` if the law has no observer.
     pub energy: Option<Energy<Fixed32>>,
-    /// Phase of the contact.
+    /// Phase of the contact with the wall.
     pub contact: Contact,
-    /// Wanted torque, along `+x`, N·m: the negative of the force, faded in.
+    /// Requested torque along `+x`, N·m: the negative of the force, multiplied by its fraction while it fades in.
     pub torque: Force<Fixed32>,
-    /// Wanted current `i_q`; zero for an analogue drive.
+    /// Requested current `i_q`, A; zero for an analogue drive.
     pub current_command: Amps,
-    /// Currents measured.
+    /// Measured currents in the rotor's frame, A.
     pub current: Dq,
-    /// Bus voltage.
+    /// Bus voltage, V.
     pub bus: Volts,
-    /// Temperature of the power stage; `None` if its sensor makes no sense.
+    /// Temperature of the power stage; `None` if the sensor's reading is impossible.
     pub temperature: Option<Celsius>,
     /// Speed of the shaft, rad/s.
     pub speed_rad_per_s: I16F16,
-    /// Cycles of this tick's lateness, and of the tick before.
+    /// Lateness of this tick and duration of the tick before, in processor cycles.
     pub timing: TickTiming,
 }
 

@@ -1,27 +1,27 @@
-//! Why the processor started, and which of the reasons is a fault.
+//! The reason why the processor started, and which of the reasons is a fault.
 
 use touchstone_protocol::FaultCode;
 
-/// The reset flags as the processor keeps them, and what survived in memory.
+/// The processor's reset flags, and what stayed in memory over the reset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ResetFlags {
-    /// The brown-out detector; also set when power comes on.
+    /// The brown-out detector caused the reset; the flag is also set when power comes on.
     pub brown_out: bool,
-    /// The reset pin; set by every other reset too, as it pulls the pin.
+    /// The reset pin was low; every other reset sets this flag too, as it pulls the pin low.
     pub pin: bool,
     /// The reset was caused by software.
     pub software: bool,
-    /// Independent watchdog.
+    /// The independent watchdog caused the reset.
     pub independent_watchdog: bool,
-    /// Window watchdog.
+    /// The window watchdog caused the reset.
     pub window_watchdog: bool,
-    /// Loading of the option bytes.
+    /// The loading of the option bytes caused the reset.
     pub option_bytes: bool,
-    /// An attempt to enter a low-power mode that is forbidden.
+    /// A forbidden attempt to enter a low-power mode caused the reset.
     pub low_power: bool,
-    /// The mark that the running program keeps in memory is still there: power was not really off.
+    /// Whether the mark that the running program keeps in memory is still there: power was then not really off.
     pub memory_kept: bool,
-    /// The record that the panic handler left.
+    /// The place of a panic, which the panic handler stored before the reset; `None` without a panic.
     pub panic: Option<u32>,
 }
 
@@ -31,26 +31,26 @@ pub enum ResetReason {
     /// Power came on.
     #[default]
     PowerOn,
-    /// Power dipped, and came back before memory was lost.
+    /// The supply voltage dipped, and came back before memory was lost.
     BrownOut,
-    /// The reset button was pressed.
+    /// The reset pin was pulled low, for example by the reset button.
     Pin,
     /// The program or a debugger reset the processor.
     Software,
     /// The independent watchdog was not fed.
     IndependentWatchdog,
-    /// The window watchdog was not fed, or too early.
+    /// The window watchdog was fed too late or too early.
     WindowWatchdog,
-    /// A panic; where, as its record says.
+    /// The program panicked; the value gives the place, as the panic handler stored it.
     Panic(u32),
     /// Option bytes were loaded.
     OptionBytes,
-    /// A forbidden low-power mode.
+    /// A forbidden attempt to enter a low-power mode.
     LowPower,
 }
 
 impl ResetReason {
-    /// The reason behind the flags, the most telling first.
+    /// The reason behind the flags. If several are set, the most specific counts.
     #[must_use]
     pub const fn of(flags: &ResetFlags) -> Self {
         match flags {
@@ -86,7 +86,7 @@ impl ResetReason {
         }
     }
 
-    /// The fault that it stands for, with its value.
+    /// The fault that this reason means, with its value; `None` if the reason is no fault.
     #[must_use]
     pub const fn fault(self) -> Option<(FaultCode, i32)> {
         match self {

@@ -1,34 +1,33 @@
-//! A record of the last second, to be read after a fault: 1,000 compact records of 12 bytes, frozen when a fault is
-//! latched.
+//! Memory of the last second before a fault: 1,000 compact records of 12 bytes, frozen when a fault is latched.
 
 use crate::record::Record;
 use touchstone_protocol::{Limits, State};
 
-/// How many records are kept.
+/// Number of records that the ring holds.
 pub const RECORDS: usize = 1_000;
-/// Bytes of a record.
+/// Bytes per record.
 pub const BYTES: usize = 12;
 
-/// One kept tick.
+/// The values of one control tick that the ring keeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CompactRecord {
     /// Low 16 bits of the tick's number.
     pub tick: u16,
-    /// Low 24 bits of the count, with its sign.
+    /// Low 24 bits of the encoder count, sign-extended.
     pub count: i32,
-    /// Force, N·m in 1/4,096, saturating at ±8.
+    /// Force in 1/4,096 N·m, saturating at ±8 N·m.
     pub force: i16,
-    /// Measured current `i_q`, A in 1/1,024, saturating at ±32.
+    /// Measured current `i_q` in 1/1,024 A, saturating at ±32 A.
     pub current: i16,
-    /// Lateness in units of 64 cycles, saturating.
+    /// Lateness of the tick in units of 64 processor cycles, saturating.
     pub lateness: u8,
-    /// Limits that acted.
+    /// The limits that reduced the force.
     pub limits: Limits,
-    /// State: 0 boot, 1 calibrating, 2 ready, 3 armed, 4 fault, 5 stopped.
+    /// State of the device: 0 boot, 1 calibrating, 2 ready, 3 armed, 4 fault, 5 stopped.
     pub state: u8,
 }
 
-/// A state's number in records and on the wire.
+/// The number of a state in records and on the wire, 0 to 5.
 #[must_use]
 pub const fn state_number(state: State) -> u8 {
     match state {
@@ -41,14 +40,14 @@ pub const fn state_number(state: State) -> u8 {
     }
 }
 
-/// Takes fractional bits off, saturating.
+/// Shifts a value right by `shift` bits and limits it to 16 bits.
 fn short(bits: i32, shift: u32) -> i16 {
     let shifted = bits >> shift;
     i16::try_from(shifted).unwrap_or(if shifted < 0 { i16::MIN } else { i16::MAX })
 }
 
 impl CompactRecord {
-    /// The part of a record that is kept.
+    /// Makes a compact record of a tick's telemetry record.
     #[must_use]
     pub fn of(record: &Record) -> Self {
         Self {
@@ -62,7 +61,7 @@ impl CompactRecord {
         }
     }
 
-    /// Little-endian: tick 2, count 3, force 2, current 2, lateness 1, limits 1, state 1.
+    /// The record as little-endian bytes: tick 2, count 3, force 2, current 2, lateness 1, limits 1, state 1.
     #[must_use]
     pub const fn to_bytes(&self) -> [u8; BYTES] {
         let [t0, t1] = self.tick.to_le_bytes();
@@ -85,7 +84,7 @@ impl CompactRecord {
         ]
     }
 
-    /// The record behind the bytes.
+    /// The record that these bytes hold.
     #[must_use]
     pub const fn from_bytes(bytes: &[u8; BYTES]) -> Self {
         let [t0, t1, c0, c1, c2, f0, f1, i0, i1, lateness, limits, state] = *bytes;
@@ -102,22 +101,22 @@ impl CompactRecord {
     }
 }
 
-/// The records, oldest first when read.
+/// A ring of the last records; reading begins with the oldest.
 #[derive(Debug, Clone)]
 pub struct Ring {
     records: [[u8; BYTES]; RECORDS],
-    /// Where the next one goes.
+    /// Place at which the next record is stored.
     next: usize,
     length: usize,
-    /// Ticks left out between two that are kept.
+    /// Number of ticks left out since the last stored one.
     skipped: u16,
     since: u16,
     frozen: bool,
 }
 
 impl Ring {
-    /// Empty, for a control rate: at more than 1 kHz, every so manieth tick is kept that the ring holds a second. At 1 kHz and
-    /// below it is all zeros, so that as a static it takes no place in the program.
+    /// An empty ring for a control rate. Above 1 kHz only every n-th tick is stored, so that the ring holds a second. At 1 kHz and
+    /// below, the ring is all zeros, so that as a static it needs no flash.
     #[must_use]
     pub const fn new(rate_hz: u32) -> Self {
         Self {
@@ -134,13 +133,13 @@ impl Ring {
         (rate_hz.div_ceil(RECORDS as u32) as u16).saturating_sub(1)
     }
 
-    /// Empty, for another control rate.
+    /// Empties the ring for another control rate.
     pub fn restart(&mut self, rate_hz: u32) {
         self.skipped = Self::skipped_at(rate_hz);
         self.thaw();
     }
 
-    /// Takes a tick; the tick of a fault is kept whatever its number is, and is the last one.
+    /// Stores a tick's record if the tick is one of those that are kept. The tick of a fault is always stored, and is the last one.
     pub fn push(&mut self, record: &Record) {
         if self.frozen {
             return;
@@ -165,7 +164,7 @@ impl Ring {
         self.length = (self.length + 1).min(RECORDS);
     }
 
-    /// Empties the ring and goes on after a fault.
+    /// Empties the ring and continues after a fault.
     pub fn thaw(&mut self) {
         self.frozen = false;
         self.length = 0;
@@ -173,19 +172,19 @@ impl Ring {
         self.since = 0;
     }
 
-    /// Whether a fault has stopped it.
+    /// Whether a fault has stopped the ring.
     #[must_use]
     pub const fn is_frozen(&self) -> bool {
         self.frozen
     }
 
-    /// Every so manieth tick is kept.
+    /// The number n if every n-th tick is stored.
     #[must_use]
     pub const fn every(&self) -> u16 {
         self.skipped.saturating_add(1)
     }
 
-    /// How many there are.
+    /// Number of stored records.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.length
@@ -197,7 +196,7 @@ impl Ring {
         self.length == 0
     }
 
-    /// The bytes of a record by its age's order: 0 is the oldest.
+    /// The bytes of the record with this index; 0 is the oldest.
     #[must_use]
     pub fn get(&self, index: usize) -> Option<&[u8; BYTES]> {
         if index >= self.length {

@@ -1,57 +1,55 @@
-//! What the knob displays: the single wall of the settings, or an environment on boards with room for it.
+//! The forces that the knob renders: the single wall of the settings, or an environment on boards with enough memory.
 //!
-//! Not a part of the device: an environment is some kilobytes, too large for a stack.
+//! It is not a part of the device: an environment has some kilobytes, too large for a stack.
 
 use touchstone_control::law::View;
 use touchstone_control::{Controller, CountScale, Fixed32, Force, Position};
 
 type Law = Controller<Fixed32>;
 
-/// Where the device is at a tick.
+/// Position and displacement of the device at a tick.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Here {
-    /// The count.
+    /// The encoder's count.
     #[cfg_attr(
         not(feature = "large"),
         allow(dead_code, reason = "the wall alone has one surface")
     )]
     pub count: i64,
-    /// How deep that is behind the surface of the settings' wall.
+    /// Penetration of that position behind the surface of the settings' wall.
     pub penetration: Position<Fixed32>,
-    /// How far it has moved since the force changed; `None` where that is not measured.
+    /// Displacement since the force changed; `None` where it is not measured.
     pub since_change: Option<Position<Fixed32>>,
 }
 
-/// What a control tick needs of the displayed wall or environment. The law of the settings' wall belongs to the
-/// device.
+/// The calls that a control tick makes to the rendered wall or environment. The law of the settings' wall belongs to the device.
 pub(crate) trait Scenery {
-    /// The device was just armed: all memory is new but the guard's account.
+    /// Starts after an arming: all memory is cleared except the energy in the guard's account.
     fn armed(&mut self, law: &mut Law, fresh: &Law);
-    /// Restarts the law where the device stays armed, after a motion too fast for any force.
+    /// Restarts the law while the device stays armed, after a motion at which no force is allowed.
     fn again(&mut self, law: &mut Law, fresh: &Law);
-    /// Runs one tick while armed; returns the force against `+x`. The encoder's scale is passed by reference, as a
-    /// copy takes time.
+    /// Runs one tick while armed; returns the force against `+x`. The encoder's scale is passed by reference, as a copy takes time.
     fn tick(&mut self, law: &mut Law, scale: &CountScale, here: &Here) -> Force<Fixed32>;
-    /// What became of that force.
+    /// Reports the force that was really commanded, after later stages changed it.
     fn commanded(&mut self, law: &mut Law, force: Force<Fixed32>);
-    /// The outputs are switched off, after a tick that commanded no force, or at an unknown time.
+    /// Reports that the outputs are switched off, after a tick that commanded no force or at an unknown time.
     fn switched_off(&mut self, law: &mut Law);
-    /// Whether the guard has switched the force off for overspeed.
+    /// Whether the guard has switched the force off because of overspeed.
     fn is_tripped(&self, law: &Law) -> bool;
     /// Whether a wall gives no force because the device is deeper inside it than positions reach.
     fn is_beyond_reach(&self, law: &Law, penetration: Position<Fixed32>) -> bool;
-    /// Inner values of the wall that is touched.
+    /// Internal values of the wall that is touched.
     fn view(&self, law: &Law) -> View<Fixed32>;
-    /// Whether an environment runs in the place of the wall alone.
+    /// Whether an environment runs in the place of the settings' single wall.
     fn runs(&self) -> bool;
-    /// A calibration changed over to other settings.
+    /// Reports that a calibration has changed to other settings.
     fn calibrated(&mut self, law: &mut Law);
-    /// The map of the cogging, where one is played.
+    /// The cogging map with which the board compensates cogging; `None` without one.
     #[cfg(feature = "large")]
     fn played(&self) -> Option<&crate::cogging::Played>;
 }
 
-/// The wall of the settings, and nothing else.
+/// The single wall of the settings, without an environment.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct WallAlone;
 
@@ -111,8 +109,7 @@ impl Scenery for WallAlone {
     }
 }
 
-/// The law's tick. It is a function of its own in every program, so that its cost can be counted (`cargo xtask
-/// cycles`).
+/// Runs the law's tick. It is a separate function in every program, so that its time can be counted (`cargo xtask cycles`).
 #[inline(never)]
 pub(crate) fn law_tick(
     law: &mut Law,

@@ -1,4 +1,4 @@
-//! The ranges of [`DeviceSettings`] that a board's power stage allows, and the bounds between settings.
+//! The ranges of [`DeviceSettings`] that a board's power stage allows, and the conditions between settings.
 
 use crate::change::ChangeConfig;
 use crate::hardware::Hardware;
@@ -9,7 +9,7 @@ use touchstone_protocol::{Decimal, DeviceSettings};
 
 pub use touchstone_protocol::settings::{DriveKind, EncoderKind, MotorSettings};
 
-/// A number against a narrower range: `narrow!(settings, motor.current_limit_a, to: most)`.
+/// Checks a number against a narrower range than its table's: `narrow!(settings, motor.current_limit_a, to: most)`.
 macro_rules! narrow {
     ($settings:ident, $table:ident.$name:ident, to: $most:expr) => {
         narrow!(
@@ -25,7 +25,7 @@ macro_rules! narrow {
     }};
 }
 
-/// Checks every setting against its range on this board; the wall's law is checked as it is computed.
+/// Checks every setting against its range on this board. The wall's law is checked when its coefficients are computed.
 ///
 /// # Errors
 /// The first setting that is out of range.
@@ -75,7 +75,7 @@ fn validate_motor(settings: &DeviceSettings, hardware: &Hardware) -> Result<(), 
     narrow!(settings, calibration.current_a, to: settings.motor.current_limit_a)
 }
 
-/// A coefficient made of a setting that does not fit its format.
+/// The error for a coefficient that is computed from this setting and does not fit its format.
 pub(crate) const fn out_of_format(path: &'static str, coefficient: Si) -> SettingsError {
     SettingsError {
         path,
@@ -84,7 +84,7 @@ pub(crate) const fn out_of_format(path: &'static str, coefficient: Si) -> Settin
     }
 }
 
-/// PWM periods in a control period.
+/// Number of PWM periods in a control period.
 #[must_use]
 #[inline]
 pub fn periods_per_tick(settings: &DeviceSettings, hardware: &Hardware) -> u16 {

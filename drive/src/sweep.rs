@@ -1,13 +1,13 @@
-//! What a calibration that looks for cogging does with the motor. It turns the shaft slowly and evenly, one way and back, and tells what
-//! current that takes at which place. What is made of it is in `touchstone_lab::identify::cogging`.
+//! Cogging sweep after a calibration. It turns the shaft slowly and evenly, in one direction and back, and reports the current that
+//! this takes at each position. The desktop calculates the cogging from it, in `touchstone_lab::identify::cogging`.
 //!
 //! ```text
 //! Forward: a quarter of a turn to get going, two turns -> Backward: the same -> stand -> done
 //! ```
 //!
-//! A position loop follows a place that moves at a quarter of a turn a second. It need not be stiff: where it gives, the counts show it, and
-//! the desktop adds what the inertia took. Friction is with the motion and cogging is not, so the mean of both ways is the cogging alone; two
-//! turns of each say how well it repeats.
+//! A position loop follows a reference that moves at a quarter of a turn per second. The loop need not be stiff: the counts show
+//! where it gives way, and the desktop corrects for the inertia. Friction changes its sign with the direction and cogging does not,
+//! so the mean of both directions is the cogging alone. Two turns in each direction show how well it repeats.
 
 use crate::Amps;
 use crate::calibration::Reason;
@@ -18,44 +18,45 @@ use fixed::types::I16F16;
 use touchstone_control::Si;
 use touchstone_protocol::{DeviceSettings, MeasuringPart};
 
-/// Turns of each way that are examined.
+/// Number of turns in each direction that are examined.
 pub const TURNS: i64 = 2;
-/// Quarters of a turn in a second.
+/// Speed of the sweep in quarters of a turn per second.
 pub const QUARTERS_PER_S: i64 = 1;
-/// A shaft that is a 16th of a turn behind is held.
+/// If the shaft is more than a turn divided by this number behind the reference, it counts as held.
 const HELD: i64 = 16;
 
 /// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
-/// The loop's frequency `ω`, rad/s: 20 Hz.
+/// Natural frequency `ω` of the position loop, rad/s: 20 Hz.
 const OMEGA: Si = Si::lit("125.66");
-/// Damping of the position loop, as a share of the critical one.
+/// Damping of the position loop, as a fraction of critical damping.
 const DAMPING: Si = Si::lit("0.7");
-/// Growth of the integral part in a second, as a multiple of the proportional part.
+/// Growth of the integral part per second, as a multiple of the proportional part.
 const INTEGRAL_PER_S: Si = Si::lit("25");
 
-/// Coefficients of a sweep.
+/// Coefficients of a cogging sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SweepConfig {
     counts_per_rev: i64,
-    /// Speed, 2^-16 counts a tick, and by how much it changes in one.
+    /// Speed of the reference, 2^-16 counts per tick. The next field is the largest change of that speed in a tick.
     speed: i64,
     speed_step: i64,
-    /// Speed in rad/s per 2^-16 counts a tick, with 32 fractional bits.
+    /// Speed in rad/s for each 2^-16 counts per tick, with 32 fractional bits.
     rad_per_s: i64,
-    /// A per count, with 32 fractional bits.
+    /// Stiffness of the position loop, A per count, with 32 fractional bits.
     stiffness: i64,
-    /// What a tick adds to the integral, as a share of the proportional part, with 32 more fractional bits.
+    /// Growth of the integral in a tick, as a fraction of the proportional part, with 32 more fractional bits.
     integral: i64,
     /// Damping of the sweep's position loop, A·s/rad.
     damping: I16F16,
     limit: Amps,
-    /// Ticks that the shaft is held at the end.
+    /// Ticks for which the shaft is held at the end.
     stand: u32,
 }
 
 impl SweepConfig {
-    /// Computes it from validated settings. The loop rests on `law.estimator.inertia_kg_m2`, within a factor of two.
+    /// Computes the coefficients from validated settings. The loop needs `law.estimator.inertia_kg_m2` to be right within a factor
+    /// of two.
     #[must_use]
     pub fn new(settings: &DeviceSettings) -> Self {
         let rate = settings.timing.rate_hz.max(1);
@@ -96,24 +97,24 @@ enum Way {
     Stand,
 }
 
-/// A running sweep.
+/// The state of a running cogging sweep.
 #[derive(Debug, Clone, Copy)]
 pub struct Running {
     config: SweepConfig,
     way: Way,
-    /// Ticks that the shaft stands.
+    /// Ticks for which the shaft has stood at the end.
     ticks: u32,
-    /// Where it is to be, 2^-16 counts, and how fast.
+    /// Position of the reference, 2^-16 counts. The next field is its speed.
     place: i64,
     speed: i64,
-    /// Where this way ends, counts.
+    /// Count at which the present direction ends.
     end: i64,
-    /// Current of the integral, 2^-48 A.
+    /// Current of the integral part, 2^-48 A.
     integral: i64,
 }
 
 impl Running {
-    /// Begins with the shaft at a count.
+    /// Begins a sweep with the shaft at this count.
     #[must_use]
     pub const fn new(config: SweepConfig, count: i64) -> Self {
         Self {
@@ -137,10 +138,10 @@ impl Running {
         }
     }
 
-    /// Runs one control tick with a good reading: takes the count, the shaft's speed, the rotor's angle, and the
-    /// current that a map adds.
+    /// Runs one control tick with a good encoder reading: takes the count, the shaft's speed, the rotor's angle, and the current
+    /// that a cogging map adds.
     ///
-    /// A tick without a good reading is left out: the outputs are off in it.
+    /// In a tick without a good reading the caller does not call this function: the outputs are off.
     pub fn tick(&mut self, count: i64, speed: I16F16, rotor: &Rotor, map: Amps) -> Measuring {
         self.go(count);
         let config = &self.config;
@@ -165,7 +166,7 @@ impl Running {
         Measuring::Running(rotor.along(along.saturating_add(map)))
     }
 
-    /// Where the shaft is to be in this tick.
+    /// Moves the reference by one tick.
     fn go(&mut self, count: i64) {
         let wanted = match self.way {
             Way::Forward => self.config.speed,
@@ -187,7 +188,7 @@ impl Running {
     }
 }
 
-/// Counts of a way: a quarter of a turn to get going, in which it also turns round, and the turns.
+/// Counts of one direction: a quarter of a turn to start or to reverse, and the turns that are examined.
 const fn way(counts_per_rev: i64) -> i64 {
     counts_per_rev * TURNS + counts_per_rev / 4
 }

@@ -1,15 +1,15 @@
-//! Temperature from a thermistor in a voltage divider, by a table.
+//! Temperature from a thermistor in a voltage divider, by a table with linear interpolation.
 
 use crate::Celsius;
 
-/// A sensor: pairs of the converter's code and temperature, codes rising.
+/// A temperature sensor: pairs of the converter's code and the temperature, with rising codes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Thermistor {
-    /// Code and degrees Celsius, with both rising.
+    /// Pairs of the converter's code and degrees Celsius, both rising.
     pub points: [(u16, i16); 9],
 }
 
-/// 10 kΩ at 25 degrees Celsius, B = 3,455 K, from the supply; 4.7 kΩ to ground; 12 bits.
+/// A thermistor of 10 kΩ at 25 degrees Celsius, B = 3,455 K, from the supply, with 4.7 kΩ to ground and a 12-bit converter.
 ///
 /// `R = 10 kΩ exp(B (1/T - 1/298.15 K))`, `code = 4,096 · 4.7 kΩ/(4.7 kΩ + R)`.
 pub const NTC_10K_3455_OVER_4K7: Thermistor = Thermistor {
@@ -27,14 +27,14 @@ pub const NTC_10K_3455_OVER_4K7: Thermistor = Thermistor {
 };
 
 impl Thermistor {
-    /// A board without a sensor: no code is a temperature.
+    /// A board without a temperature sensor: every code gives no temperature.
     pub const NONE: Self = Self {
         points: [(u16::MAX, 0); 9],
     };
 
-    /// The temperature for a code, linear between the points.
+    /// The temperature for a converter's code, interpolated linearly between the points.
     ///
-    /// `None` beyond the ends of the table: the sensor is broken, shorted, or hotter than anything allowed.
+    /// `None` beyond the ends of the table: the sensor is broken, shorted, or hotter than any allowed temperature.
     #[must_use]
     pub fn celsius(&self, code: u16) -> Option<Celsius> {
         let mut points = self.points.iter();

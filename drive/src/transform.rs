@@ -1,4 +1,4 @@
-//! From three phases to the rotor's frame and back, amplitude-invariant: a vector is as long as a phase's amplitude.
+//! Transforms three phases to the rotor's frame and back. They keep amplitudes: a vector is as long as the amplitude of a phase.
 //!
 //! ```text
 //! Clarke   α = a                       β = (a + 2 b)/√3        (c = -a - b)
@@ -6,7 +6,7 @@
 //! back     α = d cos θ - q sin θ       β = d sin θ + q cos θ
 //! ```
 //!
-//! Values are currents or voltages in `I16F16`. Sums saturate; between ±20,000 nothing does.
+//! Values are currents or voltages in `I16F16`. Sums saturate; values within ±20,000 never reach saturation.
 
 use crate::angle::Angle;
 use crate::units::clamp_i32;
@@ -15,38 +15,38 @@ use fixed::types::I16F16;
 /// `2^31/√3`, rounded.
 const ONE_OVER_ROOT_3: i64 = 1_239_850_262;
 
-/// A vector in the stationary frame: α along phase A, β a quarter turn ahead.
+/// A vector in the stationary frame: α along phase A, β at 90 electrical degrees to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct AlphaBeta {
-    /// Along phase A.
+    /// Component along phase A.
     pub alpha: I16F16,
-    /// A quarter turn ahead.
+    /// Component a quarter turn ahead of phase A.
     pub beta: I16F16,
 }
 
-/// A vector that turns with the rotor.
+/// A vector in the frame that turns with the rotor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Dq {
-    /// Along the rotor's field.
+    /// Component along the rotor's field.
     pub d: I16F16,
-    /// A quarter turn ahead: makes torque.
+    /// Component a quarter turn ahead of the rotor's field, which makes torque.
     pub q: I16F16,
 }
 
-/// Sine and cosine of the rotor's angle, in 1/32,768: worked out once a period, used twice.
+/// Sine and cosine of the rotor's electrical angle, in 1/32,768. They are calculated once per PWM period and used twice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rotation {
     sin: i32,
     cos: i32,
 }
 
-/// `x/√3`, to the nearest step.
+/// `x/√3`, rounded to the nearest step.
 const fn over_root_3(x: i64) -> i64 {
     (x * ONE_OVER_ROOT_3 + (1 << 30)) >> 31
 }
 
 impl AlphaBeta {
-    /// Clarke's transform of two phases; the third is their negative sum, as the star point is not connected.
+    /// Clarke's transform of phases A and B. The third phase is their negative sum, as the star point is not connected.
     #[inline]
     #[must_use]
     pub const fn from_phases(a: I16F16, b: I16F16) -> Self {
@@ -58,7 +58,7 @@ impl AlphaBeta {
         }
     }
 
-    /// The square of its length with 32 fractional bits.
+    /// The square of the vector's length, with 32 fractional bits.
     #[inline]
     #[must_use]
     pub const fn square(self) -> u64 {
@@ -87,7 +87,7 @@ impl Rotation {
         }
     }
 
-    /// Park's transform.
+    /// Park's transform, from the stationary frame to the rotor's.
     #[inline]
     #[must_use]
     pub const fn park(self, v: AlphaBeta) -> Dq {
@@ -99,7 +99,7 @@ impl Rotation {
         }
     }
 
-    /// Park's transform backwards.
+    /// Park's inverse transform, from the rotor's frame to the stationary one.
     #[inline]
     #[must_use]
     pub const fn back(self, v: Dq) -> AlphaBeta {
@@ -112,7 +112,7 @@ impl Rotation {
     }
 }
 
-/// Takes the sine's 15 fractional bits off, to the nearest.
+/// Removes the sine's 15 fractional bits from a sum of products, rounding to the nearest.
 const fn scaled(sum: i64) -> I16F16 {
     I16F16::from_bits(clamp_i32((sum + (1 << 14)) >> 15))
 }

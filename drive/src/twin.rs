@@ -1,7 +1,7 @@
-//! The model beside a device: the same law on the motion that the device measured, tick by tick.
+//! A model that runs beside a device: the same control law, fed tick by tick with the motion that the device measured.
 //!
-//! A record has penetration and force in full, so the model's force equals the device's bit for bit. That holds as long
-//! as every tick's record arrives, and nothing happens between two ticks that no record shows.
+//! A record holds penetration and force with all bits, so the model's force equals the device's force bit for bit. That holds as
+//! long as every tick's record arrives, and everything that influences the force is in the records.
 
 use crate::command::{Drive, Rotor};
 use crate::config::Config;
@@ -13,35 +13,35 @@ use touchstone_control::{Controller, Fixed32, Force, Position};
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::{Board, DeviceSettings, Limit, Limits, Phase, Telemetry};
 
-/// How many ticks outside the wall a model needs that did not see how the device was armed: its estimator, whose memory fades away
-/// within some periods of its bandwidth, has found the motion again by then.
+/// Ticks outside the wall after which the model's force is compared, if its records do not begin with the arming. The memory of its
+/// estimator fades within some periods of the estimator's bandwidth, so the estimate is right by then.
 const FINDS_IN: u32 = 500;
 
 /// How much of the memory of the device's law the model knows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Knows {
-    /// The whole run: the model has followed since the tick that armed.
+    /// All of it: the model has run since the tick that armed.
     All,
-    /// Too little for a verdict; holds the number of ticks outside the wall so far.
+    /// Too little to compare forces; holds the number of ticks outside the wall so far.
     Little(u32),
 }
 
-/// The model.
+/// A model of the control law that runs beside a device.
 #[derive(Debug, Clone)]
 pub struct Twin {
     config: Config,
     law: Controller<Fixed32>,
-    /// The record before: its tick, its state, and whether the law ran in it.
+    /// Values of the record before: its tick, its state, and whether the law ran in it.
     before: Option<(u32, Phase, bool)>,
     knows: Knows,
-    /// Share of the torque while it fades in, 2^-32.
+    /// Fraction of the torque while it fades in, 2^-32.
     fade: u32,
-    /// The law showed a force in its last tick.
+    /// Whether the law's force was not zero in its last tick.
     pushes: bool,
 }
 
 impl Twin {
-    /// Beside a device with these settings, which calibrated with them.
+    /// Makes a model for a device that calibrated with these settings.
     ///
     /// # Errors
     /// Same as [`Config::new`].
@@ -57,8 +57,8 @@ impl Twin {
         })
     }
 
-    /// The force of the model in this record's tick; `None` where the device's law does not run, or the model does not know what it
-    /// remembers.
+    /// The model's force in this record's tick. `None` where the device's law does not run, or where the model does not know the
+    /// law's memory.
     pub fn tick(&mut self, record: &Telemetry) -> Option<I8F24> {
         let limits = Limits::from_wire(record.limits);
         let has_reading = !limits.has(Limit::Encoder);
@@ -118,7 +118,7 @@ impl Twin {
             .tick_with_change(now, measures.then_some(at_change))
     }
 
-    /// The tick in which the device switches off, as the device does.
+    /// Handles the tick in which the device switches its outputs off, as the device does.
     fn leave(&mut self, record: &Telemetry, acted: bool) {
         if acted {
             let _ = self.law_tick(record);
@@ -127,7 +127,7 @@ impl Twin {
         self.law.switched_off();
     }
 
-    /// Passes on to the law which force was commanded in the end, as the device does.
+    /// Reports to the law the force that was finally commanded, as the device does.
     fn becomes_of(&mut self, force: Force<Fixed32>, record: &Telemetry) {
         let limits = Limits::from_wire(record.limits);
         let fading = self.fade < u32::MAX;

@@ -1,4 +1,4 @@
-//! Between the wire and the drive: the check of what people write, and the records that they read.
+//! Functions between the serial protocol and the drive: the check of received settings, and the records that are sent.
 
 use crate::hardware::{B_G431B_ESC1, Hardware, IHM08M1, IHM16M1, SIMPLEFOC_MINI};
 use crate::settings::validate;
@@ -10,7 +10,7 @@ use touchstone_protocol::{
     Board, Fault, MeasuringPart, MeasuringTick, Phase, RingRecord, Telemetry,
 };
 
-/// The power stage of a board.
+/// The constants of a board's power stage.
 #[must_use]
 pub const fn hardware(board: Board) -> &'static Hardware {
     match board {
@@ -21,7 +21,7 @@ pub const fn hardware(board: Board) -> &'static Hardware {
     }
 }
 
-/// The one check of settings, of firmware and desktop: ranges, the board, the law, the power stage.
+/// Checks settings, for firmware and desktop alike: ranges, the board, the law, and the power stage.
 ///
 /// # Errors
 /// The first setting that is refused.
@@ -31,8 +31,8 @@ pub fn checked(settings: &DeviceSettings, board: Board) -> Result<(), SettingsEr
     validate(settings, hardware(board))
 }
 
-/// The part of a measurement that is sent beside the record. It is separate, so that it costs the wall's ticks
-/// nothing.
+/// The values of a motor measurement that are sent beside the record. They are calculated separately, so that a wall's ticks take
+/// no longer.
 #[cold]
 #[inline(never)]
 #[must_use]

@@ -1,4 +1,4 @@
-//! A device on the bench: the machine, the desktop's end of its port, and the steps of a person at it.
+//! A test bench: an emulated device, the desktop's end of its serial port, and the actions of a person at the device.
 
 use touchstone_control::Si;
 use touchstone_protocol::settings::DeviceSettings;
@@ -12,19 +12,19 @@ use crate::link::Link;
 use crate::machine::{Halt, Machine};
 use crate::world::{Parts, World};
 
-/// Cycles of a microsecond.
+/// Processor cycles per microsecond.
 pub const US: u64 = 170;
-/// Cycles of a millisecond.
+/// Processor cycles per millisecond.
 pub const MS: u64 = 1_000 * US;
 
-/// How the bench is set up.
+/// Properties of the emulated device on the bench.
 #[derive(Debug, Clone)]
 pub struct Setup {
     /// The board, with its encoder.
     pub board: Board,
-    /// The watchdog's oscillator, Hz.
+    /// Frequency of the oscillator that clocks the watchdog, Hz.
     pub lsi_hz: u64,
-    /// Motor and knob.
+    /// Properties of the motor and the knob.
     pub parts: Parts,
 }
 
@@ -35,7 +35,7 @@ impl Default for Setup {
 }
 
 impl Setup {
-    /// The bench of a board, with the parts that are usually mounted on it.
+    /// The set-up of a board with the motor and knob that are usually mounted on it.
     #[must_use]
     pub fn on(board: Board) -> Self {
         Self {
@@ -46,13 +46,13 @@ impl Setup {
     }
 }
 
-/// A device, its world, and the desktop's end of its serial port.
+/// An emulated device, the simulated world around it, and the desktop's end of its serial port.
 pub struct Bench {
-    /// The fault machine.
+    /// The emulated chip with its simulated world, into which faults can be injected.
     pub machine: Machine,
     /// The desktop's end of the serial link.
     pub link: Link,
-    /// Why the machine has halted, if it has.
+    /// Reason why the machine has halted; `None` while it runs.
     pub halted: Option<Halt>,
 }
 
@@ -76,13 +76,13 @@ impl Bench {
         })
     }
 
-    /// Time, cycles.
+    /// Time since power-on, in processor cycles.
     #[must_use]
     pub fn now(&self) -> u64 {
         self.machine.chip().core.now
     }
 
-    /// Lets time pass, and receives what the device sends.
+    /// Runs the machine for a number of cycles, and receives what the device sends.
     ///
     /// # Errors
     /// The machine halted.
@@ -98,7 +98,7 @@ impl Bench {
         })
     }
 
-    /// Runs until something is so, examined every 100 us.
+    /// Runs the machine until a condition holds. The condition is examined every 100 µs.
     ///
     /// # Errors
     /// The condition did not occur within the time, or the machine halted.
@@ -127,10 +127,10 @@ impl Bench {
         self.machine.chip_mut().link().put(bytes, now);
     }
 
-    /// Sends a request and waits for the reply.
+    /// Sends a request to the device and waits for the reply.
     ///
     /// # Errors
-    /// No reply within a second, or a halt.
+    /// No reply within a second, or the machine halted.
     pub fn ask(&mut self, request: Request<'_>) -> Result<Result<Reply, Refusal>, String> {
         let what = format!("an answer to {request:?}");
         let (id, frame) = self.link.ask(request);
@@ -153,7 +153,7 @@ impl Bench {
             .map_err(|refusal| format!("{what}: refused, {refusal:?}"))
     }
 
-    /// Gives a command; whether it was taken.
+    /// Sends a command; returns whether the device accepted it.
     ///
     /// # Errors
     /// No answer.
@@ -161,7 +161,7 @@ impl Bench {
         Ok(self.ask(Request::Command(command))?.is_ok())
     }
 
-    /// State of the device.
+    /// Requests the state of the device.
     ///
     /// # Errors
     /// No answer.
@@ -172,7 +172,7 @@ impl Bench {
         }
     }
 
-    /// The latched fault.
+    /// Requests the fault that the device has latched; `None` if it has none.
     ///
     /// # Errors
     /// No answer.
@@ -180,10 +180,10 @@ impl Bench {
         Ok(self.status()?.fault)
     }
 
-    /// Waits for a phase, asking every 5 ms.
+    /// Waits until the device is in a phase, and requests its state every 5 ms.
     ///
     /// # Errors
-    /// The state did not come within the time.
+    /// The device did not reach the phase within the time.
     pub fn wait_for(&mut self, phase: Phase, within: u64) -> Result<(), String> {
         let end = self.now() + within;
         loop {
@@ -204,10 +204,10 @@ impl Bench {
         }
     }
 
-    /// Waits until the device answers at all.
+    /// Waits after power-on until the device answers a request.
     ///
     /// # Errors
-    /// The device does not do so within half a second.
+    /// The device does not answer within half a second.
     pub fn boot(&mut self) -> Result<Reply, String> {
         self.run(20 * MS)?;
         // What noise there was while the port was not set up.
@@ -215,10 +215,11 @@ impl Bench {
         self.demand(Request::Hello)
     }
 
-    /// Changes the settings. The bench says nothing for seconds, so the device waits for no desktop unless `change` says so.
+    /// Changes the settings of the device. The bench may send nothing for seconds. Therefore the device's time limit for a silent
+    /// desktop is off unless `change` sets it.
     ///
     /// # Errors
-    /// The settings are refused.
+    /// The device refuses the settings.
     pub fn configure(&mut self, change: impl FnOnce(&mut DeviceSettings)) -> Result<(), String> {
         let mut settings = self.settings()?;
         if let Some(motor) = self.machine.chip().board.told {
@@ -229,7 +230,7 @@ impl Bench {
         self.demand(Request::SetAll(settings)).map(|_| ())
     }
 
-    /// The settings.
+    /// Requests the settings of the device.
     ///
     /// # Errors
     /// No answer.
@@ -249,27 +250,27 @@ impl Bench {
         self.wait_for(Phase::Ready, 20_000 * MS)
     }
 
-    /// Calibrates and arms.
+    /// Calibrates the device and arms it.
     ///
     /// # Errors
-    /// One of the two fails.
+    /// The calibration or the arming fails.
     pub fn arm(&mut self) -> Result<(), String> {
         self.calibrate()?;
         self.demand(Request::Command(DeviceCommand::Arm))?;
         self.wait_for(Phase::Armed, 100 * MS)
     }
 
-    /// Whether the bridge is on.
+    /// Whether the power bridge of the motor is on.
     #[must_use]
     pub fn is_on(&self) -> bool {
         self.machine.chip().bridge.is_on()
     }
 
-    /// A hand takes the knob and presses it into the wall: over `ramp_s` to a torque, holds for `hold_s`, and lets go in
-    /// `ramp_s`.
+    /// The simulated hand grasps the knob and presses it into the virtual wall. The torque rises over `ramp_s`, stays for `hold_s`
+    /// and falls over `ramp_s`.
     ///
     /// # Errors
-    /// There was no telemetry to tell where the wall is.
+    /// No telemetry has arrived, so the position of the wall is unknown.
     pub fn press(
         &mut self,
         hand: &Hand,
@@ -284,10 +285,11 @@ impl Bench {
         self.press_at(hand, torque_n_m, ramp_s, hold_s, surface, counts, stiffness)
     }
 
-    /// Same as [`Bench::press`] with given settings: the surface, rad, the counts of a turn, the stiffness, N·m/rad.
+    /// Same as [`Bench::press`] with given settings: the surface of the wall in rad, the encoder counts per turn, the stiffness in
+    /// N·m/rad.
     ///
     /// # Errors
-    /// There was no telemetry to find the wall by.
+    /// No telemetry has arrived, so the position of the wall is unknown.
     #[allow(clippy::too_many_arguments)]
     pub fn press_at(
         &mut self,
@@ -314,19 +316,20 @@ impl Bench {
         Ok(())
     }
 
-    /// The hand lets go.
+    /// The simulated hand releases the knob.
     pub fn release(&mut self) {
         self.machine.chip_mut().world.release();
     }
 }
 
-/// A setting as a number.
+/// A setting as a floating-point number in the same unit.
 #[must_use]
 pub fn number(value: Si) -> f64 {
     value.to_num()
 }
 
-/// A smooth rise from 0 to 1, as a person's hand moves.
+/// A smooth rise from 0 to 1 along a minimum-jerk curve, as a person's hand moves; `share` is the fraction (0 to 1) of the
+/// duration.
 #[must_use]
 pub fn minimum_jerk(share: f64) -> f64 {
     let s = share.clamp(0.0, 1.0);

@@ -1,4 +1,4 @@
-//! The board around the chip: which pin measures which quantity, at which scale.
+//! The circuit board around the chip: which pin measures which quantity, at which scale.
 
 mod told;
 
@@ -11,16 +11,16 @@ use crate::peripheral::timer::gates::GateDriver;
 use crate::world::{Parts, World};
 pub use told::ToldMotor;
 
-/// Reference of the converters, V.
+/// Reference voltage of the analog-to-digital converters, V.
 pub const REFERENCE_V: f64 = 3.3;
 
-/// The converter's code for a voltage at its pin.
+/// Output code of an analog-to-digital converter for a voltage at its pin.
 #[must_use]
 pub fn code(volts: f64) -> u16 {
     code_with(volts, 0.0)
 }
 
-/// Same as `code`, with an added error in codes.
+/// Same as `code`, with an error added, in codes of the converter.
 #[must_use]
 pub fn code_with(volts: f64, error: f64) -> u16 {
     (volts / REFERENCE_V * 4_095.0 + error)
@@ -28,14 +28,14 @@ pub fn code_with(volts: f64, error: f64) -> u16 {
         .clamp(0.0, 4_095.0) as u16
 }
 
-/// The encoder that is mounted.
+/// The position encoder that is mounted on the motor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Encoder {
-    /// Two tracks with this many counts a turn.
+    /// An incremental encoder with two tracks and this many counts per turn.
     Incremental(u32),
-    /// AS5047P.
+    /// The magnetic encoder AS5047P.
     As5047p,
-    /// MT6701.
+    /// The magnetic encoder MT6701.
     Mt6701,
 }
 
@@ -59,88 +59,93 @@ impl Encoder {
     }
 }
 
-/// The quantity at a converter's pin.
+/// The quantity that a pin of an analog-to-digital converter measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
-    /// Current of a phase, 0 to 2.
+    /// Current of a motor phase, numbered 0 to 2.
     Current(usize),
-    /// The bus voltage.
+    /// Voltage of the supply bus.
     Bus,
-    /// The driver's thermistor.
+    /// Temperature at the motor driver's thermistor.
     Temperature,
 }
 
-/// Faults between the world and the chip's pins.
+/// Injected faults of the wiring between the simulated world and the chip's pins.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Wiring {
-    /// A voltage at a pin instead of the right one.
+    /// Quantities whose pins carry a wrong voltage, with that voltage in V.
     pub forced: [Option<(Source, f64)>; 2],
-    /// The gate driver pulls the break input, or its own line where it has one.
+    /// The gate driver pulls the break input, or its own line on boards that have such a line.
     pub break_pulled: bool,
-    /// Comparators that are made to see too much current, whatever their shunt says, as a mask: bit 0 is COMP1.
+    /// Mask of the comparators that report too much current whatever their shunt measures: bit 0 is COMP1.
     pub comparators: u32,
-    /// The incremental encoder's count stays.
+    /// The incremental encoder's count stays at this value.
     pub encoder_held: Option<i64>,
-    /// The incremental encoder's count is this much further.
+    /// Encoder counts that are added to the count of the incremental encoder.
     pub encoder_moved: i64,
 }
 
-/// A board.
+/// A circuit board with its motor and encoder.
 #[derive(Debug, Clone)]
 pub struct Board {
-    /// Name, as the firmware's binary.
+    /// Name of the board; the firmware's binary for it has the same name.
     pub name: &'static str,
     /// The encoder that is mounted.
     pub encoder: Encoder,
-    /// The button that the program takes for its stop: port and pin; high while pressed, pulled down on the board.
+    /// Port and pin of the button that the firmware uses to stop. The pin is high while the button is pressed, and the board pulls
+    /// it down otherwise.
     pub button: Option<(usize, usize)>,
     /// Chip select of the magnetic encoder: port and pin.
     pub chip_select: Option<(usize, usize)>,
-    /// The desktop link is USART2, not LPUART1.
+    /// True: the serial link to the desktop is USART2. False: it is LPUART1.
     pub link_is_usart2: bool,
-    /// FLASH_OPTR.
+    /// Value of the option register FLASH_OPTR.
     pub option_bytes: u32,
-    /// DBGMCU_IDCODE.
+    /// Value of the chip's identification register DBGMCU_IDCODE.
     pub device_id: u32,
     /// The chip's flash memory, bytes.
     pub flash_bytes: usize,
-    /// The chip's memory without a gap: SRAM1, SRAM2, and CCM behind them where it is not used at its own address, bytes.
+    /// Size in bytes of the chip's contiguous memory: SRAM1, SRAM2, and the CCM behind them unless the CCM is used at its own
+    /// address.
     pub ram_bytes: usize,
-    /// The CCM at its own address, bytes; 0 where it is used at its second one. Both at once are not modelled.
+    /// Size in bytes of the CCM at its own address; 0 where the program uses the CCM behind SRAM2. Use at two addresses at once is
+    /// not modelled.
     pub ccm_bytes: usize,
-    /// The quantity at each (converter, channel).
+    /// The quantity at each input, named by its converter and its channel.
     pub pins: &'static [(usize, u32, Source)],
     /// The gate drivers behind TIM1's outputs.
     pub gates: GateDriver,
     /// Volts of a current sensor's output at no current, and per ampere into the motor. Negative: that current comes from ground
     /// through the shunt below the lower transistor, and pulls the shunt's upper end below ground.
     pub current: (f64, f64),
-    /// Volts at the pin for a volt of the bus.
+    /// Volts at the measuring pin per volt of the supply bus.
     pub bus_divider: f64,
-    /// The line of a driver that reports by it, and is enabled by it: port and pin that it is linked to. Open drain, and not pulled up on
-    /// the board.
+    /// Port and pin of the line by which the motor driver reports a fault and is enabled. The line is open drain, and the board has
+    /// no pull-up for it.
     pub driver_line: Option<(usize, usize)>,
-    /// Current at which the drivers' own protection acts, A; infinite where there is no such protection.
+    /// Phase current in A at which the drivers' own protection acts; infinite where there is no such protection.
     pub break_a: f64,
-    /// Pins at which the shunts are seen before their amplifiers: port and pin, and the phase.
+    /// Pins that measure the shunts before their amplifiers: port and pin, and the motor phase.
     pub shunts: &'static [((usize, usize), usize)],
-    /// The supply, V.
+    /// Voltage of the supply, V.
     pub supply_v: f64,
-    /// Part of a PWM period that a phase loses to dead time.
+    /// Fraction (0 to 1) of a PWM period that a phase loses to dead time.
     pub dead_share: f64,
-    /// Motor and knob that are mounted.
+    /// Properties of the motor and the knob that are mounted.
     pub parts: Parts,
-    /// A press of a hand here, and a lean that the motor does not bear for ever, N·m.
+    /// Torque of a hand's press in the tests on this board, N·m. `lean_n_m` is a larger torque that the motor cannot withstand for
+    /// ever.
     pub press_n_m: f64,
     /// See [`Board::press_n_m`].
     pub lean_n_m: f64,
-    /// How fast the field may turn the shaft in a calibration, electrical turns a second: a small rotor swings around a fast field.
+    /// Speed at which the field may turn the shaft in a calibration, electrical turns per second. A small rotor swings around a
+    /// fast field.
     pub field_turns_per_s: Si,
-    /// Stiffnesses that are pressed, N·m/rad.
+    /// Stiffnesses of the walls that the tests press, N·m/rad.
     pub walls: [Si; 2],
-    /// The motor's values that a person has to set where the board cannot measure them.
+    /// The motor's values that a person has to enter where the board cannot measure them.
     pub told: Option<ToldMotor>,
-    /// Faults of the wiring.
+    /// Injected faults of the wiring.
     pub wiring: Wiring,
 }
 
@@ -160,13 +165,13 @@ pub enum FaultLink {
 }
 
 impl Board {
-    /// Whether the driver's temperature goes to a pin.
+    /// Whether a pin measures the motor driver's temperature.
     #[must_use]
     pub fn has_thermistor(&self) -> bool {
         self.pins.iter().any(|(.., at)| *at == Source::Temperature)
     }
 
-    /// Whether a phase's current goes to a pin.
+    /// Whether a pin measures the current of a motor phase.
     #[must_use]
     pub fn measures_current(&self) -> bool {
         let mut sources = self.pins.iter().map(|(.., at)| at);
@@ -179,7 +184,7 @@ impl Board {
         matches!(self.gates, GateDriver::Stspin830 | GateDriver::Drv8313)
     }
 
-    /// Whether its program has more than one wall.
+    /// Whether the board's firmware has more than one wall.
     #[must_use]
     pub fn is_large(&self) -> bool {
         let named = touchstone_protocol::Board::ALL
@@ -360,7 +365,7 @@ impl Board {
         }
     }
 
-    /// Volts at a converter's pin.
+    /// Voltage in V at a pin of an analog-to-digital converter.
     #[must_use]
     pub fn analog(&self, adc: usize, channel: u32, world: &World) -> f64 {
         let Some((_, _, source)) = self
@@ -396,7 +401,7 @@ impl Board {
         self.wiring.encoder_held.unwrap_or(count) + self.wiring.encoder_moved
     }
 
-    /// Whether the driver pulls its line low, because of its own protection or because a test makes it.
+    /// Whether the motor driver pulls its line low, because its own protection acts or because a test injects the fault.
     #[must_use]
     pub fn driver_pulls(&mut self, world: &World) -> bool {
         let over = world.hardware_over_current();

@@ -1,4 +1,4 @@
-//! The desktop's end of the serial port: frames, requests, answers, telemetry, by the crate that the firmware uses.
+//! The desktop's end of the serial port: frames, requests, answers and telemetry. It uses the same protocol crate as the firmware.
 
 use touchstone_protocol::frame::{Decoder, FRAME_MAX, encode, message};
 use touchstone_protocol::{FromDevice, Refusal, Reply, Request, Telemetry, ToDevice};
@@ -11,9 +11,9 @@ pub struct Link {
     answers: Vec<(u8, Result<Reply, Refusal>)>,
     /// Telemetry received so far.
     pub telemetry: Vec<Telemetry>,
-    /// Payloads that were whole but no message.
+    /// Number of payloads that arrived complete but were not a valid message.
     pub not_understood: u64,
-    /// Bytes received so far.
+    /// Number of bytes received so far.
     pub bytes: u64,
 }
 
@@ -33,7 +33,7 @@ impl Link {
         }
     }
 
-    /// A request as a frame, with the number of its answer.
+    /// Encodes a request as a frame; returns the number that its answer will carry, and the frame.
     ///
     /// # Panics
     /// Never: every request of the protocol fits into a frame.
@@ -45,19 +45,19 @@ impl Link {
         (id, frame.to_vec())
     }
 
-    /// The answer to a request, if it has come.
+    /// The answer to the request of this number; `None` before it has arrived.
     pub fn answer(&mut self, id: u8) -> Option<Result<Reply, Refusal>> {
         let at = self.answers.iter().position(|(other, _)| *other == id)?;
         Some(self.answers.swap_remove(at).1)
     }
 
-    /// Frames from the device that could not be decoded.
+    /// Number of frames from the device that could not be decoded.
     #[must_use]
     pub fn errors(&self) -> u32 {
         self.decoder.errors()
     }
 
-    /// Records that are missing between the first and the last of the telemetry from an index on.
+    /// Number of telemetry records that are missing between the record at index `from` and the last one.
     #[must_use]
     pub fn gaps(&self, from: usize) -> u32 {
         let records = self.telemetry.get(from..).unwrap_or_default();

@@ -1,6 +1,6 @@
-//! Plays a hand's programme on the emulated board. A hand in the simulated world does, action by action, what
-//! `touchstone scorecard --programme` wrote. Each tick is recorded: the board's telemetry, as `touchstone monitor`
-//! keeps it, and the shaft's true motion.
+//! Replays a recorded programme of hand actions on the emulated board. A simulated hand carries out, action by action, what
+//! `touchstone scorecard --programme` wrote. Each tick (control period) is recorded: the board's telemetry in the columns of
+//! `touchstone monitor`, and the true motion of the shaft.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -13,37 +13,38 @@ use crate::cpu::elf::Program;
 use crate::fil::fault::CONTROL_TICK;
 use crate::world::ShaftBooks;
 
-/// Cycles of a second.
+/// Processor cycles per second.
 const SECOND: u64 = 1_000 * MS;
-/// The torque fades in after arming, and an action begins with all of it.
+/// Waiting time in cycles after arming. The torque fades in over this time, and an action begins with the full torque.
 const FADED_IN: u64 = 300 * MS;
-/// Between two actions: to where the next one begins, and at rest there.
+/// Time in seconds between two actions, in which the hand moves to the start of the next action and rests there.
 const OUT_S: f64 = 0.5;
 const REST: u64 = SECOND / 4;
-/// A mechanical step of the world, us.
+/// Step of the mechanical simulation, µs.
 const STEP_US: u64 = 25;
-/// Waiting time until the last records have arrived.
+/// Waiting time in cycles until the last telemetry records have arrived over the serial line.
 const ON_THE_LINE: u64 = 20 * MS;
-/// In nearly all ticks the count is the one that belongs to the shaft's angle, or the next: the shaft moves on between sample and reading.
+/// Least fraction of the ticks in which the encoder count must belong to the shaft's angle or be its neighbour. The shaft moves on
+/// between sampling and reading.
 const IN_STEP: f64 = 0.99;
 
 /// The motion of one hand for one action of the programme.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HandDeed {
-    /// The grip of the hand.
+    /// Name of the hand's grip.
     pub grip: String,
-    /// The action in words.
+    /// Description of the action.
     pub deed: String,
-    /// Where it means to be, rad, a value a tick.
+    /// Rest point of the hand's spring in rad, one value per tick.
     pub rest_rad: Vec<f64>,
 }
 
-/// A programme.
+/// A programme of hand actions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HandProgramme {
-    /// Where the wall is, rad.
+    /// Position of the wall's surface, rad.
     pub surface_rad: f64,
-    /// Ticks a second.
+    /// Ticks (control periods) per second.
     pub rate_hz: u32,
     /// The actions, in order.
     pub deeds: Vec<HandDeed>,
@@ -106,7 +107,7 @@ impl HandProgramme {
     }
 }
 
-/// A grip by its word.
+/// The simulated hand for the name of a grip.
 fn hand_of(grip: &str) -> Result<Hand, String> {
     match grip {
         "light" => Ok(LIGHT),
@@ -166,14 +167,14 @@ fn with_a_grip(
     Ok(text)
 }
 
-/// A board on a test stand, which sees the shaft.
+/// A board on a simulated test stand, which measures the shaft's true angle.
 struct Stand {
     bench: Bench,
     rate_hz: u32,
     surface_rad: f64,
-    /// Angle of a count, rad.
+    /// Angle per encoder count, rad.
     step_rad: f64,
-    /// Counts that the device is ahead of those of the shaft.
+    /// Encoder counts by which the device's count is ahead of the count for the shaft's true angle.
     ahead: i64,
     first_tick: Option<u32>,
 }
@@ -245,7 +246,7 @@ impl Stand {
         programme_rad - (self.ahead as f64 - 0.5) * self.step_rad
     }
 
-    /// The hand moves to a place and stays there.
+    /// Moves the hand's rest point to a position and keeps it there.
     fn go(&mut self, to: f64) {
         let now = self.bench.now();
         let world = &mut self.bench.machine.chip_mut().world;
@@ -408,7 +409,7 @@ impl Stand {
     }
 }
 
-/// The limits that act, by their names, as `touchstone monitor` writes them.
+/// Names of the limits that act, as `touchstone monitor` writes them.
 fn limits(bits: u8) -> String {
     let limits = Limits::from_wire(bits);
     let names = Limit::ALL.into_iter().filter(|limit| limits.has(*limit));

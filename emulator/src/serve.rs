@@ -1,4 +1,4 @@
-//! The device's serial port on a socket, in real time: for the desktop's programs, without a board.
+//! Serves the emulated device's serial port on a network socket in real time, so that desktop programs run without a board.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpListener;
@@ -11,21 +11,22 @@ use crate::bench::{Bench, MS, Setup};
 use crate::cpu::elf::Program;
 use crate::world::Parts;
 
-/// How it is served.
+/// Options of serving the emulated device.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Wanted {
-    /// A hand presses into the wall every four seconds while the device is armed, and lets go when it no longer is.
+    /// True: a simulated hand presses into the wall every four seconds while the device is armed, and lets go when the device is no
+    /// longer armed.
     pub hand: bool,
-    /// Ends after this many seconds.
+    /// Seconds after which serving ends; `None` runs without an end.
     pub for_s: Option<u64>,
-    /// Motor and knob.
+    /// Properties of the motor and the knob.
     pub parts: Parts,
 }
 
-/// Serves one client after the other; the device runs on between them.
+/// Serves one client after the other; the device keeps running between two clients.
 ///
 /// # Errors
-/// The address cannot be had, or the machine halted.
+/// The address cannot be opened, or the machine halted.
 pub fn serve(
     program: &Program,
     address: &str,

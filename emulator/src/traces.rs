@@ -16,18 +16,18 @@ use crate::peripheral::CORE_HZ;
 /// A signal to record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trace {
-    /// The bridge's pins with a wall that is on and no force, and when the converters sample.
+    /// The pins of the power bridge with an active wall that renders no force, and the sampling times of the converters.
     Pwm,
-    /// The phases' currents where a torque begins.
+    /// The phase currents at the beginning of a torque.
     Step,
-    /// The shaft and a phase's current in a calibration.
+    /// The shaft's angle and the current of one phase during a calibration.
     Calibration,
-    /// A press on the wall and its release, from the board's telemetry.
+    /// A hand's press on the wall and its release, from the board's telemetry.
     Press,
 }
 
 impl Trace {
-    /// Finds one by its name.
+    /// Returns the signal of this name; `None` for an unknown name.
     #[must_use]
     pub fn by_name(name: &str) -> Option<Self> {
         match name {
@@ -46,21 +46,21 @@ const LOOKS: u64 = 110 * US / LOOK;
 /// A current probe's samples, and a shaft's.
 const PROBE: u64 = 25 * US;
 const SHAFT: u64 = 2 * MS;
-/// Seen before a step, and after it.
+/// Time in cycles that is recorded before a current step; the time after the step follows.
 const BEFORE: u64 = MS;
 const AFTER: u64 = 4 * MS;
 /// A push has begun where the phases' amplitude has this share of its current.
 const BEGUN: f64 = 0.1;
 /// Longest time until an event appears in the telemetry.
 const TOLD: u64 = 10 * MS;
-/// The torque has faded in.
+/// Waiting time in cycles after arming, by which the torque has faded in.
 const FADED_IN: u64 = 300 * MS;
-/// The hand presses in and holds, s; then it lets go.
+/// Times in seconds: the hand presses in for `PRESS_S`, holds for `HOLD_S`, and then lets go.
 const PRESS_S: f64 = 0.8;
 const HOLD_S: f64 = 0.6;
 const AFTERWARDS: u64 = 300 * MS;
 
-/// Writes a table of the signal; returns a summary.
+/// Records the signal and writes it as a table; returns a summary.
 ///
 /// # Errors
 /// The step that failed.

@@ -1,4 +1,4 @@
-//! How a command ended. "Not run" is never "passed".
+//! How a command ended. A command that was not run never counts as passed.
 
 use std::fmt;
 use std::process::ExitCode;
@@ -6,13 +6,13 @@ use std::process::ExitCode;
 /// How a command ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Outcome {
-    /// Did what it says; a word on what that was, may be empty.
+    /// The command succeeded; the text is a note on its result and may be empty.
     Ok(String),
-    /// Found something wrong, and what.
+    /// The command found a fault; the text describes the fault.
     Failed(String),
-    /// Could not do its work here, and why.
+    /// The command could not do its work on this machine; the text is the reason.
     NotRun(String),
-    /// Was called wrongly, and how to call it.
+    /// The command was called with wrong arguments; the text is the usage.
     Usage(String),
 }
 
@@ -42,7 +42,7 @@ impl Outcome {
         }
     }
 
-    /// For `?`: whatever is not well ends what follows.
+    /// Turns every outcome but success into an error, for use with `?`.
     pub fn went_well(self) -> Result<(), Self> {
         match self {
             Outcome::Ok(_) => Ok(()),
@@ -50,7 +50,7 @@ impl Outcome {
         }
     }
 
-    /// The word for tables.
+    /// The outcome as one word for tables.
     pub fn word(&self) -> &'static str {
         match self {
             Outcome::Ok(_) => "ok",
@@ -60,7 +60,7 @@ impl Outcome {
         }
     }
 
-    /// The note or reason.
+    /// The note of a success or the reason of another outcome.
     pub fn reason(&self) -> &str {
         match self {
             Outcome::Ok(reason)
@@ -70,7 +70,7 @@ impl Outcome {
         }
     }
 
-    /// Whether the run as a whole must fail because of this.
+    /// Whether this outcome makes the whole run fail.
     pub fn is_failure(&self) -> bool {
         matches!(self, Outcome::Failed(_) | Outcome::Usage(_))
     }

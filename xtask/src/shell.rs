@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use crate::outcome::Outcome;
 
-/// The workspace's folder: the one above this crate, which `cargo run` names.
+/// The root folder of the workspace, one level above this crate.
 pub fn root() -> PathBuf {
     let start = std::env::var_os("CARGO_MANIFEST_DIR").map_or_else(
         || std::env::current_dir().unwrap_or_else(|_| PathBuf::from(".")),
@@ -19,8 +19,8 @@ pub fn root() -> PathBuf {
         .to_path_buf()
 }
 
-/// A program, from the workspace's folder. What `cargo run` put into the environment for this program is taken out: a
-/// nested build must not see another crate's variables.
+/// A command that runs a program in the workspace's folder. The environment variables that `cargo run` sets for this program are
+/// removed, so that a nested build does not see another crate's variables.
 pub fn program(name: impl AsRef<std::ffi::OsStr>) -> Command {
     let mut command = Command::new(name);
     command.current_dir(root());
@@ -36,7 +36,7 @@ pub fn program(name: impl AsRef<std::ffi::OsStr>) -> Command {
     command
 }
 
-/// The cargo that runs this program.
+/// A command for the cargo that runs this program.
 pub fn cargo(subcommand: &str) -> Command {
     let mut command = program(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.arg(subcommand);
@@ -53,14 +53,14 @@ pub fn cargo_locked(subcommand: &str) -> Command {
     command
 }
 
-/// Makes the command run at the lowest priority.
+/// Returns the command so that it runs at the lowest priority.
 pub fn behind(command: &Command) -> Command {
     let mut nice = Command::new("nice");
     nice.args(["-n", "19"]);
     started_by(nice, command)
 }
 
-/// The same command, ended when it has taken this much processor time; so is each process that it starts.
+/// Returns the command with a limit of processor time in seconds, for it and for each process that it starts.
 pub fn within(command: &Command, seconds: u32) -> Command {
     let mut limited = Command::new("sh");
     limited.args(["-c", &format!("ulimit -t {seconds} && exec \"$0\" \"$@\"")]);
@@ -82,7 +82,7 @@ fn started_by(mut other: Command, command: &Command) -> Command {
     other
 }
 
-/// The command as one would type it.
+/// The command as a person would type it.
 pub fn shown(command: &Command) -> String {
     let mut words = Vec::new();
     for (key, value) in command.get_envs() {
@@ -104,12 +104,12 @@ pub fn shown(command: &Command) -> String {
     words.join(" ")
 }
 
-/// Runs to the end with its output shown.
+/// Runs the command to its end and shows its output.
 pub fn run(command: &mut Command) -> Outcome {
     run_reading(command, |_| {})
 }
 
-/// Runs to the end with its output shown, and hands every line of its standard output to `line` as well.
+/// Runs the command to its end, shows its output, and passes every line of its standard output to `line`.
 pub fn run_reading(command: &mut Command, line: impl FnMut(&str)) -> Outcome {
     match exit_code(command, line) {
         Ok(Some(0)) => Outcome::Ok(String::new()),
@@ -118,7 +118,7 @@ pub fn run_reading(command: &mut Command, line: impl FnMut(&str)) -> Outcome {
     }
 }
 
-/// Same as [`run_reading`], with standard error among the lines, in the order of writing.
+/// Same as [`run_reading`], but `line` also receives the lines of standard error, in the order of writing.
 pub fn run_reading_all(command: &mut Command, mut line: impl FnMut(&str)) -> Outcome {
     println!("$ {}", shown(command));
     let words = shown(command);
@@ -139,7 +139,7 @@ pub fn run_reading_all(command: &mut Command, mut line: impl FnMut(&str)) -> Out
     }
 }
 
-/// Prints every line and hands it over.
+/// Prints every line of the output and passes it to `line`.
 fn show(output: impl Read, mut line: impl FnMut(&str)) -> std::io::Result<()> {
     for read in BufReader::new(output).split(b'\n') {
         let read = read?;
@@ -163,7 +163,7 @@ pub fn exit_code(command: &mut Command, line: impl FnMut(&str)) -> std::io::Resu
     Ok(child.wait()?.code())
 }
 
-/// Standard output of a command that does its work quietly; `None` if it cannot be run or fails.
+/// Standard output of a command that runs without showing it; `None` if the command cannot be run or fails.
 pub fn capture(command: &mut Command) -> Option<String> {
     let output = command
         .stdin(Stdio::null())

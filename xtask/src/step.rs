@@ -1,28 +1,28 @@
-//! A step: one row of `cargo xtask`.
+//! A step of the project's checks: one row in the table of `cargo xtask` commands.
 
 use crate::outcome::Outcome;
 
-/// One row of `cargo xtask`.
+/// One row in the table of `cargo xtask` commands.
 pub struct Step {
     pub name: &'static str,
     pub about: &'static str,
-    /// The part that each gate runs, in the order of the table.
+    /// The part of the step that each gate runs.
     pub gates: Gates,
     pub run: fn(&[String]) -> Outcome,
 }
 
-/// The gates: `cargo xtask test --quick`, `cargo xtask test`, `cargo xtask test --full`.
+/// The gates, which are test runs of increasing extent: `cargo xtask test --quick`, `cargo xtask test`, `cargo xtask test --full`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Gate {
     /// The gate for daily work.
     Quick,
-    /// The run that a person waits for, and CI.
+    /// The gate that a person waits for before a change is accepted, and that CI runs.
     Test,
-    /// The run of a night.
+    /// The gate that takes a night.
     Full,
 }
 
-/// What each gate runs of a step.
+/// The part of a step that each gate runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Gates {
     pub quick: Share,
@@ -35,9 +35,9 @@ pub struct Gates {
 pub enum Share {
     /// The whole step.
     Whole,
-    /// The step with these arguments; the text names what is left out.
+    /// The gate runs the step with these arguments; the text names what the gate leaves out.
     Part(&'static [&'static str], &'static str),
-    /// The step is left out.
+    /// The gate leaves the step out.
     LeftOut,
 }
 
@@ -54,12 +54,12 @@ impl Gates {
         test: Share::Whole,
         full: Share::Whole,
     };
-    /// A step of the night alone.
+    /// A step that only the full gate runs.
     pub const FULL_ONLY: Self = Self {
         full: Share::Whole,
         ..Self::NONE
     };
-    /// A step of which daily work and the first gate run the same part.
+    /// A step of which the quick gate and the middle gate run the same part.
     pub const fn part(args: &'static [&'static str], left_out: &'static str) -> Self {
         let part = Share::Part(args, left_out);
         Self {
@@ -78,14 +78,14 @@ impl Gates {
         }
     }
 
-    /// Whether any gate runs a part.
+    /// Whether any gate runs at least a part of the step.
     pub fn is_tested(self) -> bool {
         self != Self::NONE
     }
 }
 
 impl Share {
-    /// The arguments, where it is run.
+    /// The arguments with which the gate runs the step; `None` if the gate leaves it out.
     pub fn args(self) -> Option<Vec<String>> {
         match self {
             Share::LeftOut => None,
@@ -94,7 +94,7 @@ impl Share {
         }
     }
 
-    /// The text about what is left out; `None` where nothing is.
+    /// Text that names what the gate leaves out of the step; `None` if nothing is left out.
     pub fn left_out(self) -> Option<&'static str> {
         match self {
             Share::Whole => None,

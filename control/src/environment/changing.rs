@@ -1,28 +1,30 @@
-//! An environment that takes the place of another while a hand is at it.
+//! Replaces an environment (walls and detents) by another while a hand touches it.
 //!
-//! **No jump.** The first tick shows what the last one showed. What that is more or less than the new environment asks for is carried along and
-//! let go of at a stated rate: `f(n) = g(n) + d(n)` with `g` the new environment's own force and `|d(n+1)| <= |d(n)|`, `|d(n+1) - d(n)| <= r T`.
-//! So a change adds at most `r T` a tick to what `g` does by itself.
+//! **No jump of the force.** The first tick of the new environment commands the last force of the old one. The difference between
+//! the old force and the new environment's own force `g` is added to `g` and fades at a set rate `r`: `f(n) = g(n) + d(n)` with
+//! `|d(n+1)| <=
+//! |d(n)|` and `|d(n+1) - d(n)| <= r T`. So a change of environment adds at most `r T` per tick to the changes that `g` makes by
+//! itself.
 //!
-//! **No new account.** The guard goes on with its energy balance, and answers for what is carried as for any other force. A wall that appears under a
-//! hand, deep inside of it, pushes it out with what the account has.
+//! **No new energy.** The guard keeps its energy account and counts the fading force like any other. If a wall appears around a
+//! hand that is deep inside it, the wall pushes the hand out with the energy in the account and no more.
 
 use super::{Environment, Reading, WallSettings};
 use crate::{Controller, Energy, Force, Number, Si};
 
-/// A force that belongs to no wall any more.
+/// The difference between the force of a replaced environment and that of the new one, while it fades.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Carried<N: Number> {
-    /// The last force before the change, until the first tick after it.
+    /// The last force before the change, kept until the first tick after it.
     before: Option<Force<N>>,
-    /// The force that is added to the walls' own until it has faded.
+    /// The force that is added to the new walls' own force until it has faded to zero.
     left: Force<N>,
-    /// The force shrinks by this much in a tick.
+    /// The added force shrinks by this much per tick.
     per_tick: Force<N>,
 }
 
 impl<N: Number> Environment<N> {
-    /// The largest change of force in a tick at this rate in N·m/s (N/s); at least one step of the format.
+    /// The largest change of force per tick for a rate in N·m/s (N/s); at least one step of the number format.
     #[must_use]
     pub fn change_per_tick(rate: Si, rate_hz: u32) -> Force<N> {
         let ticks = Si::saturating_from_num(rate_hz.max(1));
@@ -34,8 +36,8 @@ impl<N: Number> Environment<N> {
         }
     }
 
-    /// At the beginning of an arming: all memory is new, in place. The guard begins with an account where one is given, else goes on
-    /// with its own.
+    /// Clears all memory in place at the beginning of an arming. The guard starts with the given energy in its account, or keeps
+    /// its own if none is given.
     pub fn begin(&mut self, account: Option<Energy<N>>) {
         for wall in self.walls.iter_mut().flatten() {
             wall.forget();
@@ -50,8 +52,8 @@ impl<N: Number> Environment<N> {
         self.carried = None;
     }
 
-    /// Replaces another environment with the same settings of law and guard while that one is at work. Walls that both
-    /// have keep their memory.
+    /// Replaces a running environment that has the same settings of law and guard. Walls that are in both environments keep their
+    /// memory.
     pub fn take_over(&mut self, before: &Self, per_tick: Force<N>) {
         for place in self.walls.iter_mut().flatten() {
             let same = before
@@ -69,8 +71,8 @@ impl<N: Number> Environment<N> {
         self.carry(before.shown, per_tick);
     }
 
-    /// Same as [`Environment::take_over`], in the place of a single wall that is solid above its surface: needs that wall,
-    /// the position of its last tick, and its force then.
+    /// Same as [`Environment::take_over`], in the place of a single wall that is solid above its surface. Needs that wall, the
+    /// position of its last tick, and the force of that tick.
     pub fn take_over_from(
         &mut self,
         before: &Controller<N>,
@@ -97,7 +99,7 @@ impl<N: Number> Environment<N> {
         });
     }
 
-    /// Adds the force that is carried along to the walls' own force.
+    /// Adds the fading force of the replaced environment to the walls' own force.
     #[cold]
     #[inline(never)]
     pub(super) fn carried_onto(&mut self, own: Force<N>) -> Force<N> {
@@ -117,7 +119,7 @@ impl<N: Number> Environment<N> {
         own + left
     }
 
-    /// Whether a change is still being carried out.
+    /// Whether the force of a replaced environment is still fading.
     #[must_use]
     pub fn is_changing(&self) -> bool {
         self.carried.is_some()

@@ -1,27 +1,27 @@
-//! Detents: a force that draws to the nearest of many places.
+//! Detents: a force that pulls the device to the nearest of many evenly spaced positions.
 
 use super::{Reading, Refused, turn_of};
 use crate::{Compliance, Force, Number, Si};
 
-/// The finest pitch, rad (m).
+/// The smallest distance between detents, rad (m).
 pub(super) const FINEST: Si = Si::lit("0.001");
-/// The coarsest pitch, rad (m): a turn has at least one.
+/// The largest distance between detents, rad (m): at least one detent per turn.
 pub(super) const COARSEST: Si = Si::lit("6.2831853072");
 
-/// How far detents are apart.
+/// The distance between neighbouring detents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Spacing {
-    /// This number of detents a turn, 1 to 6283: the same at every turn, bit for bit.
+    /// This number of detents per turn, 1 to 6283. Their positions are the same at every turn, bit for bit.
     PerTurn(u16),
-    /// The distance between neighbours, rad (m), 0.001 to 6.283. It and its inverse are known to 2^-33; 100,000
-    /// detents away that is some 1e-5 of a pitch.
+    /// The distance between neighbours (pitch), rad (m), 0.001 to 6.283. The pitch and its inverse are rounded to 2^-33. After
+    /// 100,000 detents that is an error of some 1e-5 of a pitch.
     Pitch(Si),
 }
 
 /// The settings of detents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DetentSettings {
-    /// How far they are apart.
+    /// The distance between neighbouring detents.
     pub spacing: Spacing,
     /// The largest force, N·m (N).
     pub strength: Si,
@@ -29,35 +29,36 @@ pub struct DetentSettings {
     pub centre: Si,
 }
 
-/// Detents: a force that is a triangle over the way. It is 0 where a device rests, largest a quarter of a pitch on
-/// either side, and 0 again at the ridge between two detents.
+/// Detents whose force over the position is a triangle wave. The force is 0 at a detent, where the device rests. It is largest a
+/// quarter of a pitch to either side, and 0 again halfway between two detents.
 ///
-/// It has no jump, so a device on a ridge does not chatter. It has no memory: over a whole pitch the work is 0, and
-/// from a detent to the ridge it takes `A P/4`. The guard counts what sampling adds to that, as it does with walls.
+/// The force has no jump, so a device halfway between two detents does not chatter. It depends on the position alone: the work over
+/// a whole pitch is 0, and from a detent to the halfway point it is `A P/4` (strength `A`, pitch `P`). The guard counts the energy
+/// that sampling adds, as with walls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Detents<N: Number> {
     place: Place,
-    /// The strength `A`, as a factor of a whole signal.
+    /// The strength `A`, as a factor that turns the triangle wave into a force.
     strength: Compliance<N>,
 }
 
 /// Positions of the detents.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
-    /// Detents of a turn: how many, and the place of one as a share of the way to the next, in 2^-32.
+    /// Detents around a turn: their number, and the position of one detent as a fraction of the distance to the next, in 2^-32.
     Turn { per_turn: i32, centre: i32 },
-    /// Detents along an axis: the inverse of the pitch, and the place of one.
+    /// Detents along an axis: the inverse of their pitch, and the position of one detent.
     Axis { per_pitch: u64, centre: Si },
 }
 
 /// A quarter of a pitch, in 2^-32 of a pitch.
 const QUARTER: u32 = 1 << 30;
 
-/// The most in a turn: with the finest pitch.
+/// The most detents per turn, which is the number with the smallest pitch.
 pub(super) const MOST: u16 = 6283;
 
 impl DetentSettings {
-    /// Detents evenly around a turn: 1 to 6283 of them.
+    /// Settings of 1 to 6283 detents evenly around a turn, with the largest force in N·m and the angle of one detent in rad.
     #[must_use]
     pub const fn around_a_turn(per_turn: u16, strength: Si, centre: Si) -> Self {
         Self {
@@ -70,7 +71,8 @@ impl DetentSettings {
     /// Checks the settings, and computes the coefficients.
     ///
     /// # Errors
-    /// A pitch from 0.001 to 6.283 rad is needed, or 1 to 6283 in a turn, and a force from 0 to the force limit.
+    /// The pitch is not from 0.001 to 6.283 rad, the number is not from 1 to 6283 per turn, or the largest force is not from 0 to
+    /// the force limit.
     pub(super) fn detents<N: Number>(&self, limit: Si) -> Result<Detents<N>, Refused> {
         let place = match self.spacing {
             Spacing::PerTurn(per_turn) => {
@@ -114,7 +116,8 @@ impl DetentSettings {
 }
 
 impl<N: Number> Detents<N> {
-    /// The force against `+x` at a position: at most the strength, and the negative of that as far on the other side of the centre.
+    /// The detents' force against `+x` at a position, at most the strength. At the mirrored position about a detent's centre the
+    /// force is the exact negative.
     #[inline]
     #[must_use]
     pub fn force(&self, at: &impl Reading<N>) -> Force<N> {
@@ -131,7 +134,7 @@ impl<N: Number> Detents<N> {
         if beyond < 0 { -force } else { force }
     }
 
-    /// Distance beyond the nearest detent, as a share of the way to the next, in 2^-32.
+    /// Distance from the nearest detent, as a fraction of the distance to the next, in 2^-32.
     #[inline]
     fn beyond(&self, at: &impl Reading<N>) -> i32 {
         match self.place {
@@ -143,12 +146,12 @@ impl<N: Number> Detents<N> {
     }
 }
 
-/// Same as [`Detents::beyond`], for detents that are set by a pitch. No board uses it: it needs a double word.
+/// Same as [`Detents::beyond`], for detents that are set by a pitch. No board calls it, because it needs 64-bit arithmetic.
 #[cold]
 #[inline(never)]
 fn along_axis(per_pitch: u64, angle: Si, centre: Si) -> i32 {
     let way = angle.saturating_sub(centre).to_bits();
-    // The pitches since the centre, with 32 digits behind the point, of which only these are wanted.
+    // Number of pitches from the centre with 32 fractional bits; only the fractional bits are needed.
     let pitches = way.unsigned_abs().wrapping_mul(per_pitch);
     let beyond = ((pitches >> 32) as u32).cast_signed();
     if way < 0 {

@@ -1,21 +1,21 @@
-//! A wall's surface on an axis, and the penetration of a measured position.
+//! The surface of a wall on one axis, and the penetration of a measured position into the wall.
 
 use crate::encoder::on_step;
 use crate::{CountScale, Force, Number, Position, Si};
 
 crate::choice! {
-    /// The side of its surface on which a wall is solid.
+    /// The side of a wall's surface on which the wall is solid.
     Side {
-        /// Solid at larger angles: it pushes towards smaller ones.
+        /// The wall is solid at angles above its surface: it pushes towards smaller angles.
         #[default]
         Above = "above",
-        /// Solid at smaller angles: it pushes towards larger ones.
+        /// The wall is solid at angles below its surface: it pushes towards larger angles.
         Below = "below",
     }
 }
 
 impl Side {
-    /// A force along the axis as this wall sees it, or back.
+    /// Converts a force along the axis to the wall's own direction, or back: the sign changes for a wall that is solid below.
     #[inline(always)]
     #[must_use]
     pub fn seen<N: Number>(self, force: Force<N>) -> Force<N> {
@@ -26,32 +26,33 @@ impl Side {
     }
 }
 
-/// Where a wall begins.
+/// Position and solid side of a wall's surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Face {
-    /// `x_s`, rad (m).
+    /// Position of the surface, `x_s`, rad (m).
     pub surface: Si,
-    /// The side on which it is solid.
+    /// The side of the surface on which the wall is solid.
     pub side: Side,
 }
 
-/// A surface that positions do not reach from zero is measured from a whole number of turns on.
+/// A surface whose angle is split into whole turns and the rest. It lets positions, which reach ±128 rad, be measured from a
+/// surface far away.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reached {
-    /// Whole turns; 0 for a surface up to `FROM_ZERO`.
+    /// Whole turns from zero; 0 for a surface within ±`FROM_ZERO`.
     pub turns: i32,
-    /// The part of the surface's angle beyond the whole turns.
+    /// The surface, with the angle that remains beyond the whole turns.
     pub face: Face,
 }
 
-/// Up to such an angle, to either side, a surface is measured from zero, as that of a wall alone.
+/// Largest angle in rad, to either side, of a surface that is measured directly from zero.
 const FROM_ZERO: Si = Si::lit("100");
 
-/// A turn, in 2^-64 rad.
+/// A turn in rad with 64 fractional bits.
 const TURN: u128 = 0x6_487e_d511_0b46_11a6;
 
 impl Face {
-    /// The turn from which on it is measured.
+    /// Splits the surface's angle into the nearest number of whole turns and the rest, if it is beyond `FROM_ZERO`.
     #[must_use]
     pub fn reached(self) -> Reached {
         if self.surface.saturating_abs() <= FROM_ZERO {
@@ -78,7 +79,7 @@ impl Face {
     }
 }
 
-/// Where in its turn an angle is, as a share of the turn in 2^-32: that of the mirrored angle is its negative.
+/// Position of an angle within its turn, as a fraction of the turn in 2^-32. The negative angle gives the exact negative.
 #[must_use]
 pub fn turn_of(angle: Si) -> i32 {
     // 2^64/2π, to the nearest.
@@ -95,28 +96,28 @@ pub fn turn_of(angle: Si) -> i32 {
     .cast_signed()
 }
 
-/// A measured position. That of the mirrored position must be the mirror image, bit for bit.
+/// A measured position. All methods must give exactly the mirrored values, bit for bit, for the mirrored position.
 pub trait Reading<N: Number> {
-    /// Along the axis, rad (m).
+    /// Position along the axis, rad (m).
     fn angle(&self) -> Si;
-    /// Where in its turn that is: [`turn_of`].
+    /// The position within its turn, as [`turn_of`] gives it.
     #[inline]
     fn turn(&self) -> i32 {
         turn_of(self.angle())
     }
-    /// The angle to the nearest of such steps, a power of two.
+    /// The angle rounded to the nearest multiple of `step`, a power of two.
     #[inline]
     fn on_steps(&self, step: Si) -> Si {
         on_step(self.angle(), step)
     }
-    /// How deep it lies behind a face, positive inside.
+    /// Depth of the position behind a surface, positive inside the wall.
     fn penetration(&self, reached: &Reached) -> Position<N>;
 }
 
-/// A count of an encoder.
+/// A position measured by an encoder, as a count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Counted {
-    /// The encoder, before whatever surface.
+    /// The conversion from the encoder's counts to angles. Its own surface is not used.
     pub scale: CountScale,
     /// The encoder's count.
     pub count: i64,

@@ -1,5 +1,5 @@
-//! What there is to touch on one axis: several walls, solid above or below their surfaces, detents, and a drawn profile; one guard for
-//! all of it.
+//! Everything to touch on one axis: several walls, solid above or below their surfaces, detents, and a drawn torque profile. One
+//! energy guard limits the sum of their forces.
 //!
 //! ```text
 //! angle -> each wall: penetration -> states -> law \
@@ -7,19 +7,20 @@
 //!       -> profile --------------------------------->
 //! ```
 //!
-//! **Nothing is switched.** Every wall has a law with a memory of its own and is told where the device is at every tick, so that a law never
-//! learns that another wall was touched. Outside its own it gives no force and has no memory. What all of them ask for together is limited as
-//! one force, and one guard answers for it, whose account therefore bounds what a hand gets out by going from one wall to the next as well.
-//! Estimators are told the force of all, for it is what moves the device.
+//! **Nothing is switched.** Every wall has a law with a memory of its own and gets the device's position at every tick. Outside its
+//! own wall a law gives no force and has no memory, so it is not influenced by a touch of another wall. The sum of all forces is
+//! limited as one force and passes one guard. So the guard's account also bounds the energy that a hand gets by going from one wall
+//! to the next. Estimators get the sum of all forces, since the sum moves the device.
 //!
-//! **Signs.** Forces here act against `+x`, as those of a wall that is solid above its surface. A wall that is solid below is the mirror image of
-//! one above, and is calculated as that, so that an environment and its mirror image answer mirrored motions with mirrored forces, bit for bit.
+//! **Signs.** Forces here act against `+x`, like the force of a wall that is solid above its surface. A wall that is solid below is
+//! calculated as the mirror image of one above. So an environment and its mirror image answer mirrored motions with mirrored
+//! forces, bit for bit.
 //!
-//! **No end.** A knob may turn on for 340 million turns: detents and the guard's energy account are the same at every turn, bit for bit. A wall is felt as
-//! far as positions reach, 128 rad of 32 bits: further outside nothing is to be felt, and deeper inside it is off, which
-//! [`Environment::is_beyond_reach`] says.
+//! **Many turns.** A knob may turn for 340 million turns: detents and the guard's energy account are the same at every turn, bit
+//! for bit. A wall acts as far as positions reach, 128 rad with 32 bits. Further outside there is no wall to feel. Further inside
+//! the wall is off, which [`Environment::is_beyond_reach`] reports.
 //!
-//! Objects of three axes are in [`crate::space::environment`]: there a point is inside of one shape, here of any number.
+//! Objects on three axes are in [`crate::space::environment`]: there a point is inside one shape, here inside any number of walls.
 
 mod changing;
 mod detents;
@@ -40,23 +41,24 @@ use crate::{
     AnyLaw, Field, Force, Guard, Guarded, Number, Position, Settings, SettingsError, Si, States,
 };
 
-/// Walls that an environment has at most: two endstops and four between them.
+/// The most walls that an environment can have: two end stops and four walls between them.
 pub const MOST_WALLS: usize = 6;
 
-/// From such an angle on, to either side, no force is shown: twice the furthest that any guard answers for in a tick (1,000 rad/s, one tick
-/// a second), and some counts, before the end of [`Si`], where an angle stands still while the device moves on.
+/// Angle in rad, to either side, from which on no force is commanded. At the end of [`Si`] a measured angle stands still while the
+/// device moves on. This limit lies before that end, by twice the largest displacement that any guard accepts per tick (1,000 rad/s
+/// at one tick per second) and some counts.
 const EDGE: Si = Si::lit("2147481600");
 
-/// A wall: where it is, and the stiffness that it shows.
+/// Settings of a wall: where it is, and its stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WallSettings {
-    /// The surface and its solid side.
+    /// The wall's surface and its solid side.
     pub face: Face,
-    /// `k_de`, N·m/rad.
+    /// Desired stiffness `k_de`, N·m/rad.
     pub k_desired: Si,
 }
 
-/// A wall with its law and the law's memory.
+/// A wall, the control law that renders it, and the law's memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Walled<N: Number> {
     wall: WallSettings,
@@ -66,7 +68,7 @@ struct Walled<N: Number> {
 }
 
 impl<N: Number> Walled<N> {
-    /// Clears all memory.
+    /// Clears the memory of the wall's law and of its states.
     #[cold]
     fn forget(&mut self) {
         self.states.forget();
@@ -83,26 +85,26 @@ pub struct Environment<N: Number> {
     limit: Force<N>,
     /// The energy guard behind the sum of all forces.
     pub guard: Option<Guarded<N>>,
-    /// A step of a position, for the guard's energy account.
+    /// Step in rad (m) to which positions are rounded for the guard's energy account.
     step: Si,
-    /// The last position, in whole steps.
+    /// The position at the last tick, rounded to whole steps.
     last: Option<Si>,
-    /// Where positions end, to either side.
+    /// Largest position of the number format, to either side.
     end: Position<N>,
-    /// Whether a wall was off at the last tick, since the device is deeper inside than positions reach.
+    /// Whether a wall was off at the last tick, because the device was deeper inside it than positions reach.
     beyond_reach: bool,
     commanded: Force<N>,
-    /// The force of the last tick, before any later stage.
+    /// The force of the last tick, before any later stage changes it.
     shown: Force<N>,
-    /// The rest of the force before a change, while it fades.
+    /// The force left over from a replaced environment, while it fades; `None` without one.
     carried: Option<Carried<N>>,
 }
 
 impl<N: Number> Environment<N> {
-    /// The environment as at power-up. All walls share the law's settings but for `k_desired`, and the guard's.
+    /// Makes the environment in the state at power-up. All walls use the same settings of law and guard, except `k_desired`.
     ///
     /// # Errors
-    /// The setting that is refused, and the wall that has it.
+    /// The setting that is refused, and the wall to which it belongs.
     #[cold]
     #[inline(never)]
     pub fn new(
@@ -170,10 +172,11 @@ impl<N: Number> Environment<N> {
         Ok(environment)
     }
 
-    /// This environment with a profile, whose force is added to the others'. `force_limit` is that of the law's settings.
+    /// This environment with a torque profile, whose force is added to those of walls and detents. `force_limit` is that of the
+    /// law's settings.
     ///
     /// # Errors
-    /// The setting of the profile that is refused.
+    /// The profile's setting that is refused.
     #[cold]
     pub fn with_profile(
         mut self,
@@ -184,8 +187,8 @@ impl<N: Number> Environment<N> {
         Ok(self)
     }
 
-    /// This environment in the place of one that ran before, for the next arming: all memory is cleared but the
-    /// guard's account.
+    /// This environment in the place of one that ran before, for the next arming. All memory is cleared; only the energy in the
+    /// guard's account is taken over.
     #[must_use]
     pub fn resumed(self, before: &Self) -> Self {
         let guard = match (self.guard, &before.guard) {
@@ -195,10 +198,10 @@ impl<N: Number> Environment<N> {
         Self { guard, ..self }
     }
 
-    /// Runs one control period: takes where the device is, and how far it has moved since the force changed (where
-    /// that is measured), returns the force against `+x`.
+    /// Runs one control period: takes the device's position, and its displacement since the force changed (where that is measured).
+    /// Returns the force against `+x`.
     ///
-    /// If a later stage changes that force, [`Environment::commanded`] must follow.
+    /// If a later stage changes that force, the caller must report it with [`Environment::commanded`].
     #[inline]
     pub fn tick(&mut self, at: &impl Reading<N>, since_change: Option<Position<N>>) -> Force<N> {
         let mut wanted = match &self.detents {
@@ -257,13 +260,14 @@ impl<N: Number> Environment<N> {
         guard.moved_from(other_end, moved, before_change, wanted)
     }
 
-    /// Whether a wall was off at the last tick: the device was deeper inside than positions reach.
+    /// Whether a wall was off at the last tick, because the device was deeper inside it than positions reach.
     #[must_use]
     pub const fn is_beyond_reach(&self) -> bool {
         self.beyond_reach
     }
 
-    /// What became of the last tick's force, where a later stage changed it: estimators and guard then count with that.
+    /// Reports the force that really was commanded, if a later stage changed the last tick's force. Estimators and guard then
+    /// calculate with it.
     #[inline]
     pub fn commanded(&mut self, force: Force<N>) {
         self.commanded = force;
@@ -272,7 +276,7 @@ impl<N: Number> Environment<N> {
         }
     }
 
-    /// The force is switched off, after the last tick or without one: [`Guard::switched_off`].
+    /// Reports that the force is switched off, with or without a tick before: see [`Guard::switched_off`].
     ///
     /// [`Guard::switched_off`]: crate::Guard::switched_off
     pub fn switched_off(&mut self) {
@@ -282,13 +286,13 @@ impl<N: Number> Environment<N> {
         }
     }
 
-    /// Whether the guard has switched the force off for overspeed.
+    /// Whether the guard has switched the force off because of overspeed.
     #[must_use]
     pub fn tripped(&self) -> bool {
         self.guard.as_ref().is_some_and(|guard| guard.tripped)
     }
 
-    /// The inside of the wall that is touched, else of the first one; `None` without a wall.
+    /// The internal values of the wall that is touched, or of the first wall if none is; `None` without a wall.
     pub fn view(&self) -> Option<View<N>> {
         let mut views = self.walls.iter().flatten().map(|wall| wall.law.view());
         let first = views.next()?;

@@ -3,26 +3,26 @@
 use super::{Reading, Refused, detents::MOST, turn_of};
 use crate::{Compliance, Force, Number, Si};
 
-/// Most points of a profile.
+/// The most points that a profile can have.
 pub const MOST_POINTS: usize = 96;
 
-/// The shape's largest value: a point of this size gives the profile's whole strength.
+/// The largest value of a point; such a point gives the whole strength of the profile.
 pub const WHOLE: i16 = 10_000;
 
 /// The smallest distance between the ends of a profile that is not repeated, rad (m).
 pub(super) const SHORTEST: Si = Si::lit("0.001");
 
-/// The largest such distance, rad (m): 1,000 turns.
+/// The largest distance between the ends of a profile that is not repeated, rad (m): 1,000 turns.
 pub(super) const LONGEST: Si = Si::lit("6283.1853072");
 
-/// Where a profile lies on the axis.
+/// Where a profile lies on the axis, and whether it is repeated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
-    /// Repeated this number of times in a turn, 1 to 6283: the same at every turn, bit for bit. The line from the last point leads to
-    /// the first point of the next copy.
+    /// The profile is repeated this number of times per turn, 1 to 6283. It is the same at every turn, bit for bit. The line from
+    /// the last point leads to the first point of the next copy.
     PerTurn(u16),
-    /// Once, from its start to this position, rad (m), at least 0.001 rad and at most 1,000 turns beyond the start. Outside, the value of
-    /// the nearer end point holds.
+    /// The profile exists once, from its start to this position, rad (m), at least 0.001 rad and at most 1,000 turns beyond the
+    /// start. Outside, the torque is that of the nearer end point.
     Until(Si),
 }
 
@@ -56,7 +56,7 @@ impl Shape {
         Ok(shape)
     }
 
-    /// The points that were given.
+    /// The points of the shape, as they were given.
     #[must_use]
     pub fn points(&self) -> &[i16] {
         self.points
@@ -74,20 +74,20 @@ impl Shape {
 /// The settings of a profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ProfileSettings {
-    /// Where the profile lies.
+    /// Where the profile lies on the axis.
     pub extent: Extent,
     /// Position of the first point, rad (m).
     pub start: Si,
-    /// The force of a point of 10,000, N·m (N), from 0 to the force limit.
+    /// The force at a point of 10,000, N·m (N), from 0 to the force limit.
     pub strength: Si,
-    /// The points.
+    /// The points of the profile.
     pub shape: Shape,
 }
 
-/// A profile at work: a force that depends on the position alone.
+/// A profile with computed coefficients: a force that depends on the position alone.
 ///
-/// It has no memory. Over a copy whose points add up to zero the work is zero; what sampling adds to that, and what a profile of
-/// another sum gives at every copy, is counted by the guard.
+/// It has no memory. Over a copy whose points add up to zero the work is zero. The guard counts the energy that sampling adds, and
+/// the energy that a profile with another sum gives at every copy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Profile<N: Number> {
     place: Place,
@@ -100,9 +100,9 @@ pub struct Profile<N: Number> {
 /// Positions of the points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
-    /// Copies in a turn, and the place of the first point as a fraction of a copy in 2^-32.
+    /// A repeated profile: number of copies per turn, and the position of the first point as a fraction of a copy in 2^-32.
     Turn { per_turn: i32, start: i32 },
-    /// The first and last point's position, and 2^32 over the distance between them.
+    /// A profile that exists once: positions of its first and last point, and 2^32 divided by the distance between them.
     Once { start: Si, end: Si, per_length: u64 },
 }
 
@@ -111,13 +111,13 @@ enum Place {
 pub struct Between {
     /// Index of the point before the position.
     pub before: u32,
-    /// Index of the point after it.
+    /// Index of the next point.
     pub after: u32,
-    /// The way from the one to the other, in 2^-32 of it.
+    /// Distance from the point before to the next one that the position has covered, as a fraction in 2^-32.
     pub way: u32,
 }
 
-/// The strength counts 1.6384 times in the coefficient, since a share counts 10,000 as 16,384.
+/// Factor on the strength in the coefficient, 1.6384, since a fraction of 16,384 stands for a point of 10,000.
 const PER_WHOLE: Si = Si::lit("1.6384");
 
 impl ProfileSettings {
@@ -172,8 +172,8 @@ impl ProfileSettings {
 }
 
 impl<N: Number> Profile<N> {
-    /// The force against `+x` at a position: at most the strength, and the negative of that for the mirrored profile at the mirrored
-    /// position, bit for bit.
+    /// The force against `+x` at a position, at most the strength. The mirrored profile at the mirrored position gives the exact
+    /// negative, bit for bit.
     #[inline]
     #[must_use]
     pub fn force(&self, at: &impl Reading<N>) -> Force<N> {
@@ -181,7 +181,8 @@ impl<N: Number> Profile<N> {
         self.drawn([before, after].map(|index| self.shape.point(index)), way)
     }
 
-    /// The force against `+x` between two points of the shape, `way` of 2^32 beyond the first.
+    /// The force against `+x` between two points of the shape, at the fraction `way` in 2^-32 of the distance from the first to the
+    /// second.
     #[inline]
     #[must_use]
     pub fn drawn(&self, [before, after]: [i16; 2], way: u32) -> Force<N> {
@@ -213,7 +214,7 @@ impl<N: Number> Profile<N> {
     }
 }
 
-/// The number of whole steps in a fraction in 2^-32 of `steps` steps, and what is left of a step in 2^-32.
+/// The number of whole steps in a fraction (2^-32) of `steps` steps, and the rest of a step in 2^-32.
 #[inline]
 const fn steps_of(fraction: u32, steps: u32) -> (u32, u32) {
     let place = (fraction as u64).wrapping_mul(steps as u64);

@@ -1,26 +1,26 @@
-//! Why an environment is refused.
+//! The reasons why an environment's settings are refused.
 
 use crate::{SettingsError, Si};
 use core::fmt;
 
-/// Why an environment is refused.
+/// Why an environment's settings are refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refused {
     /// There are more walls than [`super::MOST_WALLS`].
     TooManyWalls,
-    /// A setting of the law or of the guard.
+    /// A setting of the law or of the guard is refused.
     Law(SettingsError),
-    /// A setting of one wall, with the wall's number.
+    /// A setting of one wall is refused; the number counts the walls from 0.
     Wall(u8, SettingsError),
-    /// The detents' pitch is out of its range, rad (m).
+    /// The distance between detents, rad (m), is out of its range.
     Pitch(Si),
-    /// There are no detents in a turn, or too many.
+    /// The number of detents per turn is 0 or too large.
     PerTurn(u16),
     /// The detents' largest force is below 0 or above the force limit, N·m (N).
     Strength {
-        /// The strength as it was given.
+        /// The given strength, N·m (N).
         strength: Si,
-        /// The force limit.
+        /// The force limit, N·m (N).
         limit: Si,
     },
     /// A profile has fewer than 2 points, or more than [`super::MOST_POINTS`].
@@ -31,7 +31,7 @@ pub enum Refused {
     Length(Si),
     /// The strength of a profile is below 0 or above the force limit, N·m (N).
     ProfileStrength {
-        /// The strength as it was given.
+        /// The given strength, N·m (N).
         strength: Si,
         /// The force limit.
         limit: Si,

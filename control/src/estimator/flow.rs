@@ -1,50 +1,51 @@
-//! How the modelled device moves over a time, as weights.
+//! The motion of the modelled device over a time, as weights of position, velocity, push and commands.
 
 use super::{EstimatedMotion, Part, Weight, is_share};
 use crate::Number;
 use crate::number::{Exact, Wide};
 
-/// Commands that are remembered: those on their way over a delay of up to two ticks, and the one that a fraction of a tick
-/// cuts in two.
+/// Number of past commands that the estimator remembers: those not yet in effect over a delay of up to two ticks, and one that a
+/// fractional delay splits between two ticks.
 pub const TAPS: usize = 3;
-/// Commands that are on their way at a sample.
+/// Number of commands that are given but not yet in effect at a sample.
 pub const UNDER_WAY: usize = 2;
-/// Longest delay, ticks.
+/// Longest delay over which the estimator predicts, ticks.
 pub(super) const LONGEST_DELAY: u8 = UNDER_WAY as u8;
 
-/// The exact motion of inertia and damping under held torques over a time `t`, in ticks.
+/// The exact motion of an inertia with damping under torques that are held over ticks, over a time `t` in ticks.
 ///
-/// With `β = b T/J`: `V(t) = ∫ exp(-β s) ds`, `X(t) = ∫ V(s) ds`, from 0 to `t`, a displacement `d` per tick moves by `V d` and
-/// becomes `(1 - β V) d`; an acceleration moves by `X` and gives `V`. A command that acts from `s` to `r` before the end moves
-/// by `q (X(s) - X(r))`.
+/// With `β = b T/J`: `V(t) = ∫ exp(-β s) ds`, `X(t) = ∫ V(s) ds`, from 0 to `t`. A displacement `d` per tick moves the device by `V
+/// d` and becomes `(1 - β V) d`. An acceleration of 1 per tick² moves it by `X` and adds `V` to the displacement per tick. A
+/// command of 1 N·m that acts from `s` to `r` before the end moves it by `q (X(s) - X(r))`, with `q = T²/J`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flow<N: Number, const COMMANDS: usize> {
-    /// Reach: `V`.
+    /// Weight `V`: displacement over the time for each unit of displacement per tick.
     pub reach: Weight<N>,
-    /// Drift: `X`.
+    /// Weight `X`: displacement over the time for each unit of acceleration per tick².
     pub drift: Weight<N>,
-    /// Loss: `β V`.
+    /// Weight `β V`: fraction of the displacement per tick that damping takes over the time.
     pub loss: Weight<N>,
-    /// For each command, the latest first, what it takes from position and displacement per tick.
+    /// For each command, the latest first: the weights that the command subtracts from position and from displacement per tick.
     pub commands: [[Weight<N>; 2]; COMMANDS],
 }
 
-/// A device in units of ticks, from which flows are computed.
+/// A device with the tick as its unit of time, from which flows are computed.
 #[derive(Debug, Clone, Copy)]
 pub struct DeviceInTicks {
-    /// Loss: `β = b T/J`.
+    /// Fraction of the velocity that damping takes per tick, to first order: `β = b T/J`.
     pub loss: Exact,
-    /// `q = T²/J`, rad/(N·m).
+    /// Acceleration per tick² of a torque of 1 N·m: `q = T²/J`, rad/(N·m).
     pub per_torque: Exact,
     /// Time until a command begins to act, ticks.
     pub delay: Exact,
 }
 
-/// Number of terms of the series; for `β t` up to 4 more terms change no digit.
+/// Number of terms of the power series. For `β t` up to 4, more terms change no digit.
 const TERMS: i64 = 48;
 
 impl DeviceInTicks {
-    /// `V`, ticks, and `X`, ticks², of a time in ticks, for `β t` from 0 to 4; beyond, the series is cut short.
+    /// The weights `V` in ticks and `X` in ticks² for a time in ticks, for `β t` from 0 to 4. For a larger `β t` the series is
+    /// inaccurate.
     #[inline]
     pub fn integrals(&self, time: Exact) -> (Exact, Exact) {
         let (mut reach, mut drift) = (Exact::ZERO, Exact::ZERO);
@@ -65,19 +66,19 @@ impl DeviceInTicks {
         (reach, drift)
     }
 
-    /// The flow over one tick, up to a sample; `None` where a weight does not fit its format.
+    /// The motion over one tick, from sample to sample; `None` where a weight does not fit its format.
     pub fn tick<N: Number>(&self) -> Option<Flow<N, TAPS>> {
         // The command of the i-th tick back began to act 1 + i - delay ticks before the sample.
         self.flow(Exact::ONE, |i| i.saturating_sub(self.delay))
     }
 
-    /// The flow from a sample to when the next command begins to act; `None` where a weight does not fit its format.
+    /// The motion from a sample to the time at which the next command begins to act; `None` where a weight does not fit its format.
     pub fn ahead<N: Number>(&self) -> Option<Flow<N, UNDER_WAY>> {
         self.flow(self.delay, |i| i)
     }
 
-    /// The motion over a time; each command ends the given number of ticks before its end, and begins one tick
-    /// earlier.
+    /// The modelled motion over a time in ticks. Each command acts for one tick and ends a given number of ticks before the end of
+    /// that time.
     fn flow<N: Number, const COMMANDS: usize>(
         &self,
         time: Exact,
@@ -119,7 +120,8 @@ impl DeviceInTicks {
 }
 
 impl<N: Number> Flow<N, 0> {
-    /// A tick of a device that nothing brakes or drives: `V = 1`, `X = 1/2`; `None` where a weight does not fit its format.
+    /// The motion over one tick of a device without damping and without commands: `V = 1`, `X = 1/2`. `None` where a weight does
+    /// not fit its format.
     #[must_use]
     pub fn free() -> Option<Self> {
         let weight = <N::Wide as Wide>::weight;
@@ -132,7 +134,7 @@ impl<N: Number> Flow<N, 0> {
     }
 }
 
-/// `1 - exp(-a)`, for `a` up to 4.
+/// `1 - exp(-angle)`, for `angle` up to 4.
 #[inline]
 pub(crate) fn approach(angle: Exact) -> Exact {
     // exp(-a) = 1 - a φ(a), and `integrals` gives V = t φ(β t): with the roles of time and loss exchanged, φ(a).
@@ -145,8 +147,8 @@ pub(crate) fn approach(angle: Exact) -> Exact {
 }
 
 impl<N: Number, const COMMANDS: usize> Flow<N, COMMANDS> {
-    /// Whether the sums of [`Flow::apply`] cannot overflow: over 1 or 2 ticks no coefficient is longer than the time,
-    /// and commands up to the limit take less than 2 rad, and 2 rad a tick, for each tick.
+    /// Whether the sums of [`Flow::apply`] cannot overflow over `ticks` ticks (1 or 2). No coefficient may exceed the time in
+    /// ticks. Commands up to the force limit may take less than 2 rad, and 2 rad per tick, for each tick.
     pub(super) fn is_bounded(&self, ticks: u8, limit: Part<N>) -> bool {
         let mut taken = [N::Wide::default(); 2];
         let mut fits = true;
@@ -165,7 +167,7 @@ impl<N: Number, const COMMANDS: usize> Flow<N, COMMANDS> {
             && is_share::<N>(self.loss, 1)
     }
 
-    /// Position and displacement per tick at the end.
+    /// Calculates position and displacement per tick at the end of the time.
     #[inline(always)]
     pub fn apply(
         &self,

@@ -1,28 +1,28 @@
-//! State estimator: position, velocity and the hand's push, from counts, known inertia and damping, and commanded torque.
+//! State estimator: position, velocity and the hand's push, from encoder counts, known inertia and damping, and commanded torque.
 //!
-//! A velocity taken as the difference of two counts is coarse and late, and a command acts later still. This estimator knows
-//! what the device does by itself, `J dv/dt = -f - b v + J h`, with the force `f` that was commanded and the hand's push `h`
-//! as an acceleration that stays as it is, so that only the hand is left to be found out. Per tick, with the velocity as a
-//! displacement `d` per tick and the push as `g` per tick²:
+//! A velocity taken as the difference of two counts is coarse and late, and a command acts later still. This estimator models the
+//! device's own motion, `J dv/dt = -f - b v + J h`, with the commanded force `f`. The hand's push `h` is an acceleration that is
+//! assumed constant. So only the hand's push has to be estimated. Per tick, with the velocity as a displacement `d` per tick and
+//! the push as `g` per tick²:
 //!
 //! ```text
-//! x⁻ = x + V d + X g - Σ q x_i f(n-1-i)     what the model expects     V, X, ρ: one tick of the damped device
+//! x⁻ = x + V d + X g - Σ q x_i f(n-1-i)     position that the model expects     V, X, ρ: one tick of the damped device
 //! d⁻ =     ρ d + V g - Σ q v_i f(n-1-i)     q = T²/J
-//! r  = e - x⁻                               what was measured less that
+//! r  = e - x⁻                               measured less expected position
 //! x  = x⁻ + α r    d = d⁻ + β r    g = g + γ r
 //! ```
 //!
-//! The three poles of its error are one and the same, `z = exp(-2π p T)` for a bandwidth `p`:
-//! `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V β = 2 + ρ - 3z - α - X γ`. Then the state is taken ahead, by the same model and with the
-//! commands that are on their way, over the time until the next command begins to act. That is what a law is given.
+//! The three poles of the estimator's error are equal, `z = exp(-2π p T)` for a bandwidth `p`: `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V
+//! β = 2 + ρ - 3z - α - X γ`. Then the same model predicts the state for the time at which the next command begins to act, with the
+//! commands that are already given but not yet in effect. The law gets that prediction.
 //!
-//! **At rest it is exact**, to a step of the format at most: `g` sums up `r` until there is none, whatever inertia and torque
-//! constant are assumed. So a wrong inertia costs accuracy while the device moves, and nothing when it is held.
+//! **At rest the position is exact**, to a step of the format at most: `g` sums up `r` until `r` is zero, whatever inertia and
+//! torque constant are assumed. So a wrong inertia costs accuracy while the device moves, and none when it is held.
 //!
-//! **Nothing overflows**, and nothing has to saturate on the way: a state that leaves `|r| < 8 rad`, `|d| < 4 rad` a tick or
-//! `|g| < 4 rad` a tick², which no device does, starts anew at what was measured. So `|x| <= 128 + 8`; with commands that take less than
-//! 2 rad in each tick (of what settings give, 1; examined where the coefficients are made) and at most two ticks ahead a sum stays below
-//! `136 + 2·4 + 2·4 + 4 < 157` of 512 rad. See `proofs/src/estimator.rs`.
+//! **Nothing overflows**, and no sum has to saturate. A state that leaves `|r| < 8 rad`, `|d| < 4 rad` per tick or `|g| < 4 rad`
+//! per tick², which no real device does, is reset to the measured position. So `|x| <= 128 + 8`. Commands take less than 2 rad in
+//! each tick (settings allow 1; the coefficients are checked) over at most two ticks. So a sum stays below `136 + 2·4 + 2·4 + 4 <
+//! 157` of 512 rad. See `proofs/src/estimator.rs`.
 
 mod flow;
 mod settings;
@@ -37,51 +37,53 @@ use crate::law::Sample;
 use crate::number::{Exact, Wide as _};
 use crate::{Force, Number, Position};
 
-/// The leading digits of a state in a format.
+/// The leading digits of a state, a short number that can be multiplied fast.
 pub type Part<N> = <<N as Number>::Wide as crate::number::Wide>::Part;
-/// A weight in a format.
+/// The type of a coefficient with which leading digits are multiplied.
 pub type Weight<N> = <<N as Number>::Wide as crate::number::Wide>::Weight;
 
-/// Coefficients of the estimator.
+/// Coefficients of the state estimator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimator<N: Number> {
-    /// The motion from one sample to the next.
+    /// The modelled motion from one sample to the next.
     pub tick: Flow<N, TAPS>,
-    /// The motion from the sample to when the command that follows it begins to act.
+    /// The modelled motion from a sample to the time at which the command that follows it begins to act.
     pub ahead: Flow<N, UNDER_WAY>,
-    /// `α`, `β`, `γ`.
+    /// Correction gains `α`, `β`, `γ` of position, displacement per tick, and push.
     pub correction: [Weight<N>; 3],
-    /// Largest force that it takes a command for.
+    /// Largest force that the estimator accepts as a command; a larger one is limited to it.
     pub limit: Force<N>,
 }
 
-/// Where the device is, how it moves, and how it is pushed: each with many digits.
+/// Estimated position, velocity and push of the hand, each with many digits.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EstimatedMotion<N: Number> {
-    /// Penetration `x`, rad.
+    /// Estimated penetration `x`, rad.
     pub position: N::Wide,
-    /// Displacement per tick `d`, rad.
+    /// Estimated displacement per tick `d`, rad.
     pub moved: N::Wide,
-    /// The hand's push `g`: the change of the displacement in each tick, rad.
+    /// The hand's push `g`: change of the displacement per tick in each tick, rad.
     pub pushed: N::Wide,
 }
 
 /// Memory of [`Estimator`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EstimatorState<N: Number> {
-    /// The motion at the last sample; `None` before the first one.
+    /// The estimated motion at the last sample; `None` before the first one.
     pub motion: Option<EstimatedMotion<N>>,
-    /// The last commands, the latest first.
+    /// The last commanded forces, the latest first.
     pub commands: [Part<N>; TAPS],
 }
 
-/// States that are larger than this power of two, rad a tick and rad a tick², belong to no device.
+/// Bits of the largest plausible motion: a state with more than 2^2 rad per tick or rad per tick² is reset, as no device moves so
+/// fast.
 pub(crate) const LARGEST_MOTION_BITS: u32 = 2;
-/// Measured and expected further apart than this power of two, rad: not the device that was there a tick before.
+/// Bits of the largest plausible error of a prediction: if measured and expected position differ by more than 2^3 rad, the state is
+/// reset.
 pub(crate) const LARGEST_SURPRISE_BITS: u32 = 3;
 
 impl<N: Number> EstimatedMotion<N> {
-    /// An estimate at rest at a measured position.
+    /// An estimate of a device at rest at a measured position.
     #[must_use]
     pub fn standing(at: Position<N>) -> Self {
         Self {
@@ -91,7 +93,7 @@ impl<N: Number> EstimatedMotion<N> {
     }
 }
 
-/// The motion at a sample from the motion at the one before; `None` where no device could have moved like that.
+/// The estimated motion at a sample, from that at the sample before; `None` if no device could have moved like that.
 #[inline(always)]
 pub(crate) fn corrected<N: Number, const COMMANDS: usize>(
     tick: &Flow<N, COMMANDS>,
@@ -119,14 +121,14 @@ pub(crate) fn corrected<N: Number, const COMMANDS: usize>(
     possible.then_some(after)
 }
 
-/// Whether a weight lies from 0 to `most`.
+/// Whether a weight is from 0 to `most`.
 fn is_share<N: Number>(weight: Weight<N>, most: u8) -> bool {
     let most = N::Wide::weight(Exact::saturating_from_num(most));
     weight >= Weight::<N>::default() && most.is_some_and(|most| weight <= most)
 }
 
 impl<N: Number> Estimator<N> {
-    /// Whether no sum of a tick can overflow: what `proofs/src/estimator.rs` assumes of its coefficients.
+    /// Whether no sum in a tick can overflow. The proof in `proofs/src/estimator.rs` assumes this of the coefficients.
     #[must_use]
     pub fn is_bounded(&self) -> bool {
         let limit = N::widen(self.limit.0).torque_part();
@@ -139,8 +141,8 @@ impl<N: Number> Estimator<N> {
             && self.limit >= Force::zero()
     }
 
-    /// Runs one control period: takes the measured penetration, returns penetration and displacement per tick for the
-    /// time at which the next command begins to act. [`Estimator::commanded`] must follow.
+    /// Runs one control period: takes the measured penetration, returns penetration and displacement per tick, predicted for the
+    /// time at which the next command begins to act. The caller must call [`Estimator::commanded`] next.
     #[inline(always)]
     pub fn tick(&self, state: &mut EstimatorState<N>, measured: Position<N>) -> Sample<N> {
         let motion = state
@@ -155,7 +157,7 @@ impl<N: Number> Estimator<N> {
         }
     }
 
-    /// The motion at a sample from the motion at the one before; `None` where no device could have moved like that.
+    /// The estimated motion at a sample, from that at the sample before; `None` if no device could have moved like that.
     #[inline(always)]
     pub fn corrected(
         &self,
@@ -166,8 +168,8 @@ impl<N: Number> Estimator<N> {
         corrected(&self.tick, &self.correction, before, commands, measured)
     }
 
-    /// Tells the estimator the force that was commanded after a tick, pushing out of the wall: after every stage that
-    /// may change it.
+    /// Reports to the estimator the force that was commanded after a tick (positive out of the wall), after every stage that may
+    /// change it.
     #[inline(always)]
     pub fn commanded(&self, state: &mut EstimatorState<N>, force: Force<N>) {
         let [last, before, _] = state.commands;

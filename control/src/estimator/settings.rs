@@ -12,7 +12,7 @@ fn ratio(a: Si, b: Si) -> Exact {
     ratio_of_bits(a.to_bits(), b.to_bits())
 }
 
-/// `a / b` for two positive values of one format, by their bits, rounded down and saturating.
+/// `a / b` for two positive fixed-point values of the same format, given as their bits. Rounded down, saturating.
 #[cold]
 #[inline(never)]
 pub fn ratio_of_bits(a: i64, b: i64) -> Exact {
@@ -23,7 +23,7 @@ pub fn ratio_of_bits(a: i64, b: i64) -> Exact {
     Exact::from_bits(i64::try_from(bits).unwrap_or(i64::MAX))
 }
 
-/// A bandwidth against its range, a 500th to a fifth of the control rate.
+/// Checks a bandwidth in Hz against its range, a 500th to a fifth of the control rate.
 #[inline]
 pub(crate) fn check_bandwidth(
     field: Field,
@@ -46,18 +46,20 @@ pub(crate) fn check_bandwidth(
     Ok(())
 }
 
-/// `2π p T`.
+/// The bandwidth as an angle per tick: `2π p T`, rad.
 #[inline]
 pub(crate) fn per_tick(bandwidth_hz: Si, rate_hz: u32) -> Exact {
     let rate = Si::saturating_from_num(rate_hz.max(1));
     ratio(bandwidth_hz, rate).saturating_mul(Exact::TAU)
 }
 
+/// Ranges of the estimator's settings:
+///
 /// - `bandwidth_hz` is `p`: the three poles are `exp(-2π p T)`. From a 500th to a fifth of the control rate.
-/// - `inertia`: so large that the largest force gives at most 1 rad a tick², and at most 6e7 T².
-/// - `damping`: what would make the device slower to coast than the estimator is fast to see (`b/J` above `2π p`) is left to the
-///   hand's push.
-/// - `delay_s`: what is longer than two ticks is predicted for two ticks, so that one scene serves several rates.
+/// - `inertia`: so large that the largest force accelerates the device by at most 1 rad per tick², and at most 6e7 T².
+/// - `damping`: only `b/J` up to `2π p` is modelled. More damping is treated as part of the hand's push, since the device would then coast to
+///   rest faster than the estimator can follow.
+/// - `delay_s`: a delay longer than two ticks is predicted for two ticks, so that one scene serves several control rates.
 impl EstimatorSettings {
     /// Checks every setting against its range at a control rate and for a largest force, N·m (N).
     ///
@@ -87,20 +89,20 @@ impl EstimatorSettings {
         Ok(())
     }
 
-    /// The torque that moves the inertia by a radian a tick in each tick, N·m (N a metre).
+    /// Torque that accelerates the inertia by 1 rad per tick², N·m (on three axes N for 1 m per tick²).
     ///
-    /// It is a function of its own for the sake of the stack's bound: where a block calls another function three
-    /// times, the compiler of small programs makes an indirect call, which the analysis of the stack cannot follow.
+    /// It is a separate function because of the stack analysis. Where a block calls another function three times, the compiler of
+    /// small programs makes an indirect call, which the analysis cannot follow.
     #[inline]
     fn inertia_in_ticks(&self, rate: Si) -> Si {
         self.inertia.saturating_mul(rate).saturating_mul(rate)
     }
 
-    /// Validates, and computes the coefficients.
+    /// Validates the settings, and computes the estimator's coefficients.
     ///
     /// # Errors
-    /// Same as [`EstimatorSettings::validate`]; a force limit that the number format cannot hold counts against the inertia, as do coefficients
-    /// of which a sum could overflow ([`Estimator::is_bounded`]; none is known).
+    /// Same as [`EstimatorSettings::validate`]. An error about the inertia also means that the force limit does not fit the number
+    /// format, or that the sums of the coefficients could overflow ([`Estimator::is_bounded`]; no such settings are known).
     pub fn estimator<N: Number>(
         &self,
         rate_hz: u32,
@@ -135,7 +137,8 @@ impl EstimatorSettings {
 }
 
 impl DeviceInTicks {
-    /// `α`, `β`, `γ` that put all poles of the error at `z = exp(-angle)`; `None` where one does not fit its format.
+    /// The gains `α`, `β`, `γ` that put all three poles of the estimator's error at `z = exp(-angle)`; `None` where one does not
+    /// fit its format.
     pub fn correction<N: Number>(&self, angle: Exact) -> Option<[Weight<N>; 3]> {
         let fast = approach(angle);
         let pole = Exact::ONE.saturating_sub(fast);

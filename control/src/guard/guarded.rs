@@ -1,29 +1,29 @@
-//! A guard at work: its coefficients beside its memory, the last position, and the trip.
+//! The energy guard in use: its coefficients and memory, the last position, and whether it has shut the force off (tripped).
 
 use super::{Guard, GuardState};
 use crate::{Energy, Force, Number, Position, Si};
 
-/// A guard with its memory. After overspeed, and where a force is wanted at the end of what positions can say, it shows no force any
-/// more, until it is taken up again ([`Guarded::resumed`]).
+/// A guard with its memory. It trips after overspeed, and where the law requests a force at the end of the range of positions. From
+/// then on it allows no force until [`Guarded::resumed`] starts it again.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guarded<N: Number> {
-    /// Coefficients.
+    /// The guard's coefficients.
     pub guard: Guard<N>,
-    /// Memory.
+    /// The guard's memory: energy account and last forces.
     pub state: GuardState<N>,
-    /// Measured position of the last tick; `None` before the first one.
+    /// Position measured at the last tick; `None` before the first tick.
     pub last: Option<Position<N>>,
-    /// Whether the law got less than it wanted at the last tick.
+    /// Whether the guard allowed less force than the law requested at the last tick.
     pub limited: bool,
-    /// Whether there was overspeed, or a force was wanted beyond the edge.
+    /// Whether the guard has shut the force off, after overspeed or a requested force at the end of the range of positions.
     pub tripped: bool,
-    /// From here on, to either side, no force is shown: two furthest displacements before the format's end. A position beyond that end
-    /// is measured as that end, so that a motion there would not be counted.
+    /// Position, to either side, from which on no force is allowed: the end of the position format less two largest displacements
+    /// per tick. A position beyond the format's end is measured as that end, so that a motion there would not be counted.
     edge: Position<N>,
 }
 
 impl<N: Number> Guarded<N> {
-    /// The state at power-up: a full account.
+    /// The guard at power-up, with a full energy account.
     #[must_use]
     pub fn new(guard: Guard<N>) -> Self {
         let end = Position(N::saturating_signal(Si::MAX));
@@ -37,15 +37,15 @@ impl<N: Number> Guarded<N> {
         }
     }
 
-    /// This guard with the account of an earlier one whose force has ended: arming does not fill the account. What the
-    /// hand did in between neither costs nor earns anything.
+    /// This guard with the energy in the account of an earlier guard whose force has ended: arming does not fill the account. The
+    /// hand's motion between the two guards changes nothing in the account.
     #[must_use]
     pub fn resumed(mut self, before: &Self) -> Self {
         self.resume(before.account());
         self
     }
 
-    /// Same as [`Guarded::resumed`], given the account alone.
+    /// Same as [`Guarded::resumed`], given the energy in the earlier guard's account alone.
     #[inline]
     pub fn resume(&mut self, account: Energy<N>) {
         self.state = GuardState {
@@ -54,13 +54,13 @@ impl<N: Number> Guarded<N> {
         };
     }
 
-    /// Runs one control period: takes the measured penetration, the one at which the force changed since the last tick
-    /// (where it is measured), and the force that the law wants. Returns the force that is allowed.
+    /// Runs one control period. Takes the measured penetration, the penetration at which the force changed since the last tick
+    /// (where it is measured), and the force that the law requests. Returns the force that is allowed.
     ///
-    /// While a force acts, every counted displacement is the true one. The sample before was before the edge of the
-    /// format, so the next one is at most one displacement beyond it, unless that is overspeed. A force still on its
-    /// way ends with the sample after that, at most at the format's end. Beyond the edge no force acts, so a motion
-    /// costs nothing, and what is measured of it is not more than it was.
+    /// While a force acts, every counted displacement is the true one. The force was allowed at a position before `edge`, so the
+    /// next position is at most one displacement beyond `edge`, unless it counts as overspeed. A force still in effect ends with
+    /// the sample after that one, at most at the format's end. Beyond `edge` no force acts, so a motion there costs no energy, and
+    /// the measured displacement is at most the true one.
     #[inline]
     pub fn tick(
         &mut self,
@@ -74,7 +74,7 @@ impl<N: Number> Guarded<N> {
         self.moved(e - last, before_change, wanted)
     }
 
-    /// Whether a position is too near the format's end for a force.
+    /// Whether a position is too near the end of the position format for a force to be allowed.
     #[inline(always)]
     #[must_use]
     pub fn is_beyond_edge(&self, e: Position<N>) -> bool {
@@ -104,8 +104,8 @@ impl<N: Number> Guarded<N> {
         force
     }
 
-    /// Same as [`Guarded::moved`], seen from the other end of the axis. `moved`, `before_change` and `wanted` with changed
-    /// signs give the force with a changed sign; each rounding falls on the mirrored side of the account.
+    /// Same as [`Guarded::moved`] with the axis reversed. `moved`, `before_change` and `wanted` with opposite signs give the force
+    /// with the opposite sign. Roundings are mirrored too.
     #[inline]
     pub fn moved_mirrored(
         &mut self,
@@ -116,7 +116,7 @@ impl<N: Number> Guarded<N> {
         self.moved_from(true, moved, before_change, wanted)
     }
 
-    /// The tick for both ends of the axis. It is long, so a program has it only once.
+    /// One tick with the axis as it is or reversed. The code is long, so a program contains it only once.
     #[inline]
     pub(crate) fn moved_from(
         &mut self,
@@ -142,18 +142,18 @@ impl<N: Number> Guarded<N> {
         (*force, *older) = (-*force, -*older);
     }
 
-    /// The force that was commanded in the end: [`Guard::commanded`].
+    /// Reports the force that was finally commanded, as [`Guard::commanded`] does.
     #[inline]
     pub fn commanded(&mut self, force: Force<N>) {
         self.guard.commanded(&mut self.state, force);
     }
 
-    /// The force is switched off, and no tick follows: [`Guard::switched_off`].
+    /// Reports that the force is switched off and that no tick follows, as [`Guard::switched_off`] does.
     pub fn switched_off(&mut self) {
         self.guard.switched_off(&mut self.state);
     }
 
-    /// Energy that the hand may still get out.
+    /// Energy in the guard's account, which the hand may still get out.
     #[must_use]
     pub fn account(&self) -> Energy<N> {
         self.state.account

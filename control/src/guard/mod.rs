@@ -1,21 +1,22 @@
-//! The energy guard: a bound on what any hand can get out of a device, whatever the law before it does.
+//! The energy guard: a bound on the energy that any hand can get out of a device, whatever the control law does.
 //!
-//! A token bucket for energy at the hand's port. One account, full once at power-up, takes in what the hand puts in, what a
-//! trusted share of the device's own damping takes out of the motion, and a small refill; it pays what the hand gets out. The
-//! force is bounded so that every displacement that is not overspeed can be paid:
+//! It is a token bucket for energy at the hand's port, with one energy account that is full at power-up only. The account gains the
+//! energy that the hand puts in, the energy that a trusted fraction of the device's own damping dissipates, and a small refill. The
+//! energy that the hand gets out is taken off. The force is bounded so that the account covers every displacement that is not
+//! overspeed:
 //!
 //! ```text
 //! E(n) = E(n-1) + f(n-1) Δx - s g Δx + c (|Δx| - δ)² + P T - κ g² - |g| δ/2      at most C, at least R(n-1)
 //! |f(n)| <= (E(n) - R(n-1))/D,   R(n) = |f(n)| (s d + δ/2)
 //! ```
 //!
-//! `g = f(n-1) - f(n-2)` is the last change of force, `s` the share of a tick after which a force begins to act, `κ = s (1-s)/4c`
-//! what the device can make of that unseen between two samples, `δ` a count, `d` the furthest displacement of a tick, `D = d + δ`,
-//! and `R` the reserve for a force that acts on after the next sample. Derivation, theorem and what remains:
-//! `docs/energy-guard.md`.
+//! `E` is the energy in the account, `g = f(n-1) - f(n-2)` the last change of force, and `s` the fraction of a tick after which a
+//! force begins to act. `κ = s (1-s)/4c` covers the energy that the device can gain between two samples without being seen. `δ` is
+//! an encoder count, `d` the largest displacement in a tick, and `D = d + δ`. `R` is the reserve for a force that acts on after the
+//! next sample. `docs/energy-guard.md` has the derivation, the theorem and the remaining terms.
 //!
-//! What makes the force smaller afterwards (fading in, a limit, rounding to a current) is told to [`Guard::commanded`], or the
-//! account is of a force that never acted.
+//! A later stage that makes the force smaller (fading in, a limit, rounding to a current) must report the result to
+//! [`Guard::commanded`]. Otherwise the account counts a force that never acted.
 
 mod guarded;
 mod settings;
@@ -28,46 +29,50 @@ pub(crate) use settings::quantum;
 
 use crate::{Compliance, Energy, Force, Number, Position, Ratio, Stiffness};
 
-/// The guard's coefficients; what each must satisfy is what [`Guard::new`] sees to.
+/// The guard's coefficients. [`Guard::new`] ensures the conditions under which the energy bound holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guard<N: Number> {
-    /// `C`: the most that the account holds, which is also what it has at power-up.
+    /// `C`: the most energy that the account holds, and the energy at power-up.
     pub capacity: Energy<N>,
-    /// `P T`: the energy that the account gains at every tick.
+    /// `P T`: the energy that the refill adds to the account at every tick.
     pub refill: Energy<N>,
-    /// `c`: the trusted damping over a tick, rounded down.
+    /// `c`: the trusted damping divided by the tick, rounded down.
     pub damping: Stiffness<N>,
-    /// The longest measured displacement that is not overspeed.
+    /// The largest measured displacement per tick that is not overspeed.
     pub furthest: Position<N>,
     /// `δ`: twice the largest error of a measured position, rounded up.
     pub count: Position<N>,
-    /// The part of a displacement that passes under the old force where nothing else is known.
+    /// `s`: fraction of a tick's displacement that passes under the old force, if the position at the change of force is not
+    /// measured.
     pub late: Ratio<N>,
-    /// How far a newton-metre of change pays for straying from that part, rounded up.
+    /// Compliance `κ`: times the square of a change of force it is the energy charged, because the displacement under the old force
+    /// can differ from the fraction `s`. Rounded up.
     pub stray: Compliance<N>,
-    /// What every change of force is charged for anyway: half a count and what rounding leaves out.
+    /// Distance by which every change of force is multiplied and charged: half an encoder count and the errors of rounding.
     pub slack: Position<N>,
-    /// `1/D`, rounded down.
+    /// `1/D`, rounded down: largest allowed force for each joule in the account. `D` is the largest displacement per tick plus a
+    /// count.
     pub per_reach: Stiffness<N>,
-    /// How far the device can move under a force that is on its way, and half a count, rounded up.
+    /// Largest displacement under a force after the sample that ends it, plus half an encoder count, rounded up.
     pub in_flight: Position<N>,
-    /// `(1 + s)/4c`: the most that a newton-metre can have lost, over any displacement, until it is off; rounded up.
+    /// Compliance `(1 + s)/4c`: times the square of a force it is the most energy that overspeed can cost, over any displacement,
+    /// until the force is off. Rounded up.
     pub overrun: Compliance<N>,
 }
 
-/// The guard's memory. It starts full, once: arming, a reset of the law or leaving the wall are no reason for another.
+/// The guard's memory. Its account is full at power-up only: arming, a reset of the law or leaving the wall do not fill it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct GuardState<N: Number> {
-    /// Energy that the hand may still get out, J.
+    /// Energy in the account, which the hand may still get out, J.
     pub account: Energy<N>,
     /// The force of the last tick.
     pub force: Force<N>,
-    /// The force of the tick before it.
+    /// The force of the tick before the last.
     pub older: Force<N>,
 }
 
-/// The device moved further in a tick than the account answers for, or, of a stage that knows where it is, to where positions end. No
-/// force may follow; the caller has to switch off.
+/// Error: the device moved further in a tick than the energy account covers, or to the end of the range of positions. No force may
+/// follow, so the caller has to switch off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Overspeed;
 
@@ -81,8 +86,8 @@ impl<N: Number> Guard<N> {
         }
     }
 
-    /// Runs one control period with one position a period: takes the displacement since the last tick (inward
-    /// positive) and the force that the law wants, returns the force that is allowed.
+    /// Runs one control period with one measured position. Takes the displacement since the last tick (positive inward) and the
+    /// force that the law requests. Returns the force that is allowed.
     ///
     /// # Errors
     /// Overspeed: from now on the force is 0.
@@ -96,8 +101,8 @@ impl<N: Number> Guard<N> {
         self.step(state, moved, Position::zero(), wanted)
     }
 
-    /// Same as [`Guard::tick`], with the position also taken when the force changed: `before_change` is the part of `moved`
-    /// that came before.
+    /// Same as [`Guard::tick`], with the position also measured when the force changed: `before_change` is the part of `moved`
+    /// before that change.
     ///
     /// # Errors
     /// Same as [`Guard::tick`].
@@ -116,18 +121,18 @@ impl<N: Number> Guard<N> {
         self.step(state, moved, before_change, wanted)
     }
 
-    /// The force that was commanded in the end, where something made the guarded one smaller. A larger one would be a promise
-    /// broken, and counts as the guarded one.
+    /// Reports the force that was finally commanded, if a later stage made the allowed force smaller. A larger force would break
+    /// the energy bound and is counted as the allowed force.
     #[inline]
     pub fn commanded(&self, state: &mut GuardState<N>, force: Force<N>) {
         state.force = force.within(state.force.modulus());
     }
 
-    /// The force is switched off, and no tick follows.
+    /// Reports that the force is switched off and that no tick follows.
     ///
-    /// After a tick that commands nothing, only the older force still acts, no longer than a change takes, and its
-    /// reserve pays for that. If no tick ended the force, it is unknown how long it acted; but every displacement was
-    /// paid for, so an empty account answers for it.
+    /// After a tick that commands no force, only the older force still acts, for at most the delay of a change. The reserve for
+    /// that force is taken off the account. If no tick ended the force, it is unknown how long it acted. But the account covered
+    /// every displacement, so setting it to zero is safe.
     #[cold]
     pub fn switched_off(&self, state: &mut GuardState<N>) {
         let account = if state.force == Force::zero() {
@@ -173,10 +178,10 @@ impl<N: Number> Guard<N> {
         Ok(force)
     }
 
-    /// The account after a tick.
+    /// The energy in the account after a tick.
     ///
-    /// No sum overflows. Forces and displacements are at most a quarter of their format, so each product below is at
-    /// most an eighth of an energy's, and the account is at most a quarter.
+    /// No sum overflows. Forces and displacements are at most a quarter of their format's range, so each product below is at most
+    /// an eighth of the range of energies. The account is at most a quarter of that range.
     #[inline(always)]
     pub fn booked(
         &self,
@@ -199,31 +204,33 @@ impl<N: Number> Guard<N> {
             .plus_fitting(self.damped(distance))
     }
 
-    /// Energy that the trusted damping took. A measured displacement is up to a count longer than the true one.
+    /// Energy that the trusted damping dissipated over a measured distance, which can be up to an encoder count longer than the
+    /// true one.
     #[inline(always)]
     fn damped(&self, distance: Position<N>) -> Energy<N> {
         let surely = (distance - self.count).max(Position::zero());
         (self.damping * surely).down_fitting() * surely
     }
 
-    /// The most that a force may still cost after the next sample, before another replaces it.
+    /// The most energy that a force may still cost after the next sample, before another force replaces it.
     #[inline(always)]
     #[must_use]
     pub fn reserve(&self, force: Force<N>) -> Energy<N> {
         force.modulus_fitting() * self.in_flight
     }
 
-    /// The largest force that an energy, not below 0, can pay for over every displacement up to the furthest: `E/D`.
+    /// The largest force whose work over the largest displacement is covered by this energy, which must not be negative: `E/D`.
     ///
-    /// It needs no root, because it leaves the damping as a reserve. It falls in proportion to the energy that is
-    /// left, so the wall becomes softer as the account empties, and there is no sudden end.
+    /// No square root is needed, because the device's damping is not used up here. The largest force is in proportion to the energy
+    /// left. So the wall becomes softer as the account empties, and does not end suddenly.
     #[inline(always)]
     #[must_use]
     pub fn largest_force(&self, free: Energy<N>) -> Force<N> {
         (self.per_reach * free.digits_fitting()).down_fitting()
     }
 
-    /// Makes up for a deficit: meanwhile no force is shown, so no energy is lost.
+    /// Adds refill and damping energy to an account that overspeed left negative. No force is allowed meanwhile, so no energy is
+    /// lost.
     #[cold]
     fn make_up(&self, state: &mut GuardState<N>, distance: Position<N>) -> Force<N> {
         *state = GuardState {
@@ -233,8 +240,7 @@ impl<N: Number> Guard<N> {
         Force::zero()
     }
 
-    /// Charges overspeed: the largest loss possible under the forces that acted and the one that acts until it is
-    /// off.
+    /// Charges overspeed to the account: the largest possible loss under the last two forces until the force is off.
     #[cold]
     fn overrun(&self, state: &mut GuardState<N>) -> Result<Force<N>, Overspeed> {
         let size = state.force.modulus().max(state.older.modulus());

@@ -1,4 +1,4 @@
-//! The guard's settings, their ranges and warnings, and the coefficients computed from them.
+//! The energy guard's settings, their ranges and warnings, and the coefficients that are computed from them.
 
 use super::Guard;
 use crate::quotient::over;
@@ -8,35 +8,35 @@ use crate::{
     SettingsError, Si, Stiffness, Warning,
 };
 
-/// The properties of the device that the guard needs.
+/// The properties of the device that the guard's coefficients depend on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct GuardedDevice {
     /// Control rate `1/T`, Hz.
     pub rate_hz: u32,
     /// Largest force ever commanded, N·m (N).
     pub force_limit: Si,
-    /// Twice the largest error of a measured position: a count of the encoder, rad (m); up to 0.1.
+    /// Twice the largest error of a measured position, that is one encoder count, rad (m); up to 0.1.
     pub count: Si,
 }
 
-/// Added to make a value that was computed by rounding down an upper bound: more than the last digits that a sum of
-/// products and quotients can lose.
+/// Added to a value that was rounded down to make it an upper bound: more than the last digits that a sum of products and quotients
+/// can lose.
 const UP: Si = Si::from_bits(8);
 
-/// What settings and device come to, SI.
+/// Quantities in SI units that follow from the guard's settings and the device.
 struct Derived {
-    /// `c`, rounded down.
+    /// Trusted damping over the tick, `c`, rounded down.
     damping: Si,
-    /// `d`, rounded up.
+    /// Largest displacement in a tick, `d`, rounded up.
     distance: Si,
-    /// `D = d + δ`, rounded up.
+    /// Largest displacement and a count, `D = d + δ`, rounded up.
     reach: Si,
-    /// Share of a tick after which a force acts, in the mean: exact, for the rate is a whole number.
+    /// Mean fraction of a tick after which a force begins to act. It is exact, as the control rate is a whole number.
     late: Si,
 }
 
 impl GuardSettings {
-    /// Delay and lag cut to a tick as it is rounded down: accepted settings are at most a digit longer.
+    /// Limits delay plus lag to one tick, rounded down. Accepted settings can exceed the tick by one last digit.
     #[inline]
     fn within_a_tick(&self, device: &GuardedDevice) -> Self {
         let tick = over(Si::ONE, Si::saturating_from_num(device.rate_hz));
@@ -67,10 +67,10 @@ impl GuardSettings {
         }
     }
 
-    /// Every setting within its range, at a control rate from 1 Hz to 100 kHz.
+    /// Checks every setting against its range, at a control rate from 1 Hz to 100 kHz.
     ///
     /// # Errors
-    /// The first that is not.
+    /// The first setting that is out of range.
     #[inline]
     pub fn validate(&self, device: &GuardedDevice) -> Result<(), SettingsError> {
         self.check_ranges()?;
@@ -93,7 +93,7 @@ impl GuardSettings {
         within(Field::GuardLag, self.lag, tick.saturating_sub(self.delay))
     }
 
-    /// Warnings: settings with which the guard gives more energy away than it need.
+    /// Warnings about settings with which the guard softens the wall or its account runs empty in normal use.
     #[must_use]
     pub fn warnings(&self, device: &GuardedDevice) -> [Option<Warning>; 2] {
         let derived = self.within_a_tick(device).derived(device);
@@ -121,14 +121,14 @@ fn refused<N: Number>(field: Field, value: Si) -> SettingsError {
     }
 }
 
-/// The smallest step of a signal.
+/// The smallest step of a signal in the number format.
 pub(crate) fn quantum<N: Number>() -> Si {
     let step = |bit| Si::from_bits(1_i64.wrapping_shl(bit));
     let shows = |step: &Si| N::signal(*step).is_some_and(|signal| signal >= N::QUANTUM);
     (0..Si::FRAC_NBITS).map(step).find(shows).unwrap_or(Si::ONE)
 }
 
-/// A position, rounded up.
+/// Converts a position to the number format, rounded up.
 fn up<N: Number>(field: Field, value: Si) -> Result<Position<N>, SettingsError> {
     N::signal(value)
         .map(|x| Position(N::add(x, N::QUANTUM)))
@@ -139,7 +139,7 @@ impl<N: Number> Guard<N> {
     /// Validates the settings and computes the coefficients.
     ///
     /// # Errors
-    /// A setting out of its range, or a coefficient that does not fit the number format.
+    /// A setting is out of its range, or a coefficient does not fit the number format.
     pub fn new(settings: &GuardSettings, device: &GuardedDevice) -> Result<Self, SettingsError> {
         settings.validate(device)?;
         let settings = &settings.within_a_tick(device);

@@ -26,7 +26,7 @@ fn force(quanta: i64) -> Force<Fixed32> {
     Force(I8F24::from_bits(i32::try_from(quanta).unwrap()))
 }
 
-/// A linear congruence with its high bits mixed down.
+/// A pseudo-random number generator: a linear congruential sequence with its high bits mixed into the low ones.
 struct Random(u64);
 impl Random {
     fn next(&mut self) -> u64 {
@@ -42,15 +42,15 @@ impl Random {
     }
 }
 
-/// The true account in whole quanta of energy: the work of each force over its displacement, and what the trusted
-/// damping took. `c` comes from the settings and not from what the guard has stored.
+/// The true energy in whole quanta: the work of each force over its displacement, and what the trusted damping dissipated. The
+/// damping `c` comes from the settings and not from the guard's stored coefficient.
 struct Truth {
     joules: i128,
 }
 const JOULE: i128 = 1 << 48;
 
 impl Truth {
-    /// Books a displacement in a part of a tick, given in thousandths, rounded down.
+    /// Adds the energy of a displacement in a part of a tick, given in thousandths of a tick, rounded down.
     fn moved(&mut self, force: i64, moved: i64, thousandths: i128) {
         let (force, moved) = (i128::from(force), i128::from(moved));
         // 0.32 N·m/rad over a tick: 0.8 of 4e-4 N·m·s/rad.
@@ -64,9 +64,10 @@ impl Truth {
     }
 }
 
-/// Random and hostile hands over whole numbers: at no instant has any hand got out more than the account has lost.
+/// Random and hostile hands, in whole quanta: at no instant has a hand got out more energy than the guard's account has lost.
 ///
-/// The true position is anywhere within half a count of the measured one; the force acts late by a tenth, a half, a whole tick.
+/// The true position is anywhere within half an encoder count of the measured one. The force acts a tenth, a half or a whole tick
+/// late.
 #[test]
 fn the_account_is_never_above_the_truth() {
     // Half a count of error at each end of a window, under the largest force that a full account allows; quanta of energy.
@@ -165,7 +166,7 @@ fn the_account_is_never_above_the_truth() {
     }
 }
 
-/// Without delay and without error the energy account is exact: the account alone, with no lower end, never passes zero.
+/// Without delay and position error the guard's account is exact: it never falls below zero, even without its lower limit.
 #[test]
 fn every_displacement_up_to_overspeed_is_paid() {
     let exact = GuardedDevice {
@@ -362,7 +363,7 @@ fn settings_are_validated_from_both_sides() {
     assert!(Guard::<Fixed32>::new(&late, &device()).is_err());
 }
 
-/// Settings are read to the nearest digit, whichever side of the exact quotient that is.
+/// A delay of one tick is accepted whether its text rounds up or down to the nearest digit.
 #[test]
 fn a_delay_of_a_whole_tick_is_taken_at_every_rate_and_a_longer_one_at_none() {
     let rates = (1..=200)

@@ -1,19 +1,19 @@
-//! The spring-damper with a filtered velocity: the usual remedy for the coarse steps of a difference of counts.
+//! The spring-damper law with a filtered velocity, the usual remedy for the coarse steps of a difference of encoder counts.
 
 use super::{Law, Sample, Spring, SpringState, View};
 use crate::velocity::{Velocity, VelocityState};
 use crate::{Force, Number};
 
-/// A [`Spring`] with the penetration of the sample and a damper whose velocity comes from a filter.
+/// A [`Spring`] on the measured penetration, with a damper whose velocity comes from a filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Damped<N: Number> {
     /// Spring and damper.
     pub spring: Spring<N>,
-    /// The filter that gives the damper its velocity.
+    /// The filter from which the damper gets its velocity.
     pub velocity: Velocity<N>,
 }
 
-/// Memory of [`Damped`]. Outside the wall the spring's part is cleared; the filter goes on, so that it knows the
+/// Memory of [`Damped`]. Outside the wall the spring's memory is cleared. The velocity filter continues, so that it knows the
 /// motion at the next contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DampedState<N: Number> {

@@ -1,29 +1,29 @@
-//! Enhanced successive force augmentation (thesis Algorithm 3.1, Fig. 3.18), made passive up to a stated credit.
+//! Enhanced successive force augmentation (thesis Algorithm 3.1, Fig. 3.18), made passive up to a stated loan of energy.
 //!
-//! First contact is rendered at `k_de` with the filter bypassed. When the motion turns, a virtual mass takes over. The HIP
-//! hangs on it by `k_f`, and the mass is pushed out by the soft spring `k_v` deformed by its penetration plus an offset `O`,
-//! which is changed until the stiffness felt at the HIP is `k_de`.
+//! The first contact is rendered at `k_de` without the virtual mass. When the motion turns, the virtual mass takes over. The hand's
+//! point (HIP) hangs on the mass by a spring `k_f`. The soft spring `k_v` pushes the mass out; it is deformed by the mass'
+//! penetration plus an offset `O`. The law changes the offset until the stiffness felt at the HIP is `k_de`.
 //!
 //! **Passivity at the mass is exact.** The next displacement of a virtual mass, unlike that of a hand, is *known* before the
-//! force is chosen: `d' = (N0 - f)/D`. So the controller does not repair a deficit afterwards, it never lets one arise:
-//! if the mass would move out further than the stored energy pays for at full force, it moves out by exactly what that
-//! energy pays for (`E/f`), and the force becomes the one that does so. With no energy left the mass stands still and the
-//! wall holds; it neither kicks nor collapses. `E >= 0` is an invariant for every input.
+//! force is chosen: `d' = (N0 - f)/D`. So the controller prevents a deficit of energy instead of repairing it. If the mass would
+//! move out further than the stored energy pays for at full force, it moves out by exactly the distance that the energy pays for
+//! (`E/f`), and the force becomes the one that does so. With no energy left the mass stands still and the wall holds: it neither
+//! kicks nor collapses. `E >= 0` is an invariant for every input.
 //!
-//! **Credit.** A wall that holds a hand's force `F` at `k_de` through a coupling `k_f` stores `F²/(2 k_f)` in that coupling,
-//! but a slow press into a stiffness `k_de` absorbs only `F²/(2 k_de)`. So *no* passive wall behind `k_f <= k_c` can show
-//! more than about `2 k_f` to a resting hand: what the thesis' controller shows beyond that, it shows because its observer
-//! counts the sampling leak the wrong way round. Here the loan is explicit: the observer starts each contact at
-//! `energy_credit`, and over one contact the mass can never give more than that beyond what it took.
+//! **Loan (credit).** A wall that holds a hand's force `F` at `k_de` through a coupling `k_f` stores `F²/(2 k_f)` in that coupling,
+//! but a slow press into a stiffness `k_de` absorbs only `F²/(2 k_de)`. So *no* passive wall behind `k_f <= k_c` can show more than
+//! about `2 k_f` to a resting hand. The thesis' controller shows more, because its observer counts the energy leak of sampling with
+//! the wrong sign. Here the loan is explicit. The observer starts each contact with the energy `energy_credit`, and over one
+//! contact the mass can never give more than that beyond what it took.
 //!
-//! **A damper stands beside the augmented wall.** `(B/T) Δe`, the damper of the plain spring, is added to the wall's force in every
-//! phase. The sum never pulls and stays within the limit. Up to `k_v` the law is that damped spring, with `B k_de/k_v`. The books at the
-//! *mass port* leave the damper out: what it takes is never given back through the offset, and the offset regulates the wall's
-//! stiffness alone. At the *wall's port* its force is held over a tick and acts over the next displacement, so where the motion turns
-//! it gives up to `(B/T) |Δe(n) Δe(n+1)|`. A device that damps `k T/2 + B` takes that. What a hand gets out in all is for the guard to
-//! bound.
+//! **A damper beside the augmented wall.** The force `(B/T) Δe`, the damper of the plain spring, is added to the wall's force in
+//! every phase. The sum never pulls and stays within the force limit. Up to `k_v` the law is that damped spring, with damping `B
+//! k_de/k_v`. The energy sum at the *mass* leaves the damper out: the energy that it takes is never given back through the offset,
+//! and the offset regulates the stiffness of the wall alone. At the *wall's* port its force is held over a tick and acts over the
+//! next displacement. So where the motion turns, the damper gives up to `(B/T) |Δe(n) Δe(n+1)|`. A device with the damping `k T/2 +
+//! B` absorbs that energy. The energy guard bounds the total energy that a hand gets out.
 //!
-//! The form of the thesis (without the damper, its observer, offset changed on inward motion only) stays selectable.
+//! The form of the thesis (without the damper, with its observer, offset changed on inward motion only) can be selected.
 
 use super::{Contact, Law, Sample, View};
 use crate::filter::{MassState, VirtualMass};
@@ -32,20 +32,21 @@ use crate::{
     Ratio, Regulate, Stiffness, Tension,
 };
 
-/// How the offset is changed: Algorithm 3.1, lines 7–13, with the moduli that its listing forgets.
+/// The rule that changes the offset: Algorithm 3.1 of the thesis, lines 7–13, with the moduli that are missing in its listing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Augmentation<N: Number> {
-    /// `c/k_v` or `c/k_de`, the fraction of the ideal step (3.7, 3.8), see [`crate::IdealStep`].
+    /// `c/k_v` or `c/k_de`: gain of the ideal step with the fraction `c` of it, equations (3.7) and (3.8) of the thesis; see
+    /// [`crate::IdealStep`].
     pub of_ideal: Compliance<N>,
-    /// `b/k_v`, the limit by the force (3.9).
+    /// `b/k_v`: limits the step in proportion to the force, equation (3.9) of the thesis.
     pub of_force: Compliance<N>,
-    /// `a`, the limit by the penetration (3.11).
+    /// `a`: limits the step in proportion to the penetration, equation (3.11) of the thesis.
     pub of_penetration: Ratio<N>,
 }
 
 impl<N: Number> Augmentation<N> {
-    /// `ΔO = min(c·|k_de e - |f||/k_v, b·|f|/k_v, a·|e|)`, never negative. A force of zero counts as one quantum, or an
-    /// offset at exactly no force could never grow again.
+    /// The step of the offset, `ΔO = min(c·|k_de e - |f||/k_v, b·|f|/k_v, a·|e|)`, never negative. A force of zero counts as one
+    /// quantum; otherwise the offset could never grow again from a force of exactly zero.
     #[inline]
     pub fn step(&self, wanted: Force<N>, shown: Force<N>, e: Position<N>) -> Position<N> {
         let shown = shown.modulus();
@@ -55,56 +56,57 @@ impl<N: Number> Augmentation<N> {
         Self::least(ideal, weber, near)
     }
 
-    /// The least of the three bounds, the second at least one quantum.
+    /// The smallest of the three limits of the step, the second limit being at least one quantum.
     #[inline]
     pub fn least(ideal: Position<N>, weber: Position<N>, near: Position<N>) -> Position<N> {
         ideal.min(weber.max(Position::quantum())).min(near)
     }
 }
 
-/// The enhanced law for a desired stiffness above the soft one; below, `build` makes a plain spring (§3.1).
+/// The enhanced law for a desired stiffness above the soft stiffness. For a smaller one, `build` makes a plain spring (thesis
+/// §3.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EnhancedSfa<N: Number> {
     /// Desired stiffness `k_de`.
     pub desired: Stiffness<N>,
-    /// The stiffness that is regulated towards: `k_de`, or (3.5) at the mass.
+    /// The stiffness towards which the offset regulates: `k_de`, or that of equation (3.5) of the thesis for the mass.
     pub target: Stiffness<N>,
     /// Virtual damping per tick, `B/T`, of the damper beside the augmented wall; zero for the thesis' law.
     pub damper: Stiffness<N>,
     /// Soft stiffness `k_v`.
     pub soft: Stiffness<N>,
-    /// Compliance: `1/k_v`.
+    /// Compliance of the soft spring: `1/k_v`.
     pub compliance: Compliance<N>,
-    /// How the offset is changed.
+    /// The rule that changes the offset.
     pub augmentation: Augmentation<N>,
-    /// The stiffness that is regulated.
+    /// The stiffness that the offset regulates: that at the mass or at the HIP.
     pub regulate: Regulate,
-    /// The moments at which the offset is changed.
+    /// The ticks in which the offset changes.
     pub update: OffsetUpdate,
-    /// The form of the energy observer.
+    /// The form of the energy observer: exact or the thesis'.
     pub observer: ObserverForm,
-    /// What happens to the force when the first contact ends.
+    /// What happens to the force when the first contact ends (the first reversal of motion).
     pub first_contact: FirstContact,
-    /// The virtual mass.
+    /// Coefficients of the virtual mass.
     pub mass: VirtualMass<N>,
-    /// `k_f`, to divide by.
+    /// Coupling stiffness `k_f`, prepared as a divisor.
     pub by_coupling: Divisor<N>,
-    /// `k_f + k_v`, to divide by.
+    /// The sum `k_f + k_v`, prepared as a divisor.
     pub series: Divisor<N>,
-    /// Energy lent to each contact.
+    /// Energy in joules lent to each contact.
     pub credit: Energy<N>,
-    /// Cap of the stored energy, see [`super::Tdpa`].
+    /// Largest stored energy, a quarter of the format's range; see [`super::Tdpa`].
     pub energy_cap: Energy<N>,
-    /// Largest force ever commanded.
+    /// Largest force that the law commands.
     pub limit: Force<N>,
 }
 
-/// Memory of the augmented phase.
+/// Memory of the enhanced law after the first reversal of motion, while the virtual mass is in use.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Augmented<N: Number> {
-    /// The virtual mass.
+    /// State of the virtual mass.
     pub mass: MassState<N>,
-    /// Offset `O`.
+    /// Offset `O`, by which the soft spring is deformed beyond the mass' penetration.
     pub offset: Position<N>,
     /// Force of the wall on the mass in the last tick, never negative.
     pub at_mass: Force<N>,
@@ -117,17 +119,17 @@ pub struct EnhancedState<N: Number> {
     pub contact: Contact,
     /// Penetration of the last tick.
     pub last: Position<N>,
-    /// Force of the augmented wall at the HIP, without the damper beside it.
+    /// Force of the augmented wall on the HIP in the last tick, without the damper beside it.
     pub force: Force<N>,
-    /// Energy left, credit included, never negative while augmenting.
+    /// Stored energy left, the loan included; never negative while augmenting.
     pub energy: Energy<N>,
-    /// The augmented phase.
+    /// Memory of the augmented phase.
     pub augmented: Augmented<N>,
 }
 
 impl<N: Number> EnhancedSfa<N> {
-    /// The force of the augmented wall plus that of the damper beside it, never pulling. The damper works on the
-    /// displacement inside the wall, as that of [`super::Spring`] does.
+    /// The force of the augmented wall plus that of the damper beside it, never pulling. The damper acts on the displacement inside
+    /// the wall, as in [`super::Spring`].
     #[inline(always)]
     fn damped(&self, augmented: Force<N>, sample: Sample<N>) -> Force<N> {
         (augmented + (self.damper * sample.moved_inside()).towards_zero())
@@ -135,7 +137,7 @@ impl<N: Number> EnhancedSfa<N> {
             .min(self.limit)
     }
 
-    /// First contact is over: puts the mass where it can start without energy from nowhere.
+    /// Ends the first contact: puts the virtual mass where the energy absorbed so far covers the stretch of its coupling.
     #[inline]
     pub fn hand_over(&self, state: &mut EnhancedState<N>) {
         let e = state.last;
@@ -168,7 +170,8 @@ impl<N: Number> EnhancedSfa<N> {
         };
     }
 
-    /// Lines 3–13: the new offset, never negative (a negative one would end the contact inside the wall, §3.1).
+    /// The new offset, lines 3–13 of Algorithm 3.1. It is never negative: a negative offset would end the contact inside the wall
+    /// (thesis §3.1).
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_pointer_width = "64"), inline)]
     pub fn offset(&self, state: &EnhancedState<N>, e: Position<N>) -> Position<N> {
@@ -196,7 +199,7 @@ impl<N: Number> EnhancedSfa<N> {
         changed.max(Position::zero())
     }
 
-    /// Chooses the force on the mass and moves it, so that the energy stays non-negative. Returns the force.
+    /// Chooses the wall's force on the mass and moves the mass, so that the stored energy stays non-negative. Returns the force.
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_pointer_width = "64"), inline)]
     pub fn move_mass(
@@ -222,7 +225,7 @@ impl<N: Number> EnhancedSfa<N> {
         force
     }
 
-    /// Force on the HIP after the first contact; `None` once the wall has been left.
+    /// Force on the HIP after the first contact; `None` once the HIP has left the wall.
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_pointer_width = "64"), inline)]
     fn augmented_force(
@@ -253,9 +256,9 @@ impl<N: Number> EnhancedSfa<N> {
         Some(Force::zero())
     }
 
-    /// The HIP leaves the mass behind. A wall does not pull, so nothing pulls the mass. It moves on from where it was
-    /// as if it had not been coupled, if its energy pays for that, and otherwise stands still. (Coefficients beyond
-    /// inertia and ground damping act as one more damper to ground here.)
+    /// Moves the mass while the HIP leaves it behind. A wall does not pull, so nothing pulls the mass. It moves on as if it were
+    /// not coupled, if the stored energy pays for that, and otherwise stands still. (Coefficients beyond inertia and ground damping
+    /// act as one more damper to ground here.)
     #[inline(never)]
     fn leave_behind(
         &self,
@@ -286,7 +289,7 @@ impl<N: Number> EnhancedSfa<N> {
         held.mass = mass.moved_by(step);
     }
 
-    /// The exact passivity controller: force and displacement of the mass such that `E' = E + f·d >= 0`.
+    /// The exact passivity controller: returns force and displacement of the mass such that `E' = E + f·d >= 0`.
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_pointer_width = "64"), inline)]
     pub fn affordable_move(

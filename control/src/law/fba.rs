@@ -1,24 +1,24 @@
 //! Force bounding approach (thesis 2.6a–2.10).
 //!
-//! `E(n) = E(n-1) + f(n-1) Δe + (c_i/T) Δe²` and `|f| <= sqrt(4 E c_i/T)`: then no next displacement whatever can make the
-//! energy, counting the device's own damping, negative. The root is taken of a non-negative energy only, and rounded down.
+//! `E(n) = E(n-1) + f(n-1) Δe + (c_i/T) Δe²` and `|f| <= sqrt(4 E c_i/T)`. Then no next displacement can make the energy negative,
+//! counting the device's own damping. The energy under the root is non-negative, and the root is rounded down.
 
 use super::{Contact, Law, Sample, View};
 use crate::observer::damping_loss;
 use crate::{Energy, Force, Number, Position, Stiffness};
 
-/// FBA around the spring `k_de`.
+/// Force bounding around a virtual spring `k_de`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fba<N: Number> {
     /// Desired stiffness `k_de`.
     pub desired: Stiffness<N>,
-    /// Device damping: `c_i/T`.
+    /// Device damping per tick: `c_i/T`.
     pub device_damping: Stiffness<N>,
-    /// `sqrt(4 c_i/T)`, rounded down, in the format of a stiffness.
+    /// `sqrt(4 c_i/T)`, rounded down, in the number format of a stiffness.
     pub bound: Stiffness<N>,
-    /// Largest force ever commanded.
+    /// Largest force that the law commands.
     pub limit: Force<N>,
-    /// Cap of the stored energy, see [`super::Tdpa`].
+    /// Largest stored energy, a quarter of the format's range; see [`super::Tdpa`].
     pub energy_cap: Energy<N>,
 }
 
@@ -27,14 +27,14 @@ pub struct Fba<N: Number> {
 pub struct FbaState<N: Number> {
     /// Force of the last tick.
     pub force: Force<N>,
-    /// Observed energy.
+    /// Energy taken from the hand and by the device's damping so far.
     pub energy: Energy<N>,
-    /// Whether the HIP was in the wall.
+    /// Whether the HIP was in the wall at the last tick.
     pub inside: bool,
 }
 
 impl<N: Number> Fba<N> {
-    /// Largest force that the energy allows, thesis (2.7a).
+    /// Largest force that the energy allows, equation (2.7a) of the thesis.
     #[inline]
     pub fn largest_force(&self, energy: Energy<N>) -> Force<N> {
         // sqrt(E) has the digits of a signal; as a position it takes the bound as a gain.

@@ -1,8 +1,8 @@
-//! The control laws, one file each, behind one trait.
+//! The control laws, one file each, with one common trait.
 //!
-//! A law is an immutable configuration; its memory is a separate, small [`Law::State`]; a tick is a pure function of both and
-//! of the sampled position. Every law gives a force that pushes out of the wall (a negative one pulls in) and leaves contact
-//! with force 0 and its memory cleared.
+//! A law is an immutable set of coefficients, and its memory is a separate, small [`Law::State`]. A tick depends on these two and
+//! on the sampled position alone. Every law gives a force that pushes out of the wall (a negative force pulls in). When the hand's
+//! point leaves the wall, a law returns the force 0 and clears its memory.
 
 mod damped;
 mod enhanced;
@@ -26,43 +26,43 @@ pub enum Contact {
     /// Outside the wall.
     #[default]
     Free,
-    /// First contact, up to the first reversal of the motion; laws without that distinction stay here.
+    /// First contact, up to the first reversal of the motion. Laws without that distinction stay in this phase.
     First,
-    /// Force augmentation, after the first reversal.
+    /// Force augmentation by an offset, after the first reversal of the motion.
     Augmenting,
 }
 
-/// A law's inner values, for telemetry and plots.
+/// A law's internal values, for telemetry and plots.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View<N: Number> {
     /// Phase of the contact.
     pub contact: Contact,
-    /// The law's own observed energy; `None` if it observes none.
+    /// Energy that the law's own observer has summed; `None` if the law has no observer.
     pub energy: Option<Energy<N>>,
-    /// Offset `O`: how much further the virtual spring is deformed than the wall is penetrated.
+    /// Offset `O`: deformation of the virtual spring beyond the penetration of the wall.
     pub offset: Position<N>,
-    /// Penetration of the virtual mass while it is in use.
+    /// Penetration of the virtual mass while it is in use; else `None`.
     pub mass: Option<Position<N>>,
 }
 
-/// Input of a law in one tick: measured, or estimated for the time at which its force will act.
+/// Input of a law in one tick: position and displacement, measured or estimated for the time at which the law's force will act.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sample<N: Number> {
-    /// Penetration `e = x - x_s`, positive inside.
+    /// Penetration `e = x - x_s`, positive inside the wall.
     pub e: Position<N>,
-    /// Displacement since the last tick, positive inward; estimated, the velocity times a tick.
+    /// Displacement since the last tick, positive inward. An estimated displacement is the velocity times the tick.
     pub moved: Position<N>,
 }
 
 impl<N: Number> Sample<N> {
-    /// A sample as measured: the displacement is the difference of two penetrations.
+    /// Makes a sample from measurements: the displacement is the difference of two penetrations.
     #[inline(always)]
     #[must_use]
     pub fn measured(e: Position<N>, last: Position<N>) -> Self {
         Self { e, moved: e - last }
     }
 
-    /// The displacement as far as it lies in the wall, for laws whose memory ends at the surface.
+    /// The part of the displacement that lies inside the wall, for laws whose memory ends at the surface.
     #[inline(always)]
     #[must_use]
     pub fn moved_inside(self) -> Position<N> {
@@ -70,12 +70,13 @@ impl<N: Number> Sample<N> {
     }
 }
 
-/// A control law over one number format.
+/// A control law in one number format.
 pub trait Law<N: Number> {
-    /// The law's memory; the default is "outside, at rest".
+    /// The law's memory; the default is "outside the wall, at rest".
     type State: Copy + Default;
 
-    /// Runs one control period: takes where the HIP is and how it moves, returns the force pushing out.
+    /// Runs one control period: takes the position and displacement of the hand's point (HIP), returns the force that pushes it
+    /// out.
     fn tick(&self, state: &mut Self::State, sample: Sample<N>) -> Force<N>;
 
     /// The law's internal values after the last tick.

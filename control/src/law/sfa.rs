@@ -1,28 +1,28 @@
-//! Successive force augmentation without passivity control: the original (thesis 2.11–2.17), its offset changed when the
-//! motion turns inwards, and the variant with the offset changed at every inward tick (3.2–3.3).
+//! Successive force augmentation without passivity control. The original (thesis 2.11–2.17) changes its offset when the motion
+//! turns inwards; a variant changes it at every inward tick (3.2–3.3).
 //!
-//! (3.2) asks for `k_di > k_de` *and* `k_di < 0` in its second line, which nothing satisfies; (2.14c)'s *or* is meant.
-//! `k_di < k_de` is decided as `|f| < k_de·e`: no division, so no singularity at `e = 0`.
+//! Equation (3.2) as printed requires `k_di > k_de` *and* `k_di < 0` in its second line, which nothing satisfies. This code uses
+//! *or*, as in (2.14c). `k_di < k_de` is decided as `|f| < k_de·e`: without a division there is no singularity at `e = 0`.
 
 use super::{Contact, Law, Sample, View};
 use crate::{Compliance, FirstContact, Force, Number, OffsetUpdate, Position, Ratio, Stiffness};
 
-/// SFA around the soft spring `k_v`.
+/// Successive force augmentation around the soft spring `k_v`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sfa<N: Number> {
     /// Desired stiffness `k_de`.
     pub desired: Stiffness<N>,
     /// Soft stiffness `k_v`.
     pub soft: Stiffness<N>,
-    /// `k_c/k_v - 1`, the gain of (2.14a).
+    /// `k_c/k_v - 1`, the gain of equation (2.14a) of the thesis.
     pub gain: Ratio<N>,
-    /// Compliance: `1/k_v`.
+    /// Compliance of the soft spring: `1/k_v`.
     pub compliance: Compliance<N>,
-    /// The moments at which the offset is changed.
+    /// The ticks in which the offset changes.
     pub update: OffsetUpdate,
-    /// What happens to the force when the first contact ends.
+    /// What happens to the force when the first contact ends (the first reversal of motion).
     pub first_contact: FirstContact,
-    /// Largest force ever commanded.
+    /// Largest force that the law commands.
     pub limit: Force<N>,
 }
 
@@ -35,7 +35,7 @@ pub struct SfaState<N: Number> {
     pub last: Position<N>,
     /// Penetration of the tick before the last.
     pub before_last: Position<N>,
-    /// Offset `O`.
+    /// Offset `O`, by which the soft spring is deformed beyond the penetration.
     pub offset: Position<N>,
     /// Force of the last tick.
     pub force: Force<N>,

@@ -1,23 +1,23 @@
-//! Virtual spring (thesis 1.6), with virtual damping if wanted (§1.2.6).
+//! Virtual spring, equation (1.6) of the thesis, with optional virtual damping (§1.2.6).
 
 use super::{Contact, Law, Sample, View};
 use crate::{Force, Number, Position, Stiffness};
 
-/// `f = k_de e + (b/T) Δe`, never pulling, zero outside.
+/// Virtual spring and damper: the force is `k_de e + (b/T) Δe`, never pulling, and zero outside the wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spring<N: Number> {
     /// Desired stiffness `k_de`.
     pub desired: Stiffness<N>,
     /// Virtual damping per tick, `b/T`; zero for the plain spring.
     pub damping: Stiffness<N>,
-    /// Largest force ever commanded.
+    /// Largest force that the law commands.
     pub limit: Force<N>,
 }
 
 /// Memory of [`Spring`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SpringState {
-    /// Whether the HIP was in the wall.
+    /// Whether the HIP was in the wall at the last tick.
     pub inside: bool,
 }
 

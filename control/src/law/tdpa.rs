@@ -1,34 +1,34 @@
 //! Time-domain passivity approach over a virtual spring (thesis 2.1–2.6).
 //!
-//! With the thesis' observer the force is chosen so that the very sum that uses it never becomes negative: `E >= 0` is an
-//! invariant of that sum, to the last bit, and the corrected force is the quotient `E/|Δe|` rounded towards zero. Over a
-//! spring there is never anything to correct. For every force that grows with `e`, and its potential `G`,
-//! `f(n) Δe(n) >= G(n) - G(n-1)`, so that sum is never negative by itself, and the law is the plain spring.
+//! With the thesis' observer the force is chosen so that the observer's sum, which uses that force, never becomes negative. `E >=
+//! 0` is an invariant of that sum, to the last bit, and the corrected force is the quotient `E/|Δe|` rounded towards zero. Over a
+//! spring nothing ever needs a correction. For every force that grows with `e`, and its potential `G`, `f(n) Δe(n) >= G(n) -
+//! G(n-1)`. So the sum is never negative by itself, and the law is the plain spring.
 //!
-//! With the exact observer the energy up to now is a fact, the next displacement is not known and is taken to be like the
-//! last. Where the motion goes on at least as fast, a deficit is gone after one tick. Where it turns, the correction itself
-//! gives away up to `|f|·|Δe|` more, and a motion that turns at every tick makes that happen at every tick, without end. What
-//! holds for every next displacement is [`super::Fba`].
+//! With the exact observer the energy up to now is known. The next displacement is not known and is assumed to equal the last.
+//! Where the motion continues at least as fast, a deficit is gone after one tick. Where the motion turns, the correction itself
+//! gives away up to `|f|·|Δe|` more. A motion that turns at every tick makes this loss happen at every tick, without end. The law
+//! whose bound holds for every next displacement is [`super::Fba`].
 //!
-//! Where `e` did not change, thesis (2.2) divides by zero. Here nothing can be corrected over a displacement of zero: the
-//! deficit stays in `E` for the next tick that moves.
+//! Where `e` did not change, equation (2.2) of the thesis divides by zero. Nothing can be corrected over a displacement of zero, so
+//! the deficit stays in `E` for the next tick with a motion.
 
 use super::{Contact, Law, Sample, View};
 use crate::observer::damping_loss;
 use crate::{Energy, Force, Number, ObserverForm, Position, Stiffness};
 
-/// TDPA around the spring `k_de`.
+/// Time-domain passivity control around a virtual spring `k_de`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tdpa<N: Number> {
     /// Desired stiffness `k_de`.
     pub desired: Stiffness<N>,
-    /// The form of the energy observer.
+    /// The form of the energy observer: exact or the thesis'.
     pub observer: ObserverForm,
-    /// `c_i/T` if the device's own damping counts as dissipation (2.6), else zero.
+    /// `c_i/T` if the device's own damping counts as dissipation, equation (2.6) of the thesis; else zero.
     pub device_damping: Stiffness<N>,
-    /// Largest force ever commanded.
+    /// Largest force that the law commands.
     pub limit: Force<N>,
-    /// Cap of the stored energy; keeps the sum inside its format. Capping downwards is conservative.
+    /// Largest stored energy. The limit keeps the sum inside its format, and it can only make the law more careful.
     pub energy_cap: Energy<N>,
 }
 
@@ -37,14 +37,14 @@ pub struct Tdpa<N: Number> {
 pub struct TdpaState<N: Number> {
     /// Force of the last tick.
     pub force: Force<N>,
-    /// Observed energy.
+    /// Energy taken from the hand so far, as the observer sums it.
     pub energy: Energy<N>,
-    /// Whether the HIP was in the wall.
+    /// Whether the HIP was in the wall at the last tick.
     pub inside: bool,
 }
 
 impl<N: Number> Tdpa<N> {
-    /// The force for a displacement after which the thesis' sum must not be negative; updates the sum.
+    /// Returns the force with which the thesis' energy sum does not become negative after this displacement, and updates the sum.
     #[inline]
     pub fn thesis_force(
         &self,
@@ -59,7 +59,7 @@ impl<N: Number> Tdpa<N> {
         Force(force)
     }
 
-    /// The force for the coming tick, given the exact energy so far and the last displacement as a guess of the next.
+    /// Returns the force for the coming tick from the exact energy so far. The last displacement is the guess of the next one.
     #[inline]
     pub fn exact_force(&self, energy: Energy<N>, wanted: Force<N>, moved: Position<N>) -> Force<N> {
         if moved == Position::zero() || energy + wanted * moved >= Energy::zero() {

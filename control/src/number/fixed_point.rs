@@ -1,4 +1,4 @@
-//! The fixed-point formats: signed edges around the magnitudes of [`crate::magnitude`].
+//! The fixed-point number formats: they add signs to the unsigned arithmetic of [`crate::magnitude`].
 
 use super::saturating::Saturates as _;
 use super::{Number, Wide64};
@@ -8,22 +8,22 @@ use crate::reciprocal::Reciprocal32;
 use core::hint::cold_path;
 use fixed::types::{I1F7, I2F14, I4F28, I5F3, I8F24, I10F6, I16F48, I20F12};
 
-/// 32-bit formats: what the firmware runs.
+/// 32-bit fixed-point formats, which the firmware uses.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Fixed32;
-/// 16-bit formats: half the memory, for knobs within ±2 rad.
+/// 16-bit fixed-point formats: half the memory, for knobs within ±2 rad.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Fixed16;
-/// 8-bit formats: small enough to check every case.
+/// 8-bit fixed-point formats, small enough for a test of every input.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Fixed8;
 
-/// A magnitude to divide by, prepared or not.
+/// A magnitude that divides others, either directly or by a prepared reciprocal.
 trait Divides<W: Word>: Sized {
     fn new(divisor: W) -> Self;
     fn quotient(&self, dividend: W::Wide) -> W;
 }
-/// Where the machine divides twice the width itself, its own division is as good.
+/// A plain word divides directly: on a machine that divides words of twice the width, a reciprocal would be no faster.
 impl<W: Word> Divides<W> for W {
     fn new(divisor: W) -> W {
         divisor
@@ -49,7 +49,7 @@ macro_rules! fixed_number {
             const GAIN_BITS: u32 = <$gain>::FRAC_NBITS;
             const SIGNAL_BITS: u32 = <$signal>::FRAC_NBITS;
 
-            /// A magnitude of at most `MAX_SIGNED` with its sign.
+            /// The signed value of a magnitude of at most `MAX_SIGNED`.
             #[inline(always)]
             fn signed(magnitude: $word, negative: bool) -> $signal {
                 debug_assert!(magnitude <= <$word as Word>::MAX_SIGNED);
@@ -63,7 +63,7 @@ macro_rules! fixed_number {
                 <$signal>::from_bits(if negative { bits.wrapping_neg() } else { bits })
             }
 
-            /// A double word shifted down: an arithmetic shift floors.
+            /// A double word divided by `2^bits` and rounded down; the caller guarantees that the result fits a signal.
             #[inline(always)]
             fn shifted_fitting(wide: $wide, bits: u32) -> $signal {
                 let shifted = wide >> bits;
@@ -71,7 +71,7 @@ macro_rules! fixed_number {
                 <$signal>::from_bits(shifted as $int)
             }
 
-            /// The bits of a signal, or of the end that they are beyond.
+            /// A signal of these bits, limited to the largest or smallest signal.
             #[inline(always)]
             fn ended(bits: i64) -> $signal {
                 <$signal>::from_bits(match <$int>::try_from(bits) {
@@ -88,7 +88,7 @@ macro_rules! fixed_number {
                 x.to_bits().unsigned_abs()
             }
 
-            /// SI bits (32 fractional) to `fraction` fractional bits, towards zero.
+            /// Converts an SI value, which has 32 fractional bits, to bits with `fraction` fractional bits, rounded towards zero.
             fn from_si(si: Si, fraction: u32) -> i64 {
                 // Towards zero: shift the magnitude, not the number.
                 let magnitude = si.to_bits().unsigned_abs();

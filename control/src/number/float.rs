@@ -1,9 +1,9 @@
-//! The float reference: the same laws rounded to nearest. Measured values saturate, calculated ones do not.
+//! Floating-point formats as a reference: the same laws, rounded to nearest. Measured values saturate, calculated ones do not.
 
 use super::{Number, Reported};
 use crate::Si;
 
-/// Where a measured value saturates: the range of [`super::Fixed32`].
+/// Measured values saturate at ± this value, the range of [`super::Fixed32`].
 const LARGEST: f64 = 128.0;
 
 macro_rules! float_number {
@@ -221,7 +221,7 @@ macro_rules! float_number {
     };
 }
 
-/// `core` has no square root; this is the one place that needs it, and the float build always runs where `std` is.
+/// A square root. `core` has none, and only this module needs one; the floating-point formats are built only where `std` exists.
 trait Root {
     fn root(self) -> Self;
 }

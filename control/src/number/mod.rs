@@ -1,4 +1,4 @@
-//! Number formats: the same law over 32-bit, 16-bit and 8-bit fixed point and, for reference, over `f32` and `f64`.
+//! Number formats: the same laws in 32-bit, 16-bit and 8-bit fixed point and, for reference, in `f32` and `f64`.
 //!
 //! | format | position, force | stiffness, damping/T | energy | product gain × signal |
 //! |---|---|---|---|---|
@@ -6,9 +6,9 @@
 //! | [`Fixed16`] | `I2F14`: ±2, step 6.1e-5 | `I10F6`: to 511, step 0.016 | `I4F28` | 20 fractional bits in an `i32` |
 //! | [`Fixed8`] | `I1F7`: ±1 | `I5F3` | `I2F14` | 10 fractional bits in an `i16` |
 //!
-//! Force × displacement is an **exact** energy in every fixed format: twice the fractional bits, twice the width, no
-//! rounding. Gains, filters and quotients round towards zero (an arithmetic shift would floor, which pushes one way and is
-//! not passive); every addition saturates. `Fixed8` exists to be checked exhaustively, not to be used.
+//! Force × displacement is an **exact** energy in every fixed format: twice the fractional bits, twice the width, no rounding.
+//! Gains, filters and quotients round towards zero. (An arithmetic shift would round down: that is a bias in one direction and not
+//! passive.) Every addition saturates. `Fixed8` exists for tests of every input, not for use on devices.
 
 mod fixed_point;
 #[cfg(feature = "float")]
@@ -29,38 +29,39 @@ use core::fmt::Debug;
 
 /// Arithmetic of one number format. All functions are total: they saturate instead of overflowing and never panic.
 ///
-/// "Towards zero" below is exact for the fixed formats; `f32` and `f64` round to nearest, as their operations do.
+/// "Towards zero" in the methods' comments is exact for the fixed formats. `f32` and `f64` round to nearest, as their operations
+/// do.
 pub trait Number: Copy + Debug + Default + PartialEq + 'static {
     /// Position, displacement or force.
     type Signal: Copy + Debug + Default + PartialEq + PartialOrd;
-    /// Stiffness, or damping and inertia per tick and per tick², all in N·m/rad (N/m). Never negative.
+    /// Stiffness, damping per tick, or inertia per tick², all in N·m/rad (N/m). Never negative.
     type Gain: Copy + Debug + Default + PartialEq + PartialOrd;
-    /// Pure number or compliance (rad/(N·m), m/N). Never negative.
+    /// Dimensionless number or compliance (rad/(N·m), m/N). Never negative.
     type Ratio: Copy + Debug + Default + PartialEq + PartialOrd;
     /// Energy, J.
     type Energy: Copy + Debug + Default + PartialEq + PartialOrd;
-    /// Gain × signal, unrounded: a force with extra digits.
+    /// Gain × signal before rounding: a force with more fractional digits.
     type Product: Copy + Debug + Default + PartialEq + PartialOrd;
-    /// A gain prepared to be divided by, again and again.
+    /// A gain prepared as a divisor, for fast repeated divisions.
     type Divisor: Copy + Debug + Default + PartialEq;
-    /// A displacement with far more digits.
+    /// A displacement with far more digits than a signal, for the state of an estimator.
     type Wide: Wide;
 
-    /// Name in settings and results.
+    /// Name of the format in settings and results.
     const NAME: &'static str;
 
     /// The smallest positive signal; for floats, the step of [`Fixed32`].
     const QUANTUM: Self::Signal;
 
-    /// SI value to signal, towards zero; `None` outside the format.
+    /// Converts an SI value to a signal, towards zero; `None` outside the format.
     fn signal(si: Si) -> Option<Self::Signal>;
-    /// SI value to signal, towards zero, saturating.
+    /// Converts an SI value to a signal, towards zero, saturating.
     fn saturating_signal(si: Si) -> Self::Signal;
-    /// SI value to gain, towards zero; `None` if negative or too large.
+    /// Converts an SI value to a gain, towards zero; `None` if negative or too large.
     fn gain(si: Si) -> Option<Self::Gain>;
-    /// SI value to ratio, towards zero; `None` if negative or too large.
+    /// Converts an SI value to a ratio, towards zero; `None` if negative or too large.
     fn ratio(si: Si) -> Option<Self::Ratio>;
-    /// SI value to energy, towards zero; `None` outside the format.
+    /// Converts an SI value to an energy, towards zero; `None` outside the format.
     fn energy(si: Si) -> Option<Self::Energy>;
 
     /// `a + b`, saturating.
@@ -76,58 +77,58 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
 
     /// `k · x`, unrounded.
     fn product(k: Self::Gain, x: Self::Signal) -> Self::Product;
-    /// A signal as a product by one, unrounded.
+    /// Converts a signal exactly to a product, as if multiplied by a gain of 1.
     fn lift(x: Self::Signal) -> Self::Product;
     /// `a + b`, saturating.
     fn add_product(a: Self::Product, b: Self::Product) -> Self::Product;
     /// `a - b`, saturating.
     fn sub_product(a: Self::Product, b: Self::Product) -> Self::Product;
-    /// `a + b` where the caller knows that it fits, which saves the look whether it does.
+    /// `a + b` without an overflow check; the caller guarantees that the sum fits.
     fn add_fitting(a: Self::Product, b: Self::Product) -> Self::Product;
-    /// `a - b` where the caller knows that it fits.
+    /// `a - b` without an overflow check; the caller guarantees that the difference fits.
     fn sub_fitting(a: Self::Product, b: Self::Product) -> Self::Product;
     /// Rounds a product to a signal towards zero, saturating.
     fn round_to_zero(p: Self::Product) -> Self::Signal;
     /// Rounds a product to a signal upwards (towards plus infinity), saturating.
     fn round_up(p: Self::Product) -> Self::Signal;
-    /// [`Number::round_to_zero`] of a positive product, and 0 of any other.
+    /// [`Number::round_to_zero`] of a positive product; 0 for a product of 0 or less.
     fn positive_down(p: Self::Product) -> Self::Signal;
-    /// [`Number::round_up`] of a positive product, and 0 of any other.
+    /// [`Number::round_up`] of a positive product; 0 for a product of 0 or less.
     fn positive_up(p: Self::Product) -> Self::Signal;
-    /// `p / k` towards zero, saturating; 0 for `k = 0` (`validate` refuses it).
+    /// `p / k` towards zero, saturating; 0 for `k = 0`, which `validate` refuses.
     fn divide(p: Self::Product, k: Self::Gain) -> Self::Signal;
-    /// A gain to divide by. It may divide: not for a tick.
+    /// Prepares a gain as a divisor. The preparation is slow: call it before the ticks, not in one.
     fn divisor(k: Self::Gain) -> Self::Divisor;
-    /// [`Number::divide`] by the gain that the divisor was made of: the same result, bit by bit.
+    /// [`Number::divide`] by the gain of the prepared divisor, with the same result bit by bit.
     fn divide_by(p: Self::Product, k: &Self::Divisor) -> Self::Signal;
 
-    /// A signal as a state, exact.
+    /// Converts a signal exactly to an estimator's state.
     fn widen(x: Self::Signal) -> Self::Wide;
-    /// A state as a signal, to nearest (halves up), saturating.
+    /// Converts an estimator's state to a signal, to nearest (halves up), saturating.
     fn narrow(x: Self::Wide) -> Self::Signal;
 
-    /// `f · d`, exact.
+    /// Force × displacement, `f · d`, exact.
     fn work(f: Self::Signal, d: Self::Signal) -> Self::Energy;
     /// `a + b`, saturating.
     fn add_energy(a: Self::Energy, b: Self::Energy) -> Self::Energy;
     /// `a - b`, saturating.
     fn sub_energy(a: Self::Energy, b: Self::Energy) -> Self::Energy;
-    /// `a + b` where the caller knows that it fits, which saves the look whether it does.
+    /// `a + b` without an overflow check; the caller guarantees that the sum fits.
     fn add_energy_fitting(a: Self::Energy, b: Self::Energy) -> Self::Energy;
-    /// `a - b` where the caller knows that it fits.
+    /// `a - b` without an overflow check; the caller guarantees that the difference fits.
     fn sub_energy_fitting(a: Self::Energy, b: Self::Energy) -> Self::Energy;
-    /// An energy with the digits of a signal, rounded down (towards minus infinity), where the caller knows that it fits.
+    /// An energy rounded down (towards minus infinity) to the digits of a signal; the caller guarantees that it fits.
     fn energy_digits_fitting(e: Self::Energy) -> Self::Signal;
-    /// `|a|` where the caller knows that it fits.
+    /// `|a|` without an overflow check; the caller guarantees that it fits.
     fn modulus_fitting(a: Self::Signal) -> Self::Signal;
-    /// `r · x + q · y` rounded down once, where the caller knows that it fits.
+    /// `r · x + q · y` rounded down once; the caller guarantees that it fits.
     fn scale_both_fitting(
         r: Self::Ratio,
         x: Self::Signal,
         q: Self::Ratio,
         y: Self::Signal,
     ) -> Self::Signal;
-    /// A product rounded down to a signal, where the caller knows that it fits.
+    /// A product rounded down to a signal; the caller guarantees that it fits.
     fn round_down_fitting(p: Self::Product) -> Self::Signal;
     /// Half of a non-negative energy, rounded up.
     fn half_energy_up(e: Self::Energy) -> Self::Energy;
@@ -136,14 +137,14 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
     /// The largest signal whose square does not exceed `e`; 0 for a negative `e`.
     fn root(e: Self::Energy) -> Self::Signal;
 
-    /// `floor(sqrt(4 k))` in the format of a gain: its square never exceeds `4 k` as stored.
+    /// `floor(sqrt(4 k))` in the format of a gain: its square never exceeds `4 k`.
     fn root_of_four(k: Self::Gain) -> Self::Gain;
-    /// How far a force `f > 0` may be pushed back until the energy `e >= 0` is used up, and the rest:
-    /// `f · moved + rest = e`. See [`crate::magnitude::affordable`].
+    /// Distance over which a force `f > 0` can be pushed back until the energy `e >= 0` is used up, and the energy left: `f · moved
+    /// + rest = e`. See [`crate::magnitude::affordable`].
     fn affordable(e: Self::Energy, f: Self::Signal) -> (Self::Signal, Self::Energy);
 
-    /// Runs one passivity step on a stored energy `e >= 0`, a wanted force `f >= 0` and a displacement `d` (positive:
-    /// inward, the force absorbs). Returns energy and force after it. See [`crate::magnitude::passivity_step`].
+    /// Runs one passivity step. Takes a stored energy `e >= 0`, a requested force `f >= 0` and a displacement `d` (positive:
+    /// inward, where the force absorbs energy). Returns stored energy and allowed force. See [`crate::magnitude::passivity_step`].
     fn passivity_step(
         e: Self::Energy,
         f: Self::Signal,

@@ -1,18 +1,18 @@
-//! Conversion between the formats and `f64`, for reports and for simulated devices.
+//! Conversion between the number formats and `f64`, for reports and for simulated devices.
 //!
-//! It is a trait apart from [`Number`]: a feature of this crate may switch it on, and must not make a format
-//! incomplete that another crate implements.
+//! The trait is separate from [`Number`] because a feature of this crate can switch it on. That must not make an implementation of
+//! [`Number`] in another crate incomplete.
 
 use super::{Fixed8, Fixed16, Fixed32, Number};
 use crate::{Energy, Force, Position};
 
-/// A number format whose values can be shown and measured in SI.
+/// A number format whose values convert from and to `f64` in SI units.
 pub trait Reported: Number {
-    /// Signal to `f64`.
+    /// Converts a signal to `f64`, in SI units.
     fn signal_to_f64(x: Self::Signal) -> f64;
-    /// The nearest signal to a measured value, saturating; a NaN gives 0.
+    /// The nearest signal to a measured value in SI units, saturating; a NaN gives 0.
     fn signal_from_f64(x: f64) -> Self::Signal;
-    /// Energy to `f64`.
+    /// Converts an energy to `f64`, in J.
     fn energy_to_f64(e: Self::Energy) -> f64;
 }
 
@@ -55,7 +55,7 @@ macro_rules! signal_reported {
             pub fn to_f64(self) -> f64 {
                 N::signal_to_f64(self.0)
             }
-            /// The nearest value to a number in SI units, saturating.
+            /// The value nearest to a number in SI units, saturating.
             #[inline(always)]
             #[must_use]
             pub fn from_f64(x: f64) -> Self {

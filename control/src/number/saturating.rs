@@ -1,15 +1,15 @@
-//! Sums that saturate at the ends of their format, in the form that takes the fewest instructions.
+//! Additions that saturate at the ends of their format, in the form that takes the fewest instructions.
 //!
-//! A Cortex-M4 has one instruction for a word. For other widths, a form without a branch takes six instructions. A
-//! form with a branch that is hardly ever taken needs two.
+//! A Cortex-M4 has one instruction for a saturating sum of 32-bit words. For other widths, a form without a branch takes six
+//! instructions. A form with a branch that is hardly ever taken needs two.
 
-/// A signed integer whose sums saturate.
+/// A signed integer whose sums, differences and negatives saturate.
 pub(crate) trait Saturates: Copy {
-    /// `self + other`.
+    /// `self + other`, saturating.
     fn sum(self, other: Self) -> Self;
-    /// `self - other`.
+    /// `self - other`, saturating.
     fn difference(self, other: Self) -> Self;
-    /// `-self`.
+    /// `-self`, saturating.
     fn opposite(self) -> Self;
 }
 
@@ -57,7 +57,7 @@ saturates!(i8 i16 i32 i64);
 mod tests {
     use super::Saturates as _;
 
-    /// Every pair of 8 bits, and of the words that are hard at every other width.
+    /// Compares with the standard library's saturating sums: every pair of 8-bit numbers, and difficult pairs at every other width.
     #[test]
     fn every_sum_is_the_library_s() {
         macro_rules! check {

@@ -1,43 +1,43 @@
 //! Displacements with far more digits than a [`Signal`](super::Number::Signal): the states of an estimator.
 //!
-//! A velocity is a displacement per tick, and an acceleration one per tick²: at 1 kHz a count of 1.6e-4 rad a second is 1.6e-7
-//! rad a tick. So a state is a double word with 54 fractional bits, ±512 rad in steps of 5.6e-17. Where a state is
-//! multiplied, its first 32 bits are: [`Wide::Part`], ±8 rad in steps of 3.7e-9 for motion, ±128 N·m in steps of 6e-8 for a
-//! torque. A weight has what is missing to 54 fractional bits, so that every product is exact and needs no shift: ±32 in
-//! steps of 1.5e-8 for motion, ±2 in steps of 9.3e-10 for a torque.
+//! A velocity is kept as a displacement per tick, and an acceleration as a displacement per tick². At 1 kHz one encoder count
+//! (1.6e-4 rad) per second is 1.6e-7 rad per tick. So a state is a 64-bit word with 54 fractional bits, ±512 rad in steps of
+//! 5.6e-17. In a multiplication only the leading 32 bits of a state are used: [`Wide::Part`], ±8 rad in steps of 3.7e-9 for motion,
+//! ±128 N·m in steps of 6e-8 for a torque. A weight has the fractional bits that are missing to 54, so that every product is exact
+//! and needs no shift: ±32 in steps of 1.5e-8 for motion, ±2 in steps of 9.3e-10 for a torque.
 
 use core::fmt::Debug;
 
 /// Exact type in which a weight is calculated before it is rounded: ±128 in steps of 1.4e-17.
 pub type Exact = fixed::types::I8F56;
 
-/// A displacement, rad (m), or one per tick or tick².
+/// A displacement in rad (m), or a displacement per tick or per tick², with many digits.
 pub trait Wide: Copy + Debug + Default + PartialEq + 'static {
-    /// The leading digits of a state, or of a torque.
+    /// The leading digits of a state or of a torque, which are multiplied with weights.
     type Part: Copy + Debug + Default + PartialEq;
-    /// What parts are multiplied with.
+    /// A coefficient with which leading digits are multiplied.
     type Weight: Copy + Debug + Default + PartialOrd;
 
-    /// A weight of a motion, to nearest; `None` outside ±32.
+    /// Converts a coefficient of a motion to a weight, to nearest; `None` outside ±32.
     fn weight(value: Exact) -> Option<Self::Weight>;
-    /// A weight of a torque, rad/(N·m) a tick², to nearest; `None` outside ±2.
+    /// Converts a coefficient of a torque, rad/(N·m) per tick², to a weight, to nearest; `None` outside ±2.
     fn torque_weight(value: Exact) -> Option<Self::Weight>;
 
-    /// `self + other` where the caller knows that it fits.
+    /// `self + other` without an overflow check; the caller guarantees that the sum fits.
     fn plus_fitting(self, other: Self) -> Self;
-    /// `self - other` where the caller knows that it fits.
+    /// `self - other` without an overflow check; the caller guarantees that the difference fits.
     fn minus_fitting(self, other: Self) -> Self;
-    /// Weight × part, exact.
+    /// Weight × leading digits, exact.
     fn product(weight: Self::Weight, part: Self::Part) -> Self;
-    /// The leading digits, rounded down, of a value that the caller knows to be within ±8.
+    /// The leading digits of a value, rounded down; the caller guarantees that the value is within ±8.
     fn part(self) -> Self::Part;
-    /// The leading digits of a torque that came from a signal: exact in the fixed formats.
+    /// The leading digits of a torque that was converted from a signal: exact in the fixed formats.
     fn torque_part(self) -> Self::Part;
-    /// Whether it lies within ±`1 << bits`, the lower end included; `bits` up to 8.
+    /// Whether the value is within ±`1 << bits`, the lower end included; `bits` up to 8.
     fn within(self, bits: u32) -> bool;
 }
 
-/// The state of the fixed formats: a double word with 54 fractional bits.
+/// The estimator's state in the fixed formats: a 64-bit word with 54 fractional bits.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Wide64(pub i64);
 
@@ -53,7 +53,7 @@ impl Wide64 {
         i32::try_from(value.to_bits().saturating_add(half) >> down).ok()
     }
 
-    /// The first digits, downwards, cut to a word.
+    /// The leading 32 bits with `fraction` fractional bits, rounded down.
     #[inline(always)]
     fn leading(self, fraction: u32) -> i32 {
         let down = Self::FRACTION.wrapping_sub(fraction);
@@ -70,7 +70,8 @@ impl Wide64 {
     }
 }
 
-/// The word from a bit on, 1 to 31, as a machine of words takes it: of the two words, so that the compiler sees a word and multiplies words.
+/// The 32-bit word that begins at bit `from` (1 to 31) of a 64-bit number, put together from the two halves. So the compiler of a
+/// 32-bit machine sees a word and multiplies words.
 #[inline(always)]
 #[must_use]
 pub const fn word_of(bits: i64, from: u32) -> i32 {

@@ -1,7 +1,7 @@
-//! Force bounding of several degrees of freedom: a vector spring, and one energy that bounds the length of its force.
+//! Force bounding on three axes: a vector spring, and one energy that bounds the length of its force.
 //!
-//! `E += F·Δx + (c_i/T) |Δx|²` and `|F| <= sqrt(4 E c_i/T)`, the form for a damping that is the same in all directions. The coefficients
-//! are those of [`crate::law::Fba`], and along a fixed normal with a hand that moves along it the force is the same.
+//! `E += F·Δx + (c_i/T) |Δx|²` and `|F| <= sqrt(4 E c_i/T)`, for a damping that is the same in all directions. The coefficients are
+//! those of [`crate::law::Fba`]. Along a fixed normal, with a hand that moves along it, the force is the same as that law's.
 
 use super::number::Spatial;
 use super::touch::{Touch, Track};
@@ -12,7 +12,7 @@ use crate::{Energy, Force, Number, Position};
 /// Vector force bounding around the spring `k_de`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounding<N: Spatial> {
-    /// The coefficients.
+    /// Coefficients of the force bounding law of one axis.
     pub law: Fba<N>,
     track: Track<N>,
     energy: Energy<N>,
@@ -30,12 +30,12 @@ impl<N: Spatial> Bounding<N> {
         }
     }
 
-    /// The energy observed so far, J.
+    /// Energy summed so far, J: taken from the hand and by the device's damping.
     pub fn energy(&self) -> Energy<N> {
         self.energy
     }
 
-    /// Runs one control period; returns the force on the HIP.
+    /// Runs one control period; returns the force on the hand's point (HIP).
     pub fn tick(&mut self, touch: &Touch<N>) -> Vector<Force<N>> {
         let moved = self.track.moved(touch);
         self.track.keep(touch);
@@ -55,7 +55,7 @@ impl<N: Spatial> Bounding<N> {
     }
 }
 
-/// Energy that the device's damping took, rounded down.
+/// Energy that the device's damping took over a displacement, rounded down.
 fn damped<N: Number + Spatial>(law: &Fba<N>, moved: Vector<Position<N>>) -> Energy<N> {
     let [x, y, z] = moved
         .map(|part| crate::observer::damping_loss(law.device_damping, part))

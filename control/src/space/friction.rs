@@ -1,20 +1,20 @@
-//! Friction of the surface (thesis §4.6): a spring across the normal that sticks to an anchor and lets go at `μ_s` times the
-//! normal force, then slides at `μ_k`.
+//! Friction of the surface (thesis §4.6): a spring across the normal that sticks to an anchor. It lets go at `μ_s` times the
+//! normal force and then slides at `μ_k` times the normal force.
 //!
 //! ```text
 //! z = across the normal (x - anchor)      F = -k z      stick:  |k z| <= μ_s f_n      slide:  z cut to |k z| = μ_k f_n
 //! ```
 //!
-//! **Stick does not creep.** While it sticks on a surface that does not turn, the anchor is a constant: `z` is a function of the position alone, and
-//! nothing is summed up.
+//! **Stick does not creep.** While the spring sticks on a flat surface, the anchor is constant. `z` then depends on the position
+//! alone, and no rounding errors add up.
 //!
-//! **It is passive with the device's own damping.** With `V = k z²/2` a tick in stick takes `k z·Δ` and `V` grows by
-//! `k z·Δ + k Δ²/2`: the difference is the leak of a sampled spring, and a device that damps `c = b/T >= k/2` takes `c Δ²`. A cut only shortens
-//! `z`. Where the normal turns, `z` is first laid into the new tangent plane, which shortens it as well, and the anchor with
-//! it. So `Σ (F taken + c |Δx|²) >= V >= 0` from the first touch on, over any path; [`FrictionSettings::friction`] refuses a `k` above
-//! `2 b/T`. What rounding adds is at most four quanta of displacement times the force a tick.
+//! **It is passive with the device's own damping.** With `V = k z²/2`, a tick in stick takes `k z·Δ` and `V` grows by `k z·Δ + k
+//! Δ²/2`. The difference is the energy leak of a sampled spring; a device that damps `c = b/T >= k/2` dissipates `c Δ²`. A cut only
+//! shortens `z`. Where the normal turns, `z` and the anchor are first laid into the new tangent plane, which also shortens `z`. So
+//! `Σ (F taken + c |Δx|²) >= V >= 0` from the first touch on, over any path. [`FrictionSettings::friction`] refuses a `k` above `2
+//! b/T`. Rounding adds at most four quanta of displacement times the force per tick.
 //!
-//! `μ_k > μ_s` would stop what slides and release what rests; it is refused.
+//! `μ_k > μ_s` would stop a sliding point and release a resting one, so it is refused.
 
 use super::number::Spatial;
 use super::touch::Touch;
@@ -29,37 +29,37 @@ use core::fmt;
 pub struct Friction<N: Spatial> {
     /// Stiffness of the spring across the normal.
     pub stiffness: Stiffness<N>,
-    /// `μ_s/k`: how far it stretches a newton of normal force before it slides.
+    /// `μ_s/k`: largest stretch of the spring for each newton of normal force, before the point slides.
     pub static_reach: Compliance<N>,
-    /// `μ_k/k`: how far while it slides; at most the static one.
+    /// `μ_k/k`: stretch of the spring for each newton of normal force while the point slides; at most `static_reach`.
     pub kinetic_reach: Compliance<N>,
 }
 
-/// What friction remembers.
+/// Memory of the friction.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrictionState<N: Spatial> {
-    /// Whether it slides.
+    /// Whether the hand's point (HIP) slides.
     pub sliding: bool,
     /// The stretch of the spring: from the anchor to the HIP, across the normal.
     pub stretch: Vector<Position<N>>,
-    /// The hold on the surface while there is contact.
+    /// The spring's hold on the surface; `None` without contact.
     pub contact: Option<Hold<N>>,
 }
 
-/// Where the spring is held.
+/// The spring's hold on the surface, with position and normal of the last tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hold<N: Spatial> {
-    /// The end that does not move in stick.
+    /// The end of the spring that does not move while it sticks.
     pub anchor: Vector<Position<N>>,
-    /// The HIP in the last tick.
+    /// Position of the hand's point (HIP) in the last tick.
     pub last: Vector<Position<N>>,
-    /// The normal of the last tick.
+    /// Normal of the surface in the last tick.
     pub normal: Direction<N>,
 }
 
 impl<N: Spatial> Friction<N> {
-    /// Runs one control period: takes a normal force, returns the friction on the HIP. Without a normal force there is
-    /// no contact, and the memory is cleared.
+    /// Runs one control period: takes the normal force, returns the friction on the hand's point (HIP). Without a normal force
+    /// there is no contact, and the memory is cleared.
     #[inline]
     pub fn tick(
         &self,
@@ -96,7 +96,7 @@ impl<N: Spatial> Friction<N> {
         stretch.map(|z| Force::zero() - (self.stiffness * z).towards_zero())
     }
 
-    /// Where the spring is held.
+    /// Position of the spring's anchor, laid into the present tangent plane.
     #[inline]
     fn anchor(&self, state: &FrictionState<N>, touch: &Touch<N>) -> Vector<Position<N>> {
         let Some(hold) = &state.contact else {
@@ -110,39 +110,39 @@ impl<N: Spatial> Friction<N> {
     }
 }
 
-/// Friction as a person sets it, SI.
+/// Settings of the friction, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FrictionSettings {
-    /// Stiffness of stick, N/m; above 0, at most `2 b/T`.
+    /// Stiffness of the spring while the point sticks, N/m; above 0, at most `2 b/T`.
     pub stiffness: Si,
-    /// `μ_s`, 0 to 10.
+    /// Static friction coefficient `μ_s`, 0 to 10.
     pub static_coefficient: Si,
-    /// `μ_k`, 0 to `μ_s`.
+    /// Kinetic friction coefficient `μ_k`, 0 to `μ_s`.
     pub kinetic_coefficient: Si,
 }
 
-/// Why friction's settings are refused.
+/// Why the settings of friction are refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrictionError {
-    /// A stiffness that the device's damping does not answer for, or none; N/m.
+    /// The stiffness is not above 0, or is too large for the device's damping; N/m.
     Stiffness {
-        /// The stiffness as it was set.
+        /// The given stiffness, N/m.
         stiffness: Si,
-        /// Largest allowed stiffness: `2 b/T`.
+        /// Largest allowed stiffness `2 b/T`, N/m.
         most: Si,
     },
-    /// Coefficients that are not `0 <= kinetic <= static <= 10`.
+    /// The friction coefficients are not `0 <= kinetic <= static <= 10`.
     Coefficients {
         /// Static coefficient: `μ_s`.
         static_coefficient: Si,
         /// Kinetic coefficient: `μ_k`.
         kinetic_coefficient: Si,
     },
-    /// A coefficient that does not fit the number format.
+    /// A coefficient does not fit the number format.
     OutOfFormat {
         /// The value in the device's length unit.
         value: Si,
-        /// The format.
+        /// Name of the number format.
         format: &'static str,
     },
 }
@@ -170,10 +170,10 @@ impl fmt::Display for FrictionError {
 }
 
 impl FrictionSettings {
-    /// The coefficients for a device with a rate in Hz and a trusted damping in N·s/m.
+    /// Computes the coefficients for a device with a control rate in Hz and a trusted damping in N·s/m.
     ///
     /// # Errors
-    /// A setting that is outside its range or its number format.
+    /// A setting is outside its range or its number format.
     pub fn friction<N: Spatial>(
         &self,
         unit: LengthUnit,

@@ -1,12 +1,12 @@
-//! The energy guard on the port of three axes: one account, forces and displacements as vectors.
+//! The energy guard on three axes: one energy account, with forces and displacements as vectors.
 //!
-//! Its theorem is that of [`crate::guard`] with products read as scalar products and moduli as lengths. The port's energy is the sum of
-//! three axes', each of which has its own inequality, and a displacement of length `d` costs a force of length `|F|` at most `|F| d`. A position
-//! vector whose coordinates are each right to half a count is right to `√3/2` counts. So the coefficients are those of the guard of
-//! one axis with `√3 δ` for its `δ`; only what each axis pays by itself for a change of its force takes `δ`. Derivation:
-//! `docs/three-axes.md`.
+//! Its theorem is that of [`crate::guard`], with scalar products for products and lengths for moduli. The port's energy is the sum
+//! over three axes, and each axis has its own inequality. A displacement of length `d` costs a force of length `|F|` at most `|F|
+//! d`. If each coordinate of a position is right to half a count, the position vector is right to `√3/2` counts. So the
+//! coefficients are those of the guard of one axis with `√3 δ` for its `δ`. Only the charge of each axis for a change of its own
+//! force uses `δ`. Derivation: `docs/three-axes.md`.
 //!
-//! The force is shortened and never turned.
+//! The guard shortens the force and never turns it.
 
 use super::number::Spatial;
 use super::vector::Vector;
@@ -16,33 +16,35 @@ use crate::{Energy, Force, GuardSettings, GuardedDevice, Position, SettingsError
 /// The guard's coefficients.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VectorGuard<N: Spatial> {
-    /// Coefficients as for one axis; the count is that of a position vector, the slack that of one axis.
+    /// Coefficients as for one axis. The `count` is the error of a position vector, the `slack` is that of one axis.
     pub of_length: Guard<N>,
-    /// From here on a coordinate is too near to the format's end: two furthest displacements before it.
+    /// Coordinate, to either side, from which on no force is allowed: the end of the position format less two largest displacements
+    /// per tick.
     edge: Position<N>,
-    /// Uncertainty of a displacement's length that was rounded up: a count and a quantum. Less this, it is at most the
-    /// length rounded down.
+    /// Largest error of a displacement's length that was rounded up: a count and a quantum. The length less this error is at most
+    /// the true length.
     unsure: Position<N>,
 }
 
-/// The guard's memory. It starts full, once.
+/// The guard's memory. Its energy account is full at power-up only.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct VectorGuardState<N: Spatial> {
-    /// Energy that the hand may still get out.
+    /// Energy in the account, which the hand may still get out.
     pub account: Energy<N>,
-    /// The direction against the last tick's force: a displacement along it puts energy in.
+    /// The negative of the last tick's force: a displacement along this vector puts energy into the account.
     pub against: Vector<Force<N>>,
     /// The force of the tick before the last.
     pub older: Vector<Force<N>>,
-    /// No force of the last tick was longer.
+    /// Upper bound of the length of the last tick's force.
     pub size: Force<N>,
 }
 
-/// A little more than the root of three.
+/// The square root of three, rounded up.
 const ROOT_OF_THREE: Si = Si::lit("1.7320509");
 
 impl<N: Spatial> VectorGuard<N> {
-    /// Validates the settings and computes the coefficients. Both are in the device's unit: [`super::LengthUnit::guard`].
+    /// Validates the settings and computes the coefficients. Settings and device must be in the device's unit of length:
+    /// [`super::LengthUnit::guard`].
     ///
     /// # Errors
     /// Same as [`Guard::new`].
@@ -64,7 +66,7 @@ impl<N: Spatial> VectorGuard<N> {
         }))
     }
 
-    /// The guard whose coefficients for lengths these are.
+    /// Makes the guard from coefficients that are already those of lengths.
     #[must_use]
     pub fn of(of_length: Guard<N>) -> Self {
         let furthest = of_length.furthest;
@@ -84,8 +86,8 @@ impl<N: Spatial> VectorGuard<N> {
         }
     }
 
-    /// Runs one control period with one position a period: takes the displacement since the last tick and the wanted
-    /// force on the hand. Returns the allowed force, of the same direction and at most the same length.
+    /// Runs one control period with one measured position. Takes the displacement since the last tick and the requested force on
+    /// the hand. Returns the allowed force, which has the same direction and at most the same length.
     ///
     /// # Errors
     /// Overspeed: from now on the force is 0.
@@ -99,11 +101,11 @@ impl<N: Spatial> VectorGuard<N> {
         self.tick_with_change(state, moved, Vector::default(), wanted)
     }
 
-    /// Same as [`VectorGuard::tick`], at a measured place. Within two furthest displacements of the format's end, in any
-    /// coordinate, there is no force: beyond that end a motion would not be counted ([`crate::Guarded::tick`]).
+    /// Same as [`VectorGuard::tick`], with the measured position. If any coordinate is within two largest displacements of the
+    /// position format's end, no force is allowed: beyond that end a motion would not be counted ([`crate::Guarded::tick`]).
     ///
     /// # Errors
-    /// Same as [`VectorGuard::tick`], and where a force is wanted there.
+    /// Same as [`VectorGuard::tick`]; also if a force is requested so near to the format's end.
     #[inline]
     pub fn tick_at(
         &self,
@@ -122,8 +124,8 @@ impl<N: Spatial> VectorGuard<N> {
         if ends { Err(Overspeed) } else { Ok(force) }
     }
 
-    /// Same as [`VectorGuard::tick`], with the position also taken when the force changed: `before_change` is the part of
-    /// `moved` that came before.
+    /// Same as [`VectorGuard::tick`], with the position also measured when the force changed: `before_change` is the part of
+    /// `moved` before that change.
     ///
     /// # Errors
     /// Same as [`VectorGuard::tick`].
@@ -170,8 +172,8 @@ impl<N: Spatial> VectorGuard<N> {
         Ok(force)
     }
 
-    /// The force that was commanded in the end, where something made the guarded one smaller. A longer one would be a promise broken,
-    /// and counts as the guarded one.
+    /// Reports the force that was finally commanded, if a later stage made the allowed force shorter. A longer force would break
+    /// the energy bound and is counted as the allowed force.
     #[inline]
     pub fn commanded(&self, state: &mut VectorGuardState<N>, force: Vector<Force<N>>) {
         let size = force.length_up();
@@ -180,10 +182,10 @@ impl<N: Spatial> VectorGuard<N> {
         }
     }
 
-    /// The account after a tick, the damping apart.
+    /// The energy in the account after a tick, without the part of the damping.
     ///
-    /// It fits as that of one axis does, by lengths: the scalar product of two vectors is at most that of their lengths, and so is
-    /// every part of its sum.
+    /// It fits its format for the same reason as on one axis: the scalar product of two vectors is at most the product of their
+    /// lengths, and so is every part of its sum.
     #[inline(always)]
     fn booked(
         &self,
@@ -213,14 +215,13 @@ impl<N: Spatial> VectorGuard<N> {
             .plus_fitting(z)
     }
 
-    /// Energy that the trusted damping took over a way.
+    /// Energy that the trusted damping dissipated over a distance.
     #[inline(always)]
     fn damped(&self, way: Position<N>) -> Energy<N> {
         (self.of_length.damping * way).down_fitting() * way
     }
 
-    /// Charges overspeed: the largest loss possible under the forces that acted and the one that acts until it is
-    /// off.
+    /// Charges overspeed to the account: the largest possible loss under the last two forces until the force is off.
     #[cold]
     fn overrun(&self, state: &mut VectorGuardState<N>) -> Result<Vector<Force<N>>, Overspeed> {
         let size = state.size.max(state.older.length_up());

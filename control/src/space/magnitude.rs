@@ -1,8 +1,9 @@
-//! One law along the normal (thesis §4.2, §4.5): its force times the direction out.
+//! One law of one degree of freedom along the surface's normal (thesis §4.2, §4.5): its force times the direction out of the
+//! object.
 //!
-//! Memory belongs to the magnitude and turns with the normal: offset, virtual mass and energy are scalars along it. What that
-//! gives and takes is on paper in `docs/three-axes.md`. Whether the HIP has left is the law's own matter: outside, its
-//! penetration is the negative distance to the surface, and the offset reaches as far as it does in one degree of freedom.
+//! The law's offset, virtual mass and energy are scalars along the normal and turn with it. `docs/three-axes.md` calculates the
+//! energy that this turning gives and takes. The law itself decides when the HIP has left: outside, the penetration is the negative
+//! distance to the surface, and the offset reaches as far as in one degree of freedom.
 
 use super::number::Spatial;
 use super::scalar::Along;
@@ -10,7 +11,7 @@ use super::touch::{Touch, Track};
 use super::vector::Vector;
 use crate::Force;
 
-/// A law along the normal.
+/// A law of one degree of freedom that acts along the surface's normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Magnitude<N: Spatial, L> {
     /// The law with its memory.
@@ -27,7 +28,7 @@ impl<N: Spatial, L: Along<N>> Magnitude<N, L> {
         }
     }
 
-    /// Runs one control period; returns the force on the HIP.
+    /// Runs one control period; returns the force on the hand's point (HIP).
     #[inline]
     pub fn tick(&mut self, touch: &Touch<N>) -> Vector<Force<N>> {
         let force = self.law.tick(self.track.sample(touch));

@@ -1,11 +1,12 @@
-//! Three degrees of freedom: scalar laws in a vector shell.
+//! Three degrees of freedom: laws of one degree of freedom, wrapped so that they give a force vector.
 //!
 //! ```text
 //! HIP -> states -> object -> surface point -> shell (law along the normal, or one an axis) + friction -> saturation -> guard -> force
 //! ```
 //!
-//! What it rests on, and which choices were made, is in `docs/three-axes.md`. The numbers are those of one degree of freedom;
-//! lengths are in a unit that is chosen for the device, [`LengthUnit`]. Forces are vectors on the HIP: they push out of the object.
+//! `docs/three-axes.md` has the foundations and the choices that were made. The number formats are those of one degree of freedom;
+//! lengths are in a unit that is chosen for the device, [`LengthUnit`]. Forces are vectors on the hand's point (HIP): they push it
+//! out of the object.
 
 pub mod bounding;
 pub mod environment;

@@ -1,62 +1,62 @@
-//! What three axes need of a number format beyond [`Number`]: lengths, directions, shares of a vector.
+//! Operations that three axes need of a number format beyond [`Number`]: lengths, directions, fractions of a vector.
 //!
-//! All of it works on magnitudes, so that no bit pattern is an exception: a double word holds the sum of three
-//! squares. Rounding is always towards zero, that is to the shorter vector; only [`Spatial::length_up`] gives an upper
-//! bound.
+//! All of them work on magnitudes, so that no bit pattern is an exception: a double word holds the sum of three squares. Rounding
+//! is always towards zero, that is to the shorter vector; only [`Spatial::length_up`] gives an upper bound.
 
 use super::root::{root_16, root_32, root_64, root_high_16, root_high_32, root_high_64};
 use crate::magnitude::Word;
 use crate::{Fixed8, Fixed16, Fixed32, Number};
 
-/// Three numbers of a format, one an axis.
+/// Three numbers of a format, one for each axis.
 pub type Axes<T> = [T; 3];
 
-/// Lengths and directions in one number format. All functions are total: they saturate, and divide by no zero.
+/// Lengths and directions in one number format. All functions are total: they saturate and never divide by zero.
 pub trait Spatial: Number {
-    /// 1, or the largest signal where the format ends below it ([`Fixed8`]).
+    /// The value 1, or the largest signal of a format whose range ends below 1 ([`Fixed8`]).
     const ONE: Self::Signal;
 
     /// `a · b` towards zero, saturating.
     fn times(a: Self::Signal, b: Self::Signal) -> Self::Signal;
-    /// A length along a direction, component by component, rounded towards zero, with the length's sign. Sizes are
-    /// those of [`Spatial::times`].
+    /// A vector of this length along a direction: each component is rounded towards zero; a negative length reverses it. The
+    /// components are products by [`Spatial::times`].
     fn share_of_length(u: Axes<Self::Signal>, length: Self::Signal) -> Axes<Self::Signal>;
     /// `x · part / whole` towards zero with one rounding, saturating; 0 for a `whole` of 0. The sign is that of `x`.
     fn share(x: Self::Signal, part: Self::Signal, whole: Self::Signal) -> Self::Signal;
     /// `u · v` of a direction and a vector, rounded down once, saturating; exact for `u` of whole numbers.
     fn along(u: Axes<Self::Signal>, v: Axes<Self::Signal>) -> Self::Signal;
-    /// `|v|` rounded down: less than a quantum below. Saturates at the largest signal.
+    /// Length `|v|` rounded down, less than one step of the format too short. Saturates at the largest signal.
     fn length_down(v: Axes<Self::Signal>) -> Self::Signal;
-    /// `|v|` rounded up: less than a quantum above. Saturates at the largest signal.
+    /// Length `|v|` rounded up, less than one step of the format too long. Saturates at the largest signal.
     fn length_up(v: Axes<Self::Signal>) -> Self::Signal;
     /// `|v| > limit` for a limit of at least 0, exactly, and without a root.
     fn longer(v: Axes<Self::Signal>, limit: Self::Signal) -> bool;
     /// `floor(3 x/4)` for `x >= 0`.
     fn three_quarters(x: Self::Signal) -> Self::Signal;
-    /// `v · part/whole` for `0 <= part < whole`, each component towards zero, by one quotient for all three: at most two quanta shorter an axis.
+    /// `v · part/whole` for `0 <= part < whole`, with each component towards zero. One quotient serves all three components, so
+    /// each is at most two quanta too short.
     fn shortened(
         v: Axes<Self::Signal>,
         part: Self::Signal,
         whole: Self::Signal,
     ) -> Axes<Self::Signal>;
-    /// The largest signal whose square does not exceed `e`; 0 for a negative `e`. As [`Number::root`], by words instead of digits.
+    /// The largest signal whose square does not exceed `e`; 0 for a negative `e`. Same as [`Number::root`], calculated faster.
     fn root_of_squares(e: Self::Energy) -> Self::Signal;
-    /// The part of `v` across a direction: each component within two quanta, rounded towards zero, never longer than
-    /// `v`.
+    /// The part of `v` perpendicular to a direction. Each component is right within two quanta, rounded towards zero; the result is
+    /// never longer than `v`.
     fn across(u: Axes<Self::Signal>, v: Axes<Self::Signal>) -> Axes<Self::Signal>;
-    /// A direction turned towards another one by an angle of a cosine and a sine, each component within three quanta, never longer
-    /// than 1; `None` where the two are parallel or opposite.
+    /// A direction turned towards another one by an angle that is given by cosine and sine. Each component is right within three
+    /// quanta; the result is never longer than 1. `None` where the two directions are parallel or opposite.
     fn turned(
         u: Axes<Self::Signal>,
         towards: Axes<Self::Signal>,
         turn: [Self::Signal; 2],
     ) -> Option<Axes<Self::Signal>>;
-    /// [`Spatial::length_down`] and [`Spatial::unit`] of the same vector, by one root.
+    /// [`Spatial::length_down`] and [`Spatial::unit`] of the same vector, with a single square root.
     fn polar(v: Axes<Self::Signal>) -> (Self::Signal, Option<Axes<Self::Signal>>);
     /// The direction of `v`; `None` for the zero vector.
     ///
-    /// Every component lies at most `1 + g` quanta from `v/|v|`, towards zero, with `g` 2^-6 at 32 bits, 1 at 16 and 2 at 8. So its
-    /// length is at most 1, and at 32 bits more than 1 less 1.8 quanta (1.1e-7), however short `v` is.
+    /// Every component lies at most `1 + g` quanta from `v/|v|`, towards zero, with `g` 2^-6 at 32 bits, 1 at 16 and 2 at 8. So the
+    /// direction's length is at most 1. At 32 bits it is at least 1 less 1.8 quanta (1.1e-7), however short `v` is.
     fn unit(v: Axes<Self::Signal>) -> Option<Axes<Self::Signal>>;
 }
 
@@ -67,7 +67,7 @@ fn towards_zero(x: i64, bits: u32) -> i64 {
     x.wrapping_add((x >> 63) & ones) >> bits
 }
 
-/// The vector product, of components whose products fit.
+/// The vector product; the caller guarantees that the products of components fit.
 #[inline(always)]
 fn cross([ax, ay, az]: Axes<i64>, [bx, by, bz]: Axes<i64>) -> Axes<i64> {
     let minor = |a: i64, b: i64, c: i64, d: i64| a.wrapping_mul(b).wrapping_sub(c.wrapping_mul(d));
@@ -78,12 +78,12 @@ fn cross([ax, ay, az]: Axes<i64>, [bx, by, bz]: Axes<i64>) -> Axes<i64> {
     ]
 }
 
-/// Fractional bits of a vector that is nearly 1 long.
+/// Fractional bits of a vector whose length is nearly 1.
 const NEAR_ONE: u32 = 30;
 
-/// A vector of at most `sqrt(2)` with [`NEAR_ONE`] fractional bits, made 1 long by `v (3 - |v|²)/2`, Newton's step for a reciprocal
-/// root, to fewer fractional bits, towards zero: off by 1.5 times the square of what it was off, and never longer than 1, since
-/// `x (3 - x²)/2 <= 1`.
+/// Makes a vector 1 long by `v (3 - |v|²)/2`, Newton's step for a reciprocal root. The vector is at most `sqrt(2)` long and has
+/// [`NEAR_ONE`] fractional bits; the result has `digits` fractional bits, rounded towards zero. The new error of the length is 1.5
+/// times the square of the old one. The result is never longer than 1, since `x (3 - x²)/2 <= 1`.
 #[inline(always)]
 fn lengthened(v: Axes<i64>, digits: u32) -> Axes<i64> {
     const DOWN: u32 = 2 * NEAR_ONE + 1;
@@ -114,24 +114,25 @@ macro_rules! fixed_spatial {
                     bits
                 })
             }
-            /// Three squares of at most `2^(2W-2)` each: fit the unsigned double word.
+            /// The sum of three squares of at most `2^(2W-2)` each, which fits the unsigned double word.
             #[inline(always)]
             fn squares(v: Axes<$word>) -> $wide {
                 let [x, y, z] = v.map(|part| part.times(part));
                 x.wrapping_add(y).wrapping_add(z)
             }
-            /// By how much a product with an inverse can be less than a quotient of a direction: 2^(digits + 3 - W) and a quantum.
+            /// Largest amount by which a product with an inverse is less than the quotient, for a direction: 2^(digits + 3 - W) and
+            /// a quantum.
             const SMALLER: u32 =
                 1 + match (<$name as Number>::Signal::FRAC_NBITS + 3).checked_sub(<$word>::BITS) {
                     Some(bits) => 1 << bits,
                     None => 0,
                 };
-            /// The vector in double words.
+            /// The vector converted to double words.
             #[inline(always)]
             fn long(v: Axes<<$name as Number>::Signal>) -> Axes<i64> {
                 v.map(|x| i64::from(x.to_bits()))
             }
-            /// The scalar product of a direction, which is at most 1 long, and a vector: all of its sums fit.
+            /// The scalar product of a direction, which is at most 1 long, and a vector: no sum overflows.
             #[inline(always)]
             fn inner([ux, uy, uz]: Axes<i64>, [vx, vy, vz]: Axes<i64>) -> i64 {
                 ux.wrapping_mul(vx)
@@ -145,7 +146,8 @@ macro_rules! fixed_spatial {
                 let (least, most) = (i64::from(<$int>::MIN), i64::from(<$int>::MAX));
                 <$name as Number>::Signal::from_bits(down.max(least).min(most) as $int)
             }
-            /// The leading digits of a long vector, its largest component with the highest bit but two of a word; `None` of the zero vector.
+            /// The leading digits of a long vector, shifted so that its largest component has the highest bit but two of a word.
+            /// `None` for the zero vector.
             #[inline(always)]
             fn leading(v: Axes<i64>) -> Option<Axes<<$name as Number>::Signal>> {
                 let [x, y, z] = v.map(i64::unsigned_abs);

@@ -1,11 +1,11 @@
-//! Three laws, one an axis (thesis §4.4), with the three rules of when a contact ends.
+//! Three laws of one degree of freedom, one for each axis (thesis §4.4), with three rules for when a contact ends.
 //!
-//! Each law is told the modulus of its coordinate of `e`, with a minus outside, and pushes to the side of the surface. Where that
-//! side changes, its offset changes sides with it: the jump of Fig. 5.13.
+//! Each law gets the modulus of its coordinate of `e`, negative outside, and pushes to the side of the surface. Where that side
+//! changes, the law's offset changes its side too: the jump of Fig. 5.13.
 //!
-//! **Equation (4.8) has a sign too few.** Outside, `e` and `O` are opposed, so the `α` of (4.8b) is negative, and (4.8c), `α < 1`,
-//! holds wherever the HIP is: as printed, an object is never left. What Fig. 4.9 says is meant here: left where `|e| > |O'|` and
-//! both are opposed. With the moduli of §4.4 that is `Σ e_i² > Σ |e_i| O_i`, without a quotient, so that no zero divides.
+//! **Equation (4.8) lacks a sign.** Outside, `e` and `O` are opposed, so the `α` of (4.8b) is negative. Then (4.8c), `α < 1`,
+//! holds for any position of the HIP: as printed, an object is never left. This code follows Fig. 4.9: the object is left where
+//! `|e| > |O'|` and `e` and `O'` are opposed. With the moduli of §4.4 that is `Σ e_i² > Σ |e_i| O_i`, without a division.
 
 use super::number::Spatial;
 use super::scalar::Along;
@@ -14,19 +14,19 @@ use super::vector::{Direction, Vector};
 use crate::law::{Contact, Sample};
 use crate::{Energy, Force, Position};
 
-/// The condition for having left the object, its shifted surface included (§4.4.1).
+/// The condition for having left the object and its shifted surface (thesis §4.4.1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Leaving {
-    /// Each axis ends its contact alone: a force can remain after the object has been left (Fig. 4.7).
+    /// Each axis ends its contact alone: a force can remain after the HIP has left the object (Fig. 4.7).
     Decoupled,
-    /// All axes end as soon as one has left: forces drop where a coordinate is small (Fig. 4.8).
+    /// All axes end their contact as soon as one has left: forces drop where a coordinate is small (Fig. 4.8).
     AnyAxis,
-    /// Judged by the projection of the offset on `e` (4.8, Fig. 4.9).
+    /// All axes end their contact by the projection of the offset on `e` (equation 4.8, Fig. 4.9).
     #[default]
     Projection,
 }
 
-/// One law per axis.
+/// One law of one degree of freedom for each axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PerAxis<N: Spatial, L> {
     /// The laws with their memories.
@@ -34,14 +34,14 @@ pub struct PerAxis<N: Spatial, L> {
     /// The condition for having left the object.
     pub leaving: Leaving,
     track: Track<N>,
-    /// Whether the side of an axis is the negative one; a coordinate of 0 keeps its side.
+    /// For each axis, whether the surface lies on the negative side; a coordinate of 0 keeps its side.
     negative: [bool; 3],
     /// Penetration along each axis in the last tick.
     last: Vector<Position<N>>,
 }
 
 impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
-    /// A law without memory, outside the object and at rest.
+    /// Laws without memory, outside the object and at rest.
     pub fn new(laws: [L; 3], leaving: Leaving) -> Self {
         Self {
             laws,
@@ -52,7 +52,7 @@ impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
         }
     }
 
-    /// Runs one control period; returns the force on the HIP.
+    /// Runs one control period; returns the force on the hand's point (HIP).
     pub fn tick(&mut self, touch: &Touch<N>) -> Vector<Force<N>> {
         let e = share_of(&touch.normal, touch.depth);
         let moved = self.displacements(touch, e);
@@ -81,7 +81,7 @@ impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
         force
     }
 
-    /// Each axis' part of the displacement along the normal of the last tick; on a surface that does not turn, the change of its
+    /// Displacement along the last tick's normal, as a part for each axis. On a flat surface it is the change of that axis'
     /// penetration, bit for bit.
     fn displacements(&self, touch: &Touch<N>, e: Vector<Position<N>>) -> Vector<Position<N>> {
         let normal = self.track.normal().unwrap_or(touch.normal);
@@ -94,7 +94,7 @@ impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
         share_of(&normal, moved)
     }
 
-    /// Whether the object has been left.
+    /// Whether the HIP has left the object.
     fn has_left(&self, touch: &Touch<N>, e: Vector<Position<N>>) -> bool {
         if touch.depth >= Position::zero() {
             return false;
@@ -107,7 +107,8 @@ impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
 }
 
 impl Leaving {
-    /// Outside: whether a contact ends, by the penetration along each axis (none positive) and the offset (none negative).
+    /// Whether a contact ends while the HIP is outside. Takes the penetration along each axis (none positive) and the offset (none
+    /// negative).
     #[inline]
     pub fn ends<N: Spatial>(self, e: Vector<Position<N>>, offset: Vector<Position<N>>) -> bool {
         let reach = e + offset;
@@ -123,7 +124,7 @@ impl Leaving {
     }
 }
 
-/// A length along a direction, as moduli an axis with the sign of the length, towards zero.
+/// A length along a direction, split into the moduli of its components, each with the sign of the length, towards zero.
 #[inline(always)]
 fn share_of<N: Spatial>(along: &Direction<N>, length: Position<N>) -> Vector<Position<N>> {
     Vector(N::share_of_length(along.0, length.0).map(Position))
@@ -134,7 +135,8 @@ mod tests {
     use super::*;
     use crate::Fixed8;
 
-    /// Every direction component and every length of 8 bits, past 1 as well: the part along it, with the length's sign.
+    /// Checks for every direction component and every length of 8 bits that the part of the length along the direction has the
+    /// length's sign.
     #[test]
     fn a_share_of_a_length_is_the_part_along_a_direction_without_its_side() {
         for u in i8::MIN..=i8::MAX {

@@ -1,35 +1,36 @@
-//! Where the HIP will be when the next force acts, and how it moves: a state estimator along each Cartesian axis.
+//! Predicts position and displacement of the hand's point (HIP) for the time at which the next force acts: a state estimator for
+//! each Cartesian axis.
 //!
-//! Along the axes of space and not along the normal, since that is where the model is linear: `M dv/dt = F - b v + M h` is the same
-//! whatever object is touched. Along a normal that turns, depth and velocity would change without any force, by `v²/R`, and the
-//! commands on their way would have to be turned with it. Where the HIP leaves one face for another, the state would be that of another coordinate.
-//! `docs/three-axes.md` has both choices.
+//! It works along the axes of space and not along the normal, because the model is linear there: `M dv/dt = F - b v + M h` holds
+//! for any object. Along a normal that turns, depth and velocity would change without any force, by `v²/R`, and the commands that
+//! are not yet in effect would have to be turned too. When the HIP goes from one face to another, the state would change its
+//! coordinate. `docs/three-axes.md` compares the two choices.
 //!
-//! Each axis is [`crate::Estimator`] as it stands, told `-x` for its penetration, so that a force along `x` is one that pushes out.
-//! On a plane across an axis through the origin a wall of three axes on estimated states therefore is the wall of one axis, bit for bit.
+//! Each axis uses [`crate::Estimator`] unchanged, with `-x` for its penetration, so that a force along `x` pushes out. So on a
+//! plane across an axis through the origin, a wall of three axes on estimated states is the wall of one axis, bit for bit.
 
 use super::number::Spatial;
 use super::vector::Vector;
 use crate::estimator::{Estimator, EstimatorState};
 use crate::{Force, Position};
 
-/// The predicted HIP that the shells work with.
+/// The predicted state of the hand's point (HIP), which the laws use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaceAhead<N: Spatial> {
-    /// Position at which it will be.
+    /// Predicted position.
     pub at: Vector<Position<N>>,
-    /// Displacement per tick at that time.
+    /// Predicted displacement per tick.
     pub moved: Vector<Position<N>>,
 }
 
-/// An estimator an axis, with its memory.
+/// A state estimator for each axis, with its memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaceEstimator<N: Spatial> {
     axes: [(Estimator<N>, EstimatorState<N>); 3],
 }
 
 impl<N: Spatial> PlaceEstimator<N> {
-    /// The state before the first sample. Coefficients are in the device's unit: [`super::LengthUnit::estimator`].
+    /// The state before the first sample. Coefficients must be in the device's unit of length: [`super::LengthUnit::estimator`].
     #[must_use]
     pub fn new(axes: [Estimator<N>; 3]) -> Self {
         Self {
@@ -37,8 +38,8 @@ impl<N: Spatial> PlaceEstimator<N> {
         }
     }
 
-    /// Runs one control period: takes a measured position, returns place and displacement for the time at which the
-    /// next command begins to act. [`PlaceEstimator::commanded`] must follow.
+    /// Runs one control period: takes a measured position, returns position and displacement for the time at which the next command
+    /// begins to act. The caller must call [`PlaceEstimator::commanded`] next.
     #[inline]
     pub fn tick(&mut self, measured: Vector<Position<N>>) -> PlaceAhead<N> {
         let mut ahead = PlaceAhead {
@@ -57,7 +58,7 @@ impl<N: Spatial> PlaceEstimator<N> {
         }
     }
 
-    /// The force on the HIP that was commanded after a tick, after every stage that may change it.
+    /// Reports the force on the HIP that was commanded after a tick, after every stage that may change it.
     #[inline]
     pub fn commanded(&mut self, force: Vector<Force<N>>) {
         for ((estimator, state), force) in self.axes.iter_mut().zip(force.0) {

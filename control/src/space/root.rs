@@ -1,16 +1,17 @@
-//! Square roots of double words, exact: `floor(sqrt(n))` with what it leaves.
+//! Square roots of double words, exact: `floor(sqrt(n))` and the remainder.
 //!
-//! One word's root makes that of the next width (Zimmermann, "Karatsuba square root", 1999): with `n = h 2^W + a 2^(W/2) + b`, `h` of one
-//! word with one of its two highest bits set, and `h = s² + r`,
+//! The root of one word gives the root of the next width (Zimmermann, "Karatsuba square root", 1999). Let `n = h 2^W + a 2^(W/2) +
+//! b` with `h` of one word that has one of its two highest bits set, and `h = s² + r`; then
 //!
 //! ```text
 //! q, u = divide(r 2^(W/2) + a, 2 s)       root = s 2^(W/2) + q       rest = u 2^(W/2) + b - q²
 //! ```
 //!
-//! and where the rest is negative, the root is one less. The first 16 bits come from a table of 256 bytes, so that a root of 64 bits is two machine
-//! divisions, a quarter of the instructions of 32 binary digits. Every root of 16 bits is checked, and every step of one of 32.
+//! Where the rest is negative, the root is one less. The first 16 bits come from a table of 256 bytes. So a root of 64 bits takes
+//! two machine divisions, a quarter of the instructions of 32 binary digits. Tests check every root of 16 bits, and every step of a
+//! root of 32 bits.
 
-/// The root of the largest number of 16 bits with these first eight: `floor(sqrt(256 h + 255))`.
+/// The root of the largest 16-bit number whose first eight bits are `h`: `floor(sqrt(256 h + 255))`.
 const LARGEST_ROOTS: [u8; 256] = {
     let mut roots = [0; 256];
     let (mut high, mut root) = (0_usize, 0_u32);
@@ -24,7 +25,8 @@ const LARGEST_ROOTS: [u8; 256] = {
     roots
 };
 
-/// For 16 bits with one of the two highest set: root and rest. Roots of one first byte differ by at most 1.
+/// Root and remainder of a 16-bit number with one of its two highest bits set. Roots of numbers with the same first byte differ by
+/// at most 1.
 #[inline(always)]
 fn scaled_16(n: u16) -> (u16, u16) {
     let first = usize::from((n >> 8) as u8);
@@ -40,7 +42,7 @@ fn scaled_16(n: u16) -> (u16, u16) {
 
 macro_rules! level {
     ($scaled:ident, $below:ident, $word:ty, $wide:ty) => {
-        /// For a number with one of its two highest bits set: root and rest, the rest at most twice the root.
+        /// Root and remainder of a number with one of its two highest bits set. The remainder is at most twice the root.
         #[inline(always)]
         fn $scaled(n: $wide) -> ($wide, $wide) {
             const HALF: u32 = <$word>::BITS / 2;
@@ -90,8 +92,7 @@ macro_rules! whole {
             (root >> pairs) as $word
         }
 
-        /// The root of a number that has one of its four highest bits set: at most one power of four is taken out
-        /// before.
+        /// The root of a number with one of its four highest bits set: at most one power of four is taken out before.
         #[inline]
         #[must_use]
         pub fn $high(n: $wide) -> $word {
@@ -131,7 +132,7 @@ mod tests {
         }
     }
 
-    /// Where a root steps: at every square of 32 bits, just below and just above.
+    /// Checks where the root of 32 bits changes: at every square, just below and just above.
     #[test]
     fn every_step_of_a_root_of_32_bits() {
         for root in 1..=u16::MAX {

@@ -1,4 +1,4 @@
-//! A law of one degree of freedom with its memory, as the shells of three axes drive it.
+//! A law of one degree of freedom with its memory, as the walls of three axes call it.
 
 use crate::law::{
     Contact, DampedState, EnhancedState, FbaState, Law, Sample, SfaState, SpringState, TdpaState,
@@ -6,15 +6,15 @@ use crate::law::{
 };
 use crate::{AnyLaw, Force, Number};
 
-/// A law with its memory.
+/// A law of one degree of freedom with its memory.
 pub trait Along<N: Number> {
-    /// Runs one control period: takes penetration and displacement along a direction, returns the force out.
+    /// Runs one control period: takes penetration and displacement along a direction, returns the outward force.
     fn tick(&mut self, sample: Sample<N>) -> Force<N>;
     /// The law's internal values after the last tick.
     fn view(&self) -> View<N>;
-    /// Forgets: outside, at rest.
+    /// Clears the memory: outside the wall, at rest.
     fn reset(&mut self);
-    /// Whether it is in contact.
+    /// Whether the law is in contact with the wall.
     fn touches(&self) -> bool {
         self.view().contact != Contact::Free
     }

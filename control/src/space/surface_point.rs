@@ -1,4 +1,4 @@
-//! Where the force is directed: closest surface point, point of penetration, restricted surface point (thesis §4.3).
+//! The surface point towards which the force is directed: the closest one, the point of entry, or a restricted one (thesis §4.3).
 
 use super::environment::{Nearest, Surface};
 use super::number::Spatial;
@@ -6,21 +6,21 @@ use super::touch::Touch;
 use super::vector::{Direction, Turn, Vector};
 use crate::Position;
 
-/// The rule.
+/// The rule that chooses the surface point.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Rule<N: Spatial> {
-    /// The closest surface point (4.5): the direction can jump (Fig. 4.3).
+    /// The closest surface point (thesis 4.5): the force's direction can jump (Fig. 4.3).
     #[default]
     Closest,
-    /// Where the HIP came in (4.6): it is pulled back there (Fig. 4.4).
+    /// The point where the HIP entered the object (thesis 4.6): the HIP is pulled back to it (Fig. 4.4).
     Penetration,
-    /// The closest one in a cone around the direction of the last tick (§4.3.3): the direction turns by at most the cone's
-    /// angle in a tick (Fig. 4.5).
+    /// The closest surface point in a cone around the direction of the last tick (thesis §4.3.3). The direction turns by at most
+    /// the cone's angle per tick (Fig. 4.5).
     Restricted(Turn<N>),
 }
 
 impl<N: Spatial> Turn<N> {
-    /// A rule with a cone, given by the tangent of its angle.
+    /// The angle of a cone, given by its tangent.
     #[must_use]
     pub fn of_ratio(across: N::Signal) -> Self {
         let zero = N::Signal::default();
@@ -29,19 +29,19 @@ impl<N: Spatial> Turn<N> {
     }
 }
 
-/// A rule with its memory.
+/// The rule that chooses the surface point, with its memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint<N: Spatial> {
-    /// The rule.
+    /// The rule that chooses the surface point.
     pub rule: Rule<N>,
     /// Direction to the closest surface point in the last tick.
     side: Direction<N>,
-    /// While inside: the direction in use, and the point at which the HIP entered.
+    /// While the HIP is inside: the direction in use, and the point at which the HIP entered. `None` outside.
     inside: Option<(Direction<N>, Vector<Position<N>>)>,
 }
 
 impl<N: Spatial> SurfacePoint<N> {
-    /// Outside. An object with two sides has the HIP on that on which it is first seen.
+    /// The state outside the object. For an object with two sides, the HIP is on the side on which it is first measured.
     #[must_use]
     pub fn new(rule: Rule<N>) -> Self {
         Self {
@@ -51,7 +51,7 @@ impl<N: Spatial> SurfacePoint<N> {
         }
     }
 
-    /// Runs one control period: finds the surface point for a place.
+    /// Runs one control period: takes the HIP's position, returns the contact with the chosen surface point.
     #[inline]
     pub fn tick(&mut self, surface: &impl Surface<N>, at: Vector<Position<N>>) -> Touch<N> {
         let nearest = surface.nearest(at, &self.side);
@@ -73,7 +73,7 @@ impl<N: Spatial> SurfacePoint<N> {
     }
 }
 
-/// The direction back to a point.
+/// The direction from the HIP back to the point of entry.
 fn back_to<N: Spatial>(
     entry: Vector<Position<N>>,
     at: Vector<Position<N>>,
@@ -85,8 +85,9 @@ fn back_to<N: Spatial>(
 
 /// The closest surface point in the cone around a direction.
 ///
-/// Seen from inside, a plane's closest point in the cone lies along its normal, or on the cone's side towards it. So of all ways out of an
-/// object of planes the shortest is found; of others, the shortest of those along the cone's axis and towards their closest point.
+/// Seen from inside, a plane's closest point in the cone lies along the plane's normal, or on the cone's edge towards it. So for an
+/// object of planes this is the shortest way out. For other objects it is the shorter one of the ways along the cone's axis and
+/// towards the closest point.
 fn restricted<N: Spatial>(
     surface: &impl Surface<N>,
     turn: &Turn<N>,

@@ -6,7 +6,7 @@ use super::vector::{Direction, Vector};
 use crate::Position;
 use crate::law::Sample;
 
-/// Where the HIP is with respect to the surface.
+/// Position of the HIP with respect to the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Touch<N: Spatial> {
     /// Position of the hand's point (HIP).
@@ -15,12 +15,12 @@ pub struct Touch<N: Spatial> {
     pub normal: Direction<N>,
     /// How deep the HIP is below the surface point, positive inside.
     pub depth: Position<N>,
-    /// Displacement per tick, where it is estimated; else it is that since the last tick.
+    /// Displacement per tick if it is estimated; `None` means the displacement since the last tick.
     pub moved: Option<Vector<Position<N>>>,
 }
 
 impl<N: Spatial> Touch<N> {
-    /// The contact at a measured place.
+    /// The contact at a measured position.
     #[inline(always)]
     #[must_use]
     pub fn measured(at: Vector<Position<N>>, seen: Nearest<N>) -> Self {
@@ -33,20 +33,20 @@ impl<N: Spatial> Touch<N> {
     }
 }
 
-/// The last tick, for displacements.
+/// Memory of the last tick's contact, from which displacements are calculated.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Track<N: Spatial> {
     last: Option<(Vector<Position<N>>, Nearest<N>)>,
 }
 
-/// A change of the penetration that is the displacement but for the rounding of two projections.
+/// Whether a change of the penetration equals the displacement, except for the rounding of two projections.
 fn is_rounding<N: Spatial>(change: Position<N>, moved: Position<N>) -> bool {
     let two = Position::quantum() + Position::quantum();
     (change - moved).modulus() <= two
 }
 
 impl<N: Spatial> Track<N> {
-    /// How far the HIP moved, as a vector; zero in the first tick, where it is not estimated.
+    /// Displacement of the HIP as a vector; zero in the first tick if it is not estimated.
     #[inline]
     #[must_use]
     pub fn moved(&self, touch: &Touch<N>) -> Vector<Position<N>> {
@@ -56,11 +56,11 @@ impl<N: Spatial> Track<N> {
         })
     }
 
-    /// Penetration and inward displacement along the normal **of the last tick**. The last force acted along that
-    /// normal, so force times displacement is the work at the port, `F·Δx`.
+    /// Penetration and inward displacement along the normal **of the last tick**. The last force acted along that normal, so force
+    /// times displacement is the work at the port, `F·Δx`.
     ///
-    /// On a surface that does not turn, the displacement is the change of the penetration, bit for bit, as in one
-    /// degree of freedom. An estimated displacement is taken along the same normal.
+    /// On a flat surface the displacement is the change of the penetration, bit for bit, as in one degree of freedom. An estimated
+    /// displacement is projected on the same normal.
     #[inline]
     #[must_use]
     pub fn sample(&self, touch: &Touch<N>) -> Sample<N> {
@@ -76,7 +76,7 @@ impl<N: Spatial> Track<N> {
             return Sample::measured(e, Position::zero());
         };
         let change = e - last.depth;
-        // Rounded down: never further in than it went, so that no law books work that was not done.
+        // Rounded down, so that no law counts more inward work than was done.
         let moved = last.normal.opposite().component(touch.at - *at);
         let straight = last.normal == touch.normal && is_rounding(change, moved);
         Sample {
@@ -85,7 +85,7 @@ impl<N: Spatial> Track<N> {
         }
     }
 
-    /// The normal of the last tick.
+    /// The normal of the last tick; `None` before the first tick.
     #[must_use]
     pub fn normal(&self) -> Option<Direction<N>> {
         self.last.map(|(_, last)| last.normal)
@@ -97,7 +97,7 @@ impl<N: Spatial> Track<N> {
         self.last.map_or(Position::zero(), |(_, last)| last.depth)
     }
 
-    /// Keeps the contact after the tick.
+    /// Stores the contact for the next tick.
     #[inline]
     pub fn keep(&mut self, touch: &Touch<N>) {
         let seen = Nearest {

@@ -1,12 +1,13 @@
 //! The unit of length of a device, chosen when its coefficients are built.
 //!
-//! A metre is too long for a haptic device. [`Fixed32`](crate::Fixed32) has stiffnesses up to 524,287, and an omega.3's effector at 4 kHz is a `m/T²` of
-//! 2.4e6 N/m; compliances in steps of 6e-8, and 1/k_v of that device is 2e-4 m/N, to three digits. In centimetres the same
-//! are 24,000 N/cm and 0.02 cm/N to six digits. Positions reach ±1.28 m in steps of 0.6 nm, stiffnesses 52 kN/mm, and an energy is in
-//! units of 10 mJ. In millimetres the energy guard's account would end at 32 mJ. So `Centimetre` is the unit of three axes, and a metre of arc, the radian, that of knobs. Laws do not
-//! know: newtons stay newtons, and a tick is free of the unit.
+//! The metre is too long a unit for a haptic device. [`Fixed32`](crate::Fixed32) has stiffnesses up to 524,287, but the effector of
+//! an omega.3 at 4 kHz has an `m/T²` of 2.4e6 N/m. Compliances have steps of 6e-8, so the `1/k_v` of that device, 2e-4 m/N, has
+//! three digits only. In centimetres the same values are 24,000 N/cm and 0.02 cm/N, with six digits. Positions then reach ±1.28 m
+//! in steps of 0.6 nm, stiffnesses 52 kN/mm, and an energy is in units of 10 mJ. In millimetres the energy guard's account would
+//! end at 32 mJ. So `Centimetre` is the unit of three axes. The unit of knobs is a metre of arc, the radian. Laws do not depend on
+//! the unit: newtons stay newtons, and a tick has no length.
 //!
-//! What still does not fit (0.7 kg at 10 kHz) is refused by the error of the coefficient's own field.
+//! If a value still does not fit (0.7 kg at 10 kHz), it is refused with the error of its own setting.
 
 use super::number::Spatial;
 use super::place_estimator::PlaceEstimator;
@@ -16,12 +17,12 @@ use crate::{
     VelocityKind, VelocitySettings,
 };
 
-/// The length that counts as 1.
+/// The length that counts as 1 in the number format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LengthUnit {
     /// Metre; energies are in J.
     Metre,
-    /// cm: energies in 10 mJ.
+    /// Centimetre; energies are in 10 mJ.
     #[default]
     Centimetre,
     /// Millimetre; energies are in mJ.
@@ -29,7 +30,7 @@ pub enum LengthUnit {
 }
 
 impl LengthUnit {
-    /// How many of these units are a metre.
+    /// Number of these units per metre.
     #[must_use]
     pub fn per_metre(self) -> u32 {
         match self {
@@ -39,19 +40,20 @@ impl LengthUnit {
         }
     }
 
-    /// A length, an energy, a speed or a power, given in SI, in this unit.
+    /// Converts a length, an energy, a speed or a power from SI to this unit.
     #[must_use]
     pub fn of_length(self, si: Si) -> Si {
         si.saturating_mul(Si::saturating_from_num(self.per_metre()))
     }
 
-    /// A stiffness, a damping or a mass, given in SI, in this unit. Rounded down: a device has not more damping by it.
+    /// Converts a stiffness, a damping or a mass from SI to this unit. Rounded down, so that a device never has more damping than
+    /// it has in truth.
     #[must_use]
     pub fn per_length(self, si: Si) -> Si {
         si.saturating_div(Si::saturating_from_num(self.per_metre()))
     }
 
-    /// The settings of a law, given in SI, in this unit.
+    /// Converts the settings of a law from SI to this unit.
     #[must_use]
     pub fn settings(self, si: &Settings) -> Settings {
         let filter = FilterSettings {
@@ -85,8 +87,7 @@ impl LengthUnit {
     /// Makes a law from settings in SI units; the law calculates in this unit of length.
     ///
     /// # Errors
-    /// Same as [`AnyLaw::new`]. Ranges in the error are in SI units, a coefficient that does not fit in this unit of
-    /// length.
+    /// Same as [`AnyLaw::new`]. An error gives ranges in SI units, but a coefficient that does not fit in this unit of length.
     pub fn law<N: Number>(self, si: &Settings) -> Result<AnyLaw<N>, SettingsError> {
         let unit = self.settings(si);
         // Ranges are those of SI; the guard and the estimator of one axis are none of these.
@@ -99,10 +100,10 @@ impl LengthUnit {
         AnyLaw::new(&unit)
     }
 
-    /// An estimator for each axis, from settings in SI.
+    /// Makes an estimator for each axis, from settings in SI units.
     ///
     /// # Errors
-    /// Same as [`EstimatorSettings::estimator`]; ranges are given in this unit.
+    /// Same as [`EstimatorSettings::estimator`]; an error gives ranges in this unit.
     pub fn estimator<N: Spatial>(
         self,
         si: &[EstimatorSettings; 3],
@@ -121,7 +122,7 @@ impl LengthUnit {
         Ok(PlaceEstimator::new([axis(x)?, axis(y)?, axis(z)?]))
     }
 
-    /// The settings of the energy guard and its device, given in SI, in this unit.
+    /// Converts the settings of the energy guard and its device from SI to this unit.
     #[must_use]
     pub fn guard(
         self,

@@ -4,7 +4,7 @@ use super::number::{Axes, Spatial};
 use crate::{Energy, Force, Position};
 use core::ops::{Add, Neg, Sub};
 
-/// Three quantities of a kind, along x, y and z.
+/// Three quantities of the same type, along x, y and z.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Vector<Q>(pub Axes<Q>);
 
@@ -51,33 +51,34 @@ macro_rules! signal_vector {
             pub(super) fn signals(self) -> Axes<N::Signal> {
                 self.0.map(|x| x.0)
             }
-            /// The other way, as by `-`; a difference is one instruction of a machine that saturates, a sign's change four.
+            /// The vector with opposite sign. Calculated as `0 - v`: a difference takes one instruction on a machine with
+            /// saturating sums, a negation four.
             #[inline(always)]
             #[must_use]
             pub(super) fn reversed(self) -> Self {
                 self.map(|x| $quantity::zero() - x)
             }
-            /// Length of the vector, less than a quantum too short; saturating.
+            /// Length of the vector, rounded down: less than one step of the format too short. It saturates.
             #[inline(always)]
             #[must_use]
             pub fn length_down(self) -> $quantity<N> {
                 $quantity(N::length_down(self.signals()))
             }
-            /// Length of the vector, less than a quantum too long; saturating.
+            /// Length of the vector, rounded up: less than one step of the format too long. It saturates.
             #[inline(always)]
             #[must_use]
             pub fn length_up(self) -> $quantity<N> {
                 $quantity(N::length_up(self.signals()))
             }
-            /// Whether it is longer than a limit of at least 0; exact, and cheaper than its length.
+            /// Whether the vector is longer than a limit of at least 0. Exact, and faster than calculating the length.
             #[inline(always)]
             #[must_use]
             pub fn is_longer(self, limit: $quantity<N>) -> bool {
                 N::longer(self.signals(), limit.0)
             }
-            /// The vector shortened to at most a limit below the end of the format. A vector within the limit is
-            /// unchanged; a longer one is shorter by less than three quanta of each component than it might be. The
-            /// direction is kept, but for the rounding of each component towards zero.
+            /// The vector shortened to at most a limit below the end of the format. A vector within the limit is unchanged. Each
+            /// component of a longer one is up to three quanta shorter than exact. The direction is kept, except for the rounding
+            /// of each component towards zero.
             #[inline]
             #[must_use]
             pub fn within(self, limit: $quantity<N>) -> Self {
@@ -87,7 +88,7 @@ macro_rules! signal_vector {
                     self
                 }
             }
-            /// [`Vector::within`] where the length, rounded up, is known already.
+            /// [`Vector::within`] for a length that is already known, rounded up.
             #[inline(always)]
             pub(super) fn shortened(self, length: $quantity<N>, limit: $quantity<N>) -> Self {
                 if length <= limit {
@@ -118,8 +119,8 @@ signal_vector!(Position);
 signal_vector!(Force);
 
 impl<N: Spatial> Vector<Force<N>> {
-    /// Work along a displacement: the exact sum of three exact products. It fits where forces and displacements are at most a quarter
-    /// of their format, and saturates elsewhere.
+    /// Work along a displacement: the exact sum of three exact products. It fits if forces and displacements are at most a quarter
+    /// of their format's range, and saturates otherwise.
     #[inline(always)]
     #[must_use]
     pub fn work(self, along: Vector<Position<N>>) -> Energy<N> {
@@ -128,7 +129,7 @@ impl<N: Spatial> Vector<Force<N>> {
     }
 }
 
-/// A unit vector, to the rounding of its components: [`Spatial::unit`].
+/// A unit vector, as exact as its components can be: see [`Spatial::unit`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Direction<N: Spatial>(pub Axes<N::Signal>);
 
@@ -140,7 +141,7 @@ impl<N: Spatial> Default for Direction<N> {
 }
 
 impl<N: Spatial> Direction<N> {
-    /// Along a coordinate axis (0 to 2; others are z), or against it.
+    /// The direction along a coordinate axis (0 to 2; other numbers mean z), or against it.
     #[inline]
     #[must_use]
     pub fn along(axis: usize, against: bool) -> Self {
@@ -160,26 +161,26 @@ impl<N: Spatial> Direction<N> {
     pub fn of(v: Vector<Position<N>>) -> Option<Self> {
         N::unit(v.signals()).map(Self)
     }
-    /// The length of a vector, rounded down, and its direction, by one root.
+    /// The length of a vector, rounded down, and its direction, with a single square root.
     #[inline]
     #[must_use]
     pub fn polar(v: Vector<Position<N>>) -> (Position<N>, Option<Self>) {
         let (length, unit) = N::polar(v.signals());
         (Position(length), unit.map(Self))
     }
-    /// The component of a displacement along it, rounded down.
+    /// The component of a displacement along this direction, rounded down.
     #[inline(always)]
     #[must_use]
     pub fn component(&self, v: Vector<Position<N>>) -> Position<N> {
         Position(N::along(self.0, v.signals()))
     }
-    /// The component of a force along it, rounded down.
+    /// The component of a force along this direction, rounded down.
     #[inline(always)]
     #[must_use]
     pub fn component_of_force(&self, v: Vector<Force<N>>) -> Force<N> {
         Force(N::along(self.0, v.signals()))
     }
-    /// The cosine of the angle to another, rounded down.
+    /// The cosine of the angle to another direction, rounded down.
     #[inline(always)]
     #[must_use]
     pub fn cosine(&self, other: &Self) -> N::Signal {
@@ -191,14 +192,14 @@ impl<N: Spatial> Direction<N> {
     pub fn times(&self, length: Position<N>) -> Vector<Position<N>> {
         Vector(self.0.map(|part| Position(N::times(part, length.0))))
     }
-    /// A force along it: each component towards zero, so that it is never longer than `size`.
+    /// A force of this size along the direction: each component towards zero, so that the force is never longer than `size`.
     #[inline(always)]
     #[must_use]
     pub fn times_force(&self, size: Force<N>) -> Vector<Force<N>> {
         Vector(self.0.map(|part| Force(N::times(part, size.0))))
     }
-    /// The part of a displacement across the direction: each component within two quanta, and never longer than the
-    /// displacement.
+    /// The part of a displacement perpendicular to the direction. Each component is right within two steps of the format, and the
+    /// part is never longer than the displacement.
     #[inline]
     #[must_use]
     pub fn across(&self, v: Vector<Position<N>>) -> Vector<Position<N>> {
@@ -210,7 +211,7 @@ impl<N: Spatial> Direction<N> {
     pub fn opposite(&self) -> Self {
         Self(self.0.map(|x| N::sub(N::Signal::default(), x)))
     }
-    /// Turned towards another by the angle of which the cosine and the sine are given, to a few quanta; itself where the two are
+    /// This direction turned towards another by a given angle, right to a few quanta. Unchanged where the two directions are
     /// parallel or opposite.
     #[inline]
     #[must_use]
@@ -219,7 +220,7 @@ impl<N: Spatial> Direction<N> {
     }
 }
 
-/// An angle between 0 and a right one, by its cosine and sine.
+/// An angle between 0 and 90 degrees, given by its cosine and sine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turn<N: Spatial> {
     /// Cosine of the angle.

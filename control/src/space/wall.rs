@@ -1,4 +1,4 @@
-//! A tick of three axes: from the position of the HIP to the force on it.
+//! One tick of a wall on three axes: from the position of the hand's point (HIP) to the force on it.
 
 use super::bounding::Bounding;
 use super::environment::Surface;
@@ -15,7 +15,7 @@ use super::vector::Vector;
 use crate::guard::Overspeed;
 use crate::{Force, Position};
 
-/// How scalar laws make a vector force.
+/// How laws of one degree of freedom give a force vector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(clippy::large_enum_variant)]
 pub enum Shell<N: Spatial, L> {
@@ -23,12 +23,12 @@ pub enum Shell<N: Spatial, L> {
     Magnitude(Magnitude<N, L>),
     /// One law for each axis.
     PerAxis(PerAxis<N, L>),
-    /// Force bounding of the vector.
+    /// Force bounding of the force vector.
     Bounding(Bounding<N>),
 }
 
 impl<N: Spatial, L: Along<N>> Shell<N, L> {
-    /// Runs one control period; returns the force on the HIP.
+    /// Runs one control period; returns the force on the hand's point (HIP).
     #[inline]
     pub fn tick(&mut self, touch: &Touch<N>) -> Vector<Force<N>> {
         match self {
@@ -39,22 +39,22 @@ impl<N: Spatial, L: Along<N>> Shell<N, L> {
     }
 }
 
-/// A virtual object: its shape, the estimator of the HIP, its law, friction and guard.
+/// A virtual object with everything that renders it: shape, estimator of the HIP, law, friction and guard.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpaceWall<N: Spatial, S, L> {
-    /// The object.
+    /// The object's shape.
     pub surface: S,
-    /// What says where the HIP will be; without one, it is where it is measured.
+    /// The estimator that predicts the HIP's position; `None` means that the measured position is used.
     pub estimator: Option<PlaceEstimator<N>>,
-    /// The point of the object that is touched.
+    /// The rule that chooses the touched point of the object, with its memory.
     pub point: SurfacePoint<N>,
-    /// The law.
+    /// The law, and how it gives a force vector.
     pub shell: Shell<N, L>,
-    /// Friction, where there is any.
+    /// Friction with its memory; `None` without friction.
     pub friction: Option<(Friction<N>, FrictionState<N>)>,
-    /// The longest force ever commanded.
+    /// Largest length of the commanded force.
     pub limit: Force<N>,
-    /// The guard, where there is one.
+    /// The energy guard with its memory; `None` without a guard.
     pub guard: Option<(VectorGuard<N>, VectorGuardState<N>)>,
     last: Option<Vector<Position<N>>>,
     /// The force commanded at the last tick, after every later stage that may change it.
@@ -62,7 +62,7 @@ pub struct SpaceWall<N: Spatial, S, L> {
 }
 
 impl<N: Spatial, S: Surface<N>, L: Along<N>> SpaceWall<N, S, L> {
-    /// Outside, at rest, without estimator, friction and guard.
+    /// A wall in the state outside and at rest, without estimator, friction and guard.
     pub fn new(surface: S, point: SurfacePoint<N>, shell: Shell<N, L>, limit: Force<N>) -> Self {
         Self {
             surface,
@@ -79,11 +79,11 @@ impl<N: Spatial, S: Surface<N>, L: Along<N>> SpaceWall<N, S, L> {
 
     /// Runs one control period: takes the measured position of the HIP, returns the force on it.
     ///
-    /// If a later stage changes that force, [`SpaceWall::commanded`] must follow.
+    /// If a later stage changes that force, the caller must report it with [`SpaceWall::commanded`].
     ///
     /// # Errors
-    /// The guard found overspeed, or a force is wanted at the end of the position format. The force is 0, and the
-    /// caller has to switch off.
+    /// The guard detected overspeed, or a force is requested at the end of the position format. The force is 0, and the caller has
+    /// to switch off.
     #[inline]
     pub fn tick(&mut self, at: Vector<Position<N>>) -> Result<Vector<Force<N>>, Overspeed> {
         let (seen, moved) = match &mut self.estimator {
@@ -104,7 +104,7 @@ impl<N: Spatial, S: Surface<N>, L: Along<N>> SpaceWall<N, S, L> {
             force = force + friction.tick(state, &touch, pressed);
         }
         let force = force.within(self.limit);
-        // The guard keeps the books of the port, and so is told what was measured.
+        // The guard sums the energy at the port, so it gets the measured position.
         let moved = self.last.map_or(Vector::default(), |last| at - last);
         self.last = Some(at);
         let guarded = match &mut self.guard {
@@ -115,7 +115,8 @@ impl<N: Spatial, S: Surface<N>, L: Along<N>> SpaceWall<N, S, L> {
         guarded
     }
 
-    /// What became of the last tick's force, where a later stage changed it: estimator and guard then count with that.
+    /// Reports the force that really was commanded, if a later stage changed the last tick's force. Estimator and guard then
+    /// calculate with it.
     #[inline]
     pub fn commanded(&mut self, force: Vector<Force<N>>) {
         self.commanded = force;

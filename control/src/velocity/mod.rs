@@ -1,16 +1,16 @@
-//! Velocity out of measured positions alone: what a law with virtual damping may take in the place of a difference.
+//! Velocity from measured positions alone, for a law with virtual damping, in the place of the plain difference of two positions.
 //!
-//! A count a tick is the whole resolution of a difference: at 40,000 counts and 1 kHz it is 0.157 rad/s, and a damper makes a
-//! torque of every one of them. Each way to do better pays with lateness:
+//! A difference cannot resolve less than one encoder count per tick. At 40,000 counts per turn and 1 kHz that is 0.157 rad/s, and a
+//! damper turns every such step into a step of torque. Each smoother velocity comes later:
 //!
-//! | | velocity on a ramp | of white position noise of variance `σ²`, per tick |
+//! | | velocity on a ramp | variance of the result, per tick, for white position noise of variance `σ²` |
 //! |---|---|---|
 //! | difference | exact | `2 σ²` |
-//! | [`Smoothed`], a first-order filter of share `a` | exact in the end | `2 a²/(2 - a) σ²` |
-//! | [`FirstOrderAdaptiveWindow`] | within `2 d/n` over a window of `n` | by its window |
+//! | [`Smoothed`], a first-order filter with gain `a` | exact in the end | `2 a²/(2 - a) σ²` |
+//! | [`FirstOrderAdaptiveWindow`] | within `2 d/n` over a window of `n` | depends on the window |
 //! | [`Tracker`], steady Kalman gains | exact in the end | `2 β²/(α (4 - 2 α - β)) σ²` for constant velocity |
 //!
-//! Nothing of the device is known to them, and nothing of what is commanded: that is what [`crate::estimator`] is for.
+//! These filters know neither the device nor the commanded forces. [`crate::estimator`] is the filter that uses both.
 
 mod settings;
 mod smoothed;
@@ -25,22 +25,22 @@ pub use window::{FirstOrderAdaptiveWindow, LONGEST_WINDOW, Slope};
 use crate::estimator::EstimatedMotion;
 use crate::{Number, Position};
 
-/// A way to a velocity. Its coefficients; the memory is [`VelocityState`].
+/// Coefficients of one method to get a velocity from positions. The memory is [`VelocityState`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Velocity<N: Number> {
-    /// The difference of two positions through a first-order filter.
+    /// The difference of two positions through a first-order low-pass filter.
     Smoothed(Smoothed<N>),
-    /// The slope of the longest straight line through the last positions that no count speaks against.
+    /// The slope of the longest straight line that fits the last positions within the error of an encoder count.
     Window(FirstOrderAdaptiveWindow<N>),
-    /// A Kalman filter in its steady state.
+    /// A Kalman filter of the position in its steady state.
     Tracker(Tracker<N>),
 }
 
-/// Memory of a [`Velocity`]; the default is before the first position.
+/// Memory of a [`Velocity`]; the default is the state before the first position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum VelocityState<N: Number> {
-    /// Memory of a filter that follows a motion: position, displacement per tick, and for a filter of the third order
-    /// its change.
+    /// Memory of a filter that follows a motion: position, displacement per tick, and for a third-order filter the change of that
+    /// displacement.
     Motion(Option<EstimatedMotion<N>>),
     /// Memory of a window: the last positions, the latest first.
     Positions([Position<N>; LONGEST_WINDOW]),
@@ -53,8 +53,8 @@ impl<N: Number> Default for VelocityState<N> {
 }
 
 impl<N: Number> Velocity<N> {
-    /// Runs one control period: takes the position, returns the displacement per tick. The first position is that of a
-    /// device at rest.
+    /// Runs one control period: takes the position, returns the displacement per tick. At the first position the device counts as
+    /// at rest.
     #[inline]
     pub fn tick(&self, state: &mut VelocityState<N>, at: Position<N>) -> Position<N> {
         if let Self::Window(window) = self {

@@ -7,7 +7,7 @@ use crate::{
     Field, Number, Position, Ratio, SettingsError, Si, Stiffness, VelocityKind, VelocitySettings,
 };
 
-/// `1/√2`, to the last digit of what weights are calculated with.
+/// `1/√2`, to the last digit of the format in which weights are calculated.
 const ROOT_HALF: Exact = Exact::lit("0.7071067811865475244");
 
 impl VelocitySettings {
@@ -30,11 +30,11 @@ impl VelocitySettings {
         }
     }
 
-    /// Validates, and computes the coefficients; `None` where the law uses the displacement that it gets. `count` is
-    /// the distance between neighbouring positions, rad (m).
+    /// Validates the settings and computes the filter's coefficients. `None` where the law uses the displacement that it gets.
+    /// `count` is the distance between neighbouring positions, rad (m).
     ///
     /// # Errors
-    /// Same as [`VelocitySettings::validate`]; a count that the number format cannot hold.
+    /// Same as [`VelocitySettings::validate`]; also a count that the number format cannot hold.
     pub fn velocity<N: Number>(
         &self,
         rate_hz: u32,
@@ -66,7 +66,7 @@ fn smoothed<N: Number>(share: Exact) -> Option<Velocity<N>> {
     Some(Velocity::Smoothed(Smoothed { share }))
 }
 
-/// The tracker whose poles are at `r`, given `1 - r`.
+/// The Kalman filter whose poles are at `r`, given `lost = 1 - r`.
 #[inline]
 fn tracker<N: Number>(lost: Exact, accelerates: bool) -> Option<Velocity<N>> {
     let two = Exact::const_from_int(2);

@@ -1,23 +1,23 @@
-//! A Kalman filter of a position alone, in its steady state: Kalata, IEEE TAES 20(2) 174, 1984.
+//! A Kalman filter of the position alone, in its steady state: Kalata, IEEE TAES 20(2) 174, 1984.
 
 use crate::estimator::{EstimatedMotion, Flow, Weight, corrected};
 use crate::{Number, Position};
 
-/// The filter for a motion of constant velocity that white noise changes every tick (`γ = 0`), or of constant acceleration.
+/// The filter for a motion with constant velocity that white noise changes every tick (`γ = 0`), or with constant acceleration.
 ///
-/// With `r = sqrt(1 - α)` its gains are `α = 1 - r²`, `β = 2 (1 - r)²` and `γ = β²/2α` for whatever noise: one number chooses them,
-/// and here that is the natural frequency `p` of its Butterworth poles, `r = exp(-2π p T/√2)` of constant velocity and
-/// `r = exp(-2π p T)` of constant acceleration.
+/// With `r = sqrt(1 - α)` its gains are `α = 1 - r²`, `β = 2 (1 - r)²` and `γ = β²/2α`, for any noise. So one number chooses all
+/// gains. Here it is the natural frequency `p` of the filter's Butterworth poles: `r = exp(-2π p T/√2)` for constant velocity and
+/// `r = exp(-2π p T)` for constant acceleration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tracker<N: Number> {
-    /// A tick of free motion.
+    /// The motion over one tick without damping and commands.
     pub free: Flow<N, 0>,
-    /// `α`, `β`, `γ`.
+    /// Gains `α`, `β`, `γ` that correct position, displacement per tick, and its change.
     pub correction: [Weight<N>; 3],
 }
 
 impl<N: Number> Tracker<N> {
-    /// The motion after a position; `None` where no device could have moved like that.
+    /// The filter's state after a position; `None` if no device could have moved like that.
     #[inline(always)]
     pub fn tick(&self, before: &EstimatedMotion<N>, at: Position<N>) -> Option<EstimatedMotion<N>> {
         let nothing = Default::default();

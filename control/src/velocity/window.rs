@@ -1,35 +1,36 @@
-//! First-order adaptive windowing: Janabi-Sharifi, Hayward and Chen, IEEE TCST 8(6) 1003, 2000, with the line through both ends.
+//! Velocity by first-order adaptive windowing, Janabi-Sharifi, Hayward and Chen, IEEE TCST 8(6) 1003, 2000. The fitted line goes
+//! through the first and the last position of the window.
 
 use crate::{Number, Position, Ratio, Stiffness};
 
-/// Positions that a window reaches back at most.
+/// The most past positions that a window holds.
 pub const LONGEST_WINDOW: usize = 16;
 
-/// A number of ticks, as a factor and as a divisor.
+/// The length of a window in ticks, as a factor and as its inverse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slope<N: Number> {
     /// Length of the window, ticks: `n`.
     pub times: Stiffness<N>,
-    /// Share: `1/n`.
+    /// Inverse of the length: `1/n`.
     pub share: Ratio<N>,
 }
 
-/// The slope over the longest usable window: one in which a straight line from its first to its last position passes
-/// every position between by no more than `d`. So the window is long, and quiet, while the motion is even; it is
-/// short, and quick, when the motion turns.
+/// Velocity as the slope over the longest usable window. In such a window a straight line from the first to the last position
+/// passes every position between them by no more than `d`. So the window is long, with little noise, while the motion is even. It
+/// is short, and follows fast, when the motion turns.
 ///
-/// Each position is tested once: the slope must lie in the cone that all nearer positions allow.
+/// Each position is tested once: the slope to it must lie within the bounds that all later positions allow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstOrderAdaptiveWindow<N: Number> {
-    /// The windows, shortest first.
+    /// The possible windows, shortest first.
     pub slopes: [Slope<N>; LONGEST_WINDOW],
-    /// Ticks of the longest window.
+    /// Length of the longest window, ticks.
     pub longest: u8,
-    /// `d`: how far a position may be from the line. Both ends and what lies between are right to half a count.
+    /// `d`: largest distance of a position from the line. The end positions and those between have errors of at most half a count.
     pub margin: Position<N>,
 }
 
-/// A bound on a slope: a distance and the number of ticks it takes.
+/// A bound on a slope: a distance and the number of ticks over which it is measured.
 type Bound<N> = Option<(Position<N>, Stiffness<N>)>;
 
 impl<N: Number> FirstOrderAdaptiveWindow<N> {

@@ -1,47 +1,51 @@
-//! A kept alignment is checked, not looked for: the field stands where the rotor is said to stand, and is rocked a little.
+//! Check of a stored alignment: the field is raised where the rotor should be according to the alignment, and is rocked a little.
 //!
 //! ```text
 //! Offsets -> Raise -> Settle -> Rock: out, back, forth, home -> done
 //! ```
 //!
-//! Be `φ` the electrical angle by which the kept alignment is wrong. A current along what it says is the rotor's direction turns the rotor
-//! by `k_t I sin φ` towards where it truly belongs.
+//! Let `φ` be the electrical angle by which the stored alignment is wrong. A current along the stored direction of the rotor turns
+//! the rotor by `k_t I sin φ` towards its true direction.
 //!
-//! 1. The shaft is waited for until it stands still, four seconds at most. Where it stands is, by the kept alignment, an electrical angle: the
-//!    field is raised there.
-//! 2. From then on the rotor must never be more than an eighth of an electrical turn from the field. With `φ` of a quarter turn it is drawn
-//!    there while the current rises, and the outputs are off.
-//! 3. With `φ` of half a turn the torque is zero: the rotor stands against the field, and dry friction keeps it there. So the field is rocked by
-//!    an eighth of a turn each way: a rotor that stands against it falls off the other way, or does not move at all.
+//! 1. The check waits until the shaft stands still, for at most four seconds. The stored alignment gives the electrical angle of that position,
+//!    and the field is raised there.
+//! 2. From then on the rotor must stay within an eighth of an electrical turn of the field. With a `φ` of a quarter turn the rising current
+//!    pulls the rotor further away, and the outputs are switched off.
+//! 3. With a `φ` of half a turn the torque is zero: the rotor stands against the field, and dry friction keeps it there. So the field is rocked
+//!    by an eighth of a turn each way. A rotor that stands against the field then turns away from it, or does not move at all.
 //! 4. On the way back and forth, at each 32nd of a turn, the difference of rotor and field is taken. Friction makes the rotor lag, once in
-//!    each direction: the mean of both is `φ`, and must be within 20 electrical degrees. Between the two ends, the rotor must have moved at least
-//!    half as far as the field, and in its direction. This is what tells a shaft that is held, phases in another order, and a rotor that is
-//!    against the field and stuck.
+//!    each direction, so the mean of both is `φ`. It must be within 20 electrical degrees. Between the two ends the rotor must have moved at
+//!    least half as far as the field, and in the same direction. This detects a held shaft, phases in another order, and a rotor that is stuck
+//!    against the field.
 //!
-//! What it cannot tell: a magnet that slipped by whole electrical turns, which is no difference to the motor; another number of pole pairs
-//! that moves the rotor nearly as far (the settings' number is compared with the kept one's instead); less than 20 degrees, which costs at
-//! most 6 % of the torque; and a load that turns the shaft as far as the error does, the other way.
+//! The check cannot detect the following errors:
+//!
+//! - a magnet that slipped by whole electrical turns, which makes no difference to the motor;
+//! - another number of pole pairs with which the rotor moves nearly as far (the settings' number is compared with the stored one instead);
+//! - an error below 20 degrees, which costs at most 6 % of the torque;
+//! - a load that turns the shaft as far as the alignment's error, in the opposite direction.
 
 use super::{Calibration, CalibrationConfig, Progress, Reason, Stage, failed};
 use crate::angle::{Angle, ElectricalScale};
 use crate::calibration::Alignment;
 use touchstone_protocol::KeptAlignment;
 
-/// How far the field is rocked each way, 2^-32 turns: an eighth.
+/// Angle by which the field is rocked each way, 2^-32 electrical turns: an eighth of a turn.
 const REACH: i64 = 1 << 29;
-/// Largest angle between rotor and field, turns/65,536: an eighth. A rotor that follows lags by less than half of
-/// that.
+/// Largest allowed angle between rotor and field, in 1/65,536 electrical turns: an eighth of a turn. A rotor that follows the field
+/// lags by less than half of that.
 const APART: i32 = 0x2000;
-/// Furthest that they may be apart in the mean, turns/65,536: 20 degrees, of which an eccentric magnet and cogging may take 15.
+/// Largest allowed mean angle between rotor and field, in 1/65,536 electrical turns: 20 degrees. An eccentric magnet and cogging
+/// can cause 15 degrees of it.
 const WRONG: i32 = 65_536 / 18;
-/// A shaft that stands still moves no further than this, turns/65,536: a 64th.
+/// Largest motion of a shaft that counts as standing still, in 1/65,536 electrical turns: a 64th of a turn.
 const STILL: i32 = 0x400;
-/// How many half seconds the check waits for the shaft.
+/// Longest time that the check waits for the shaft to stand still, in half seconds.
 const PATIENCE: u32 = 8;
-/// Distance between places at which samples are taken, in 2^-32 turns as a power of two: a 32nd of a turn.
+/// Distance between the positions at which samples are taken, in 2^-32 electrical turns, as a power of two: a 32nd of a turn.
 const PLACES_LOG2: u32 = 27;
 
-/// The ways of the field, in their order.
+/// The motions of the field while it is rocked, in their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Way {
     Out,
@@ -50,22 +54,22 @@ enum Way {
     Home,
 }
 
-/// A running check.
+/// The state of a running check of a stored alignment.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Check {
-    /// The alignment at count 0 of the unwrapped encoder.
+    /// The stored alignment, converted to count 0 of the unwrapped encoder.
     kept: Alignment,
-    /// Where the shaft stands, for how many ticks, and how many were waited.
+    /// Count at which the shaft stands. The next fields: for how many ticks it stands, and how many ticks the check has waited.
     stands: Option<i64>,
     still: u32,
     waited: u32,
     way: Way,
-    /// Where the field is from where it was raised, 2^-32 turns.
+    /// Angle of the field from where it was raised, 2^-32 electrical turns.
     reached: i64,
-    /// Sum of the differences of rotor and field, and how many.
+    /// Sum of the angles between rotor and field. The next field is their number.
     sum: i32,
     samples: i32,
-    /// Where the rotor was at the far end of the way back.
+    /// The rotor's angle at the far end of the way back.
     end: Angle,
 }
 
@@ -96,7 +100,7 @@ impl Alignment {
         self.offset.plus(turned)
     }
 
-    /// The alignment after moving count 0 by this many counts.
+    /// The same alignment after count 0 is moved by this many counts.
     #[must_use]
     pub fn from(&self, count: i64, scale: &ElectricalScale) -> Self {
         Self {
@@ -107,7 +111,7 @@ impl Alignment {
 }
 
 impl Calibration {
-    /// Begins with the check of a kept alignment, of which count 0 is that of the unwrapped encoder.
+    /// Begins a calibration that checks a stored alignment. The alignment must be given for count 0 of the unwrapped encoder.
     #[must_use]
     pub const fn of_kept(config: CalibrationConfig, kept: Alignment) -> Self {
         let mut calibration = Self::new(config);
@@ -125,7 +129,7 @@ impl Calibration {
         calibration
     }
 
-    /// Whether the rotor is where a check lets it be.
+    /// Checks that the rotor is within the allowed angle of the field; returns the reason of a failure.
     pub(super) fn watch(&mut self, count: i64) -> Option<Reason> {
         let field = self.field_angle();
         let check = self.check.as_mut()?;
@@ -146,13 +150,13 @@ impl Calibration {
         (i32::from(rotor.since(field)).abs() > APART).then_some(Reason::KeptWrong)
     }
 
-    /// Whether the shaft has stood still for a quarter of a second; where there is no check, that makes no difference.
+    /// Whether the shaft has stood still for a quarter of a second; always true in a calibration without a check.
     pub(super) fn may_begin(&self) -> bool {
         self.check
             .is_none_or(|check| check.still >= self.config.settle / 2)
     }
 
-    /// Runs one tick of the rocking.
+    /// Runs one tick of rocking the field.
     pub(super) fn rock(&mut self, count: i64) -> Option<Progress> {
         // The count belongs to the field of the tick before: that one has acted.
         let field = self.field_angle();
@@ -205,8 +209,8 @@ impl Calibration {
         None
     }
 
-    /// Speed of the field while it is rocked, and by how much it grows in a tick, 2^-32 turns a tick: an electrical turn a second at most, so
-    /// that a light rotor does not swing around it.
+    /// Speed of the field while it is rocked, 2^-32 electrical turns per tick, and its largest change in a tick. The speed is at
+    /// most one electrical turn per second, so that a light rotor does not swing around the field.
     fn rocking(&self) -> (u32, u32) {
         // Ticks in a second and in a quarter of one.
         let settle = self.config.settle.max(2);

@@ -1,4 +1,4 @@
-//! Coefficients of a calibration, from settings and hardware.
+//! Coefficients of a calibration, calculated from settings and hardware.
 
 use crate::Amps;
 use crate::angle::ElectricalScale;
@@ -11,19 +11,19 @@ use touchstone_protocol::DeviceSettings;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CalibrationConfig {
     pub(super) current: Amps,
-    /// Share of the current by which it is raised in a tick, A.
+    /// Rise of the calibration's current per tick, A.
     pub(super) current_step: Amps,
-    /// Speed of the field, 2^-32 electrical turns a tick.
+    /// Speed of the field, 2^-32 electrical turns per tick.
     pub(super) speed: u32,
-    /// By how much a tick's speed differs from the last one's at the beginning of a way.
+    /// Change of the field's speed per tick at the beginning of a motion.
     pub(super) speed_step: u32,
-    /// 2^-32 electrical turns in a PWM period per those in a tick, with 16 fractional bits.
+    /// Factor from an angle per tick to an angle per PWM period, with 16 fractional bits.
     pub(super) per_period: u32,
-    /// Ticks of settling; also how long offsets may take.
+    /// Ticks for which the rotor settles in the field; also the longest time that the offsets may take.
     pub(super) settle: u32,
-    /// Counts about which a rotor at rest may move: a 64th of an electrical turn.
+    /// Counts within which a rotor at rest may move: a 64th of an electrical turn.
     pub(super) rest: i64,
-    /// Electrical turns of a way that are examined.
+    /// Number of electrical turns in each direction that are examined.
     pub(super) turns: i64,
     pub(super) pole_pairs: u8,
     pub(super) counts_per_rev: u32,
@@ -31,16 +31,16 @@ pub struct CalibrationConfig {
     pub(super) offset_code: u16,
     pub(super) offset_tolerance: u16,
     pub(super) offset_spread: u16,
-    /// The currents are measured.
+    /// Whether the board measures the motor's currents.
     #[cfg(feature = "voltage")]
     pub(super) senses: bool,
-    /// The board measures no currents, and the motor's values that turn a current into a voltage are not set.
+    /// Whether the board measures no currents and the motor's values are not set with which a current is converted to a voltage.
     #[cfg(feature = "voltage")]
     pub(super) is_untold: bool,
 }
 
 impl CalibrationConfig {
-    /// Computes it from validated settings.
+    /// Computes the coefficients from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {

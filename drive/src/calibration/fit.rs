@@ -1,12 +1,12 @@
-//! Where the rotor stands beside the field, of many samples.
+//! The mean angle between rotor and field over many samples.
 
 use crate::angle::Angle;
 
-/// Differences of field and rotor, for one direction of counting.
+/// Angles between field and rotor, for one direction of counting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Fit {
     first: Option<Angle>,
-    /// Sum, least and most of the others relative to the first.
+    /// Sum, smallest and largest of the angles relative to the first one.
     sum: i32,
     pub(super) least: i32,
     pub(super) most: i32,

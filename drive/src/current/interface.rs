@@ -10,32 +10,32 @@ use touchstone_protocol::FaultCode;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum CurrentMode {
-    /// Off: all six switches open.
+    /// The bridge is off: all six switches are open.
     #[default]
     Off = 0,
-    /// Off; the sensors' readings without current are measured.
+    /// The bridge is off, and the current sensors' readings without current are measured.
     Offsets = 1,
-    /// Switched on, with the currents of the command in the frame of the command.
+    /// The bridge is on and holds the command's currents, in the frame that the command's angle gives.
     Drive = 2,
 }
 
-/// The mailbox from the control tick to the current loop.
+/// The command from the control tick to the current loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CurrentCommand {
-    /// Number of the control tick: a new number is a sign of life.
+    /// Number of the control tick. A new number is a sign of life.
     pub tick: u32,
     /// The mode that is commanded.
     pub mode: CurrentMode,
-    /// Electrical angle when the encoder was read.
+    /// Electrical angle at the time when the encoder was read.
     pub angle: Angle,
-    /// How far the angle moves in a PWM period, 2^-32 turns.
+    /// Change of the electrical angle in a PWM period, 2^-32 turns.
     pub advance: i32,
-    /// Currents to hold.
+    /// Currents to hold, in the rotor's frame, A.
     pub current: Dq,
 }
 
 impl CurrentCommand {
-    /// Off, without a sign of life.
+    /// The command to be off. Its tick number is 0, which gives no sign of life.
     pub const OFF: Self = Self {
         tick: 0,
         mode: CurrentMode::Off,
@@ -48,74 +48,77 @@ impl CurrentCommand {
 /// The samples of a PWM period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CurrentSample {
-    /// Converter's code of the current of phase A.
+    /// Converter's code for the current of phase A.
     pub phase_a: u16,
-    /// Reading of phase B's sensor.
+    /// Converter's code for the current of phase B.
     pub phase_b: u16,
-    /// Reading of the bus voltage.
+    /// Converter's code for the bus voltage.
     pub bus: u16,
-    /// Reading of the power stage's temperature, which is passed on.
+    /// Converter's code for the power stage's temperature, which is passed on in the report.
     pub temperature: u16,
-    /// The timer's break flag is set: the hardware has switched off.
+    /// Whether the timer's break flag is set: the hardware has switched the outputs off.
     pub hardware_break: bool,
-    /// The compare values of the period before came after the timer's turn: they act a period later than they were made for.
+    /// Whether the compare values of the period before were written too late for the timer: they act one period later than
+    /// intended.
     pub late: bool,
-    /// The mailbox.
+    /// The last command from the control tick's mailbox.
     pub command: CurrentCommand,
 }
 
-/// Command to the bridge.
+/// Command to the three-phase bridge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BridgeCommand {
-    /// All six switches open.
+    /// All six switches are open.
     Off,
-    /// Compare values of phases A, B, C.
+    /// The bridge is on, with the compare values of phases A, B, C.
     On([u16; 3]),
 }
 
-/// The actions that the interrupt has to take next.
+/// The actions that the PWM interrupt has to take next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CurrentOutput {
-    /// Command for the timer.
+    /// Command for the bridge's timer.
     pub bridge: BridgeCommand,
-    /// A control tick is due: pend its interrupt.
+    /// Whether a control tick is due: the interrupt then pends the control interrupt.
     pub pend_control: bool,
-    /// The encoder is to be read a second time: the interrupt is pended for that. Never together with a tick.
+    /// Whether the encoder is to be read a second time: the control interrupt is then pended for that. Never in the period of a
+    /// control tick.
     pub reads_change: bool,
-    /// The command is older than two control periods: an analogue drive, whose output this loop does not make, is switched off.
+    /// Whether the command is older than two control periods. The firmware then switches off an analogue drive, whose output this
+    /// loop does not control.
     pub is_stale: bool,
 }
 
-/// Why the loop switched off without a command.
+/// Why the current loop switched off without a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Trip {
     /// [`FaultCode::OverCurrent`], [`FaultCode::StaleCommand`], [`FaultCode::HardwareBreak`] or [`FaultCode::DeadlineMiss`].
     pub code: FaultCode,
-    /// Same as [`touchstone_protocol::Context::value`].
+    /// The trip's value for the fault's context, see [`touchstone_protocol::Context::value`].
     pub value: i32,
 }
 
-/// The mailbox from the current loop to the control tick.
+/// The report from the current loop to the control tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CurrentReport {
     /// PWM periods since the start, wrapping.
     pub periods: u32,
-    /// Measured currents in the frame of the command; computed ones on a board that measures none.
+    /// Measured currents in the frame of the command, A; calculated ones on a board that measures none.
     pub current: Dq,
-    /// Voltages given, same frame.
+    /// Voltages given to the motor, in the frame of the command, V.
     pub voltage: Dq,
-    /// Bus voltage.
+    /// Bus voltage, V.
     pub bus: Volts,
-    /// Converter's code of the temperature.
+    /// Converter's code for the power stage's temperature.
     pub temperature: u16,
-    /// Control ticks that were due and brought no command in time, since the start, wrapping.
+    /// Number of control ticks since the start that were due and brought no command in time, wrapping.
     pub missed: u16,
-    /// Periods in which the voltage was at its limit, since the start, wrapping.
+    /// Number of PWM periods since the start in which the voltage was at its limit, wrapping.
     pub saturated: u16,
-    /// How often the loop tripped, wrapping: a change is a new trip.
+    /// Number of trips (switching off without a command), wrapping. A changed number means a new trip.
     pub trips: u8,
-    /// The last trip.
+    /// The last trip; `None` before the first one.
     pub trip: Option<Trip>,
-    /// The sensors' offsets, once measured.
+    /// The current sensors' offsets; `None` until they are measured.
     pub offsets: Option<Offsets>,
 }

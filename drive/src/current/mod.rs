@@ -1,14 +1,14 @@
-//! One PWM period: phase currents in, compare values out. Field-oriented control at 20 kHz.
+//! One PWM period of field-oriented control, at 20 kHz: takes phase currents, gives compare values.
 //!
-//! The loop obeys a mailbox, the [`CurrentCommand`] of the last control tick, and trusts nothing else of the slower levels. It
-//! switches off by itself when a current is too large, when the hardware break pulled, when the command is older than two
-//! control periods, or when it is itself too slow for the timer. What it saw goes back in a [`CurrentReport`].
+//! The loop obeys the [`CurrentCommand`] of the last control tick and depends on nothing else of the slower levels. It switches off
+//! by itself when a current is too large, when the hardware break acts, when the command is older than two control periods, or when
+//! the loop itself is too slow for the timer. It reports its measurements in a [`CurrentReport`].
 //!
-//! Compare values act on average a whole period after the sample they are made of: the voltage is turned by a period of the
-//! rotor's motion ([`ACTS_AFTER_PERIODS`]).
+//! Compare values act on average a whole PWM period after the sample from which they are calculated. So the voltage is turned ahead
+//! by the rotor's motion in a period ([`ACTS_AFTER_PERIODS`]).
 //!
-//! On a board that measures no current the two controllers are left out, and the voltage is `R` times what was asked for: the file
-//! `voltage.rs`, which says what is lost by it.
+//! On a board that measures no current the two controllers are left out, and the voltage is `R` times the requested current. The
+//! file `voltage.rs` describes the disadvantages.
 
 mod interface;
 mod offsets;
@@ -31,54 +31,55 @@ use crate::{Amps, Volts};
 use offsets::OffsetSums;
 use touchstone_protocol::FaultCode;
 
-/// Coefficients of the loop.
+/// Coefficients of the current loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CurrentConfig {
-    /// Controller gains, the same for d and q.
+    /// Gains of the current controllers, the same for d and q.
     pub gains: PiGains,
-    /// Modulator of the timer.
+    /// The timer's range for space-vector modulation.
     pub modulator: Modulator,
-    /// [`Modulator::share`], which takes a division.
+    /// Result of [`Modulator::share`], stored because it takes a division.
     pub voltage_share: i32,
-    /// A per code with 28 fractional bits; negative where the amplifier inverts.
+    /// Current in A per converter's code, with 28 fractional bits; negative for shunts below the low-side transistors whose
+    /// amplifiers do not invert.
     pub amps_per_code: i32,
-    /// V of the bus per code.
+    /// Bus voltage in V per converter's code.
     pub volts_per_code: Volts,
-    /// Largest current ever held.
+    /// Largest current that the loop holds, A.
     pub limit: Amps,
-    /// Current of a phase, or length of the vector, at which the loop trips.
+    /// Current of a phase, or length of the current vector, in A, at which the loop switches off (trips).
     pub trip: Amps,
-    /// PWM periods in a control period.
+    /// Number of PWM periods in a control period.
     pub periods_per_tick: u16,
-    /// PWM periods from a control tick until the encoder is read once more; 0: it is not.
+    /// PWM periods from a control tick until the encoder is read a second time; 0: it is not.
     pub read_at: u16,
-    /// Computes a voltage from the wanted current, where no current is measured.
+    /// Calculates a voltage from the requested current on a board that measures none; `None` on other boards.
     #[cfg(feature = "voltage")]
     pub voltage: Option<VoltageStage>,
 }
 
-/// From a sample to the middle of the time in which the compare values made of it act, PWM periods.
+/// PWM periods from a sample to the middle of the time in which the compare values calculated from it act.
 ///
-/// The currents are sampled while the counter is at its top, with all low sides on. The compare values are written on the way
-/// down, in time or it is a late period ([`CurrentSample::late`]), and taken over by the timer's update at the bottom, half a
-/// period after the sample. They act from that bottom to the next, around the top between them: a whole period after the sample.
+/// The currents are sampled while the counter is at its top, with all low sides on. The compare values are written while it counts
+/// down; a later write makes a late period ([`CurrentSample::late`]). The timer's update at the bottom, half a period after the
+/// sample, takes them over. They act from that bottom to the next, around the top between them: a whole period after the sample.
 pub const ACTS_AFTER_PERIODS: u32 = 1;
 
-/// How many late periods in a row are a fault. A single one is noise: the current moves little in 50 us, and the cause
-/// is over. A processor that is too slow for the loop is late in every period.
+/// Number of late periods in a row that is a fault. A single one is harmless: the current changes little in 50 µs. A processor that
+/// is too slow for the loop is late in every period.
 const LATE_IN_A_ROW: u8 = 3;
-/// The loop with its memory.
+/// The current loop: its coefficients and memory.
 #[derive(Debug, Clone, Copy)]
 pub struct CurrentLoop {
     config: CurrentConfig,
     d: Pi,
     q: Pi,
-    /// Periods since the last control tick was pended.
+    /// PWM periods since the last control tick was pended.
     phase: u16,
-    /// Periods since the encoder reading that the command is made of.
+    /// PWM periods since the encoder reading on which the command is based.
     age: u32,
     last_tick: u32,
-    /// Late periods in a row.
+    /// Number of late periods in a row.
     late: u8,
     sums: OffsetSums,
     tripped: bool,
@@ -86,7 +87,7 @@ pub struct CurrentLoop {
 }
 
 impl CurrentLoop {
-    /// A loop that is off and does not know its sensors' offsets yet.
+    /// A loop that is off and whose sensors' offsets are not measured yet.
     #[must_use]
     pub fn new(config: CurrentConfig) -> Self {
         Self {
@@ -103,7 +104,7 @@ impl CurrentLoop {
         }
     }
 
-    /// Takes other coefficients while the bridge is off: counters go on, the sensors' offsets are forgotten.
+    /// Sets other coefficients while the bridge is off. Counters go on, and the sensors' offsets must be measured again.
     pub fn reconfigure(&mut self, config: CurrentConfig) {
         let report = CurrentReport {
             offsets: None,
@@ -117,7 +118,7 @@ impl CurrentLoop {
         };
     }
 
-    /// Runs one PWM period.
+    /// Runs one PWM period: takes the samples, returns the command for the bridge.
     pub fn tick(&mut self, sample: &CurrentSample) -> CurrentOutput {
         let command = &sample.command;
         let config = &self.config;
@@ -173,7 +174,7 @@ impl CurrentLoop {
         }
     }
 
-    /// Report of the last period for the control tick. By reference, since a copy would be a tenth of the period's
+    /// Report of the last period for the control tick. It is returned by reference, since a copy would take a tenth of the period's
     /// instructions.
     #[must_use]
     pub const fn report(&self) -> &CurrentReport {
@@ -194,7 +195,7 @@ impl CurrentLoop {
         }
     }
 
-    /// A period with the bridge off.
+    /// Runs a period with the bridge off.
     fn rest(&mut self, sample: &CurrentSample) {
         self.late = 0;
         self.d.reset();
@@ -213,7 +214,7 @@ impl CurrentLoop {
         }
     }
 
-    /// A period with the bridge on, unless something is wrong.
+    /// Runs a period with the bridge on, unless a check fails.
     fn drive(&mut self, sample: &CurrentSample) -> BridgeCommand {
         let config = self.config;
         let command = &sample.command;
@@ -277,7 +278,7 @@ impl CurrentLoop {
         self.give(command, Dq { d: v_d, q: v_q })
     }
 
-    /// Whether the command or the processor is too late, or something tripped: then nothing is driven.
+    /// Whether the bridge must be off: the command or the processor is too late, or a check tripped.
     #[inline(always)]
     fn must_be_off(&mut self, sample: &CurrentSample) -> bool {
         if sample.late {
@@ -300,7 +301,7 @@ impl CurrentLoop {
         self.tripped
     }
 
-    /// The longest vector of voltages at this bus.
+    /// Length in V of the longest voltage vector at this bus voltage.
     #[inline(always)]
     fn longest(&self) -> Volts {
         Volts::from_bits(product(
@@ -311,7 +312,7 @@ impl CurrentLoop {
         .max(Volts::ZERO)
     }
 
-    /// The compare values of a voltage in the frame of the command, turned to where the rotor is when they act.
+    /// Turns a voltage from the command's frame to the rotor's angle at the time when it acts; returns the compare values.
     #[inline(always)]
     fn give(&mut self, command: &CurrentCommand, voltage: Dq) -> BridgeCommand {
         self.report.voltage = voltage;
@@ -321,15 +322,15 @@ impl CurrentLoop {
     }
 }
 
-/// How far the rotor turns in a number of PWM periods.
+/// Angle by which the rotor turns in this number of PWM periods.
 #[inline(always)]
 fn moved(command: &CurrentCommand, periods: u32) -> Angle {
     // 2^-32 turns to 2^-16.
     Angle(((i64::from(command.advance) * i64::from(periods)) >> 16) as u16)
 }
 
-/// `√(length² - side²)`: the voltage that the limit on the vector's length leaves to the q axis, rounded down to
-/// 1/1,024 V; for lengths up to 63 V.
+/// `√(length² - side²)`: the largest voltage on the q axis if the vector is at most `length` long and `side` is its d component.
+/// Rounded down to 1/1,024 V; for lengths up to 63 V.
 fn other_side(length: Volts, side: Volts) -> Volts {
     let short =
         |v: Volts| u32::from(u16::try_from(v.saturating_abs().to_bits() >> 6).unwrap_or(u16::MAX));

@@ -1,25 +1,25 @@
-//! The current sensors' readings without current: their mean over 51 ms, and their spread.
+//! The current sensors' readings at zero current: their mean over 51 ms, and their spread.
 
-/// The sensors' readings without current.
+/// The current sensors' readings at zero current.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Offsets {
-    /// Mean of phase A, 1/16 of a code.
+    /// Mean reading of phase A's sensor, 1/16 of a converter's code.
     pub a: u16,
-    /// Mean of phase B, 1/16 of a code.
+    /// Mean reading of phase B's sensor, 1/16 of a converter's code.
     pub b: u16,
-    /// Largest minus smallest reading, the worse of the two phases, codes.
+    /// Difference of the largest and the smallest reading in converter's codes, the larger one of the two phases.
     pub spread: u16,
 }
 
 impl Offsets {
-    /// Fractional bits of a mean.
+    /// Fractional bits of an offset, which is a mean of readings.
     pub(super) const BITS: u32 = 4;
 }
 
-/// Samples of which an offset is the mean: 1,024, that is 51 ms at 20 kHz.
+/// Number of samples of which an offset is the mean, as a power of two: 1,024 samples take 51 ms at 20 kHz.
 const OFFSET_SAMPLES_LOG2: u32 = 10;
 
-/// Readings without current, on their way to a mean.
+/// Sums of readings at zero current, from which the means are calculated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct OffsetSums {
     pub(super) count: u32,

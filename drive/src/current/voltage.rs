@@ -1,4 +1,4 @@
-//! A voltage in place of a current, for a board that measures none.
+//! Drive by voltage instead of current, for a board that measures no current.
 //!
 //! ```text
 //! v = R i*       L di/dt = v - R i - e       e_q = ψ ω,  ψ = k_t/(3/2 p)
@@ -10,14 +10,15 @@
 //! τ = (k_t i* - b ω)/(1 + s L/R)        b = k_t ψ p/R = k_t²/(3/2 R)
 //! ```
 //!
-//! a damping that the motor itself provides, without an encoder, a filter or a delay: it takes energy whatever `R` and `ψ` are, as a
-//! winding with a resistance does. To compensate it would be a positive feedback of an estimated speed, `+b̂ ω̂`, late by a tick and
-//! more. Where `b̂` is a third too large, what is left is a negative damping: with the small gimbal motor -1.1e-4 N·m·s/rad, twelve
-//! times what its bearings take, and a knob that is let go speeds up by itself.
+//! The damping `b` comes from the motor itself, without an encoder, a filter or a delay. Like a resistor across the winding it
+//! takes energy for any `R` and `ψ`. Compensating the back-EMF would be a positive feedback of an estimated speed, `+b̂ ω̂`, late
+//! by a tick and more. If `b̂` is a third too large, a negative damping remains. With the small gimbal motor it is -1.1e-4
+//! N·m·s/rad, twelve times the damping of its bearings, and a knob that is let go speeds up by itself.
 //!
-//! What nobody measures is computed, from the voltage given, the encoder's speed and the settings: `i = (v - e)/R`. It is as wrong as
-//! `R` is. What is compared with it, the trip current and the model of the windings' heat, is no protection against a wrong `R`, a
-//! shorted phase or an open one. Those are the driver's own, by its line. See docs/voltage-mode.md.
+//! The current is calculated from the voltage given, the encoder's speed and the settings: `i = (v - e)/R`. It has the same
+//! relative error as `R`. The trip current and the heat model of the windings use this current. So they do not protect against a
+//! wrong `R`, a shorted phase or an open one. The driver's own protection does, and reports by its error line. See
+//! docs/voltage-mode.md.
 
 use super::{BridgeCommand, CurrentLoop, CurrentSample, other_side};
 use crate::hardware::Hardware;
@@ -30,14 +31,14 @@ use touchstone_control::Si;
 use touchstone_protocol::FaultCode;
 use touchstone_protocol::settings::SettingsError;
 
-/// Coefficients, computed once.
+/// Coefficients of the drive by voltage, computed once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct VoltageStage {
-    /// `R`, V/A.
+    /// Resistance `R` of the winding, V/A.
     ohms: I16F16,
-    /// `1/R`, A/V.
+    /// Conductance `1/R` of the winding, A/V.
     amps_per_volt: I16F16,
-    /// `ψ ω` for an electrical turn in a PWM period, V.
+    /// Back-EMF `ψ ω` in V at a speed of one electrical turn per PWM period.
     back_emf: Volts,
 }
 
@@ -48,7 +49,7 @@ impl VoltageStage {
     /// Coefficients for a motor on a board; `None` if the board measures its currents.
     ///
     /// # Errors
-    /// A back-EMF that does not fit.
+    /// The back-EMF does not fit its format.
     pub fn new(motor: &MotorSettings, hardware: &Hardware) -> Result<Option<Self>, SettingsError> {
         if !hardware.gives_voltage() {
             return Ok(None);
@@ -75,7 +76,7 @@ impl VoltageStage {
 }
 
 impl CurrentLoop {
-    /// A period with the bridge on, unless something is wrong.
+    /// Runs a period with the bridge on by voltage, unless a check fails.
     pub(super) fn drive_by_voltage(
         &mut self,
         stage: &VoltageStage,

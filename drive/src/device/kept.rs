@@ -1,27 +1,27 @@
-//! The alignment that is kept for the next start, and the inputs of an unattended start.
+//! The alignment that is stored for the next start, and the values that an unattended start needs.
 
 use super::Device;
 use crate::calibration::{Alignment, Calibration};
 use touchstone_protocol::State;
 
-/// The kept alignment.
+/// The stored alignment of an absolute encoder.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Kept {
-    /// The alignment at the encoder's own zero.
+    /// The stored alignment, for the encoder's own zero; `None` without one.
     alignment: Option<Alignment>,
-    /// The last calibration was its check.
+    /// Whether the last calibration was a check of the stored alignment.
     was_checked: bool,
 }
 
 impl Device {
-    /// Gives the next calibration the alignment at the encoder's zero to check; `None`: it searches for one. The
-    /// caller knows that it was measured with the present settings.
+    /// Sets the stored alignment, for the encoder's own zero, that the next calibration checks. With `None` that calibration
+    /// searches for one. The caller ensures that the alignment was measured with the present settings.
     pub const fn keep(&mut self, alignment: Option<Alignment>) {
         self.kept.alignment = alignment;
     }
 
-    /// The alignment in use, at the encoder's zero. `None` unless the device is calibrated with its present settings,
-    /// or where the encoder has no zero.
+    /// The alignment in use, for the encoder's own zero. `None` unless the device is calibrated with its present settings, or if
+    /// the encoder has no zero of its own.
     #[must_use]
     pub fn found(&self) -> Option<Alignment> {
         let config = self.configs.now();
@@ -36,20 +36,21 @@ impl Device {
         })
     }
 
-    /// Whether the last calibration was the check of a kept alignment.
+    /// Whether the last calibration was the check of a stored alignment.
     #[must_use]
     pub const fn was_checked(&self) -> bool {
         self.kept.was_checked
     }
 
-    /// Whether the last bus voltage is within its limits.
+    /// Whether the bus voltage was within its limits in the last tick.
     #[must_use]
     pub fn is_supplied(&self) -> bool {
         let supervisor = &self.configs.now().supervisor;
         supervisor.takes_supply(self.memory.record.bus)
     }
 
-    /// A calibration that begins now is a check, where an alignment is kept. One that measures begins at the beginning.
+    /// Begins a calibration as a check if an alignment is stored. A calibration that measures the motor searches for the alignment
+    /// instead.
     #[cold]
     #[inline(never)]
     pub(super) fn begin_with_kept(&mut self) {

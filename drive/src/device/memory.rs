@@ -1,4 +1,4 @@
-//! The memory of the control tick. Supervisor, calibration and law have their own.
+//! The memory of the control tick. Supervisor, calibration and law have memories of their own.
 
 use crate::calibration::Alignment;
 use crate::record::Record;
@@ -6,28 +6,28 @@ use crate::supervisor::Found;
 use touchstone_control::{Fixed32, Position};
 use touchstone_protocol::Machine;
 
-/// The memory that the next tick starts from.
+/// The memory from which the next control tick starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Memory {
     /// State of the device.
     pub machine: Machine,
     /// Result of the last calibration.
     pub alignment: Alignment,
-    /// Count of the unwrapped encoder that is the device's zero.
+    /// Count of the unwrapped encoder at the device's zero position.
     pub zero: i64,
-    /// Share of the torque while it fades in, 2^-32.
+    /// Fraction of the torque while it fades in, 2^-32.
     pub fade: u32,
-    /// A fault that another part saw, for the next tick.
+    /// A fault that another part of the firmware reported, for the next tick; `None` without one.
     pub reported: Option<Found>,
-    /// The settings that came last were refused.
+    /// Whether the last settings that were sent were refused.
     pub settings_refused: bool,
-    /// The current loop's count of periods at its voltage limit.
+    /// The current loop's counter of PWM periods at the voltage limit, as of the last tick.
     pub saturated: u16,
-    /// The law showed a force in its last tick.
+    /// Whether the law's force was not zero in its last tick.
     pub pushes: bool,
-    /// How far the device had moved when the force changed since the last tick.
+    /// Displacement from the last tick to the change of force; `None` without a second encoder reading.
     pub read: Option<Position<Fixed32>>,
-    /// The last tick's record.
+    /// The telemetry record of the last tick.
     pub record: Record,
 }
 

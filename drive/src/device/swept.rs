@@ -1,4 +1,4 @@
-//! A calibration that looks for cogging, and the map that is played.
+//! A calibration with a cogging sweep, and the cogging map with which the board compensates cogging.
 
 use super::Device;
 use crate::Amps;
@@ -10,7 +10,7 @@ use crate::scenery::Scenery;
 use crate::sweep::Running;
 use touchstone_protocol::{State, Sweep};
 
-/// The sweep that is wanted of the next calibration, and the state of one that runs.
+/// The cogging sweep requested for the next calibration, and the state of a running sweep.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Swept {
     wanted: Sweep,
@@ -18,18 +18,18 @@ pub(super) struct Swept {
 }
 
 impl Device {
-    /// Sets the sweep that the next calibration goes on with.
+    /// Requests a cogging sweep for the next calibration.
     pub const fn sweep(&mut self, sweep: Sweep) {
         self.swept.wanted = sweep;
     }
 
-    /// Takes the cogging map that is played; `None`: no map. It was computed with the settings that
-    /// [`Device::prepare`] got last: if these wait for a calibration, nothing is played until then.
+    /// Sets the cogging map with which the board compensates cogging; `None` for no map. The map must have been computed with the
+    /// settings that [`Device::prepare`] got last. If these settings wait for a calibration, no map is used until then.
     pub fn play(&self, around: &mut Around, map: Option<&Played>) {
         around.play(map, self.configs.has_next());
     }
 
-    /// The map's current at the shaft's present place.
+    /// The cogging map's current at the shaft's present position.
     #[inline(always)]
     pub(super) fn map_here(&self, scenery: &impl Scenery) -> Amps {
         let Some(played) = scenery.played() else {
@@ -43,13 +43,13 @@ impl Device {
         })
     }
 
-    /// Whether the alignment is found and a sweep is wanted.
+    /// Whether the alignment is found and a cogging sweep is requested.
     pub(super) fn begins_sweep(&self) -> bool {
         self.swept.wanted != Sweep::None && self.swept.running.is_none()
     }
 
-    /// Runs one tick of a sweep, the first with the alignment that was found. During a sweep the reported position is
-    /// that from the encoder's zero.
+    /// Runs one tick of a cogging sweep; the first tick uses the alignment that was just found. During a sweep the reported
+    /// position is measured from the encoder's own zero.
     #[cold]
     #[inline(never)]
     pub(super) fn swept(&mut self, tick: u32, count: i64, map: Amps) -> Progress {
@@ -78,7 +78,7 @@ impl Device {
         }
     }
 
-    /// Ends a sweep when the state changes: it is wanted for one calibration only.
+    /// Ends a cogging sweep when the state changes: a request holds for one calibration only.
     pub(super) fn leave_sweep(&mut self, before: State) {
         self.swept.running = None;
         if before == State::Calibrating {

@@ -1,13 +1,13 @@
-//! AS5047P: a frame of 16 bits, answered one frame later (data sheet, "SPI interface").
+//! The encoder AS5047P: 16-bit frames over SPI, each answered one frame later (data sheet, "SPI interface").
 //!
 //! | bit | answer |
 //! |---|---|
 //! | 15 | even parity over all bits |
-//! | 14 | error flag: a frame before was wrong (framing, parity, command) |
-//! | 13–0 | what was asked for |
+//! | 14 | error flag: an earlier frame was wrong (framing, parity, command) |
+//! | 13–0 | the requested data |
 //!
-//! The error flag is about frames only. Whether there is a magnet stands in `DIAAGC`, which has to be asked for, or the angle of an
-//! encoder that has lost its magnet looks as good as any:
+//! The error flag concerns frames only. The register `DIAAGC`, which must be requested, reports whether there is a magnet. Without
+//! that request, the angle of an encoder that has lost its magnet would look valid:
 //!
 //! | bit | `DIAAGC` |
 //! |---|---|
@@ -19,31 +19,32 @@
 
 use super::{EncoderError, Word};
 
-/// The frame that requests `ANGLECOM` (0x3FFF), the angle compensated for the filter's delay: read bit and even parity
-/// set.
+/// The frame that requests the register `ANGLECOM` (0x3FFF), the angle with the filter's delay compensated. Read bit and even
+/// parity are set.
 pub const READ_ANGLE: u16 = 0xFFFF;
-/// The frame that requests `ERRFL` (0x0001), which clears the error flag: read bit set, parity even.
+/// The frame that requests the register `ERRFL` (0x0001) and so clears the error flag. The read bit is set, the parity even.
 const READ_ERRORS: u16 = 0x4001;
-/// The frame that requests `DIAAGC` (0x3FFC): read bit set, parity even.
+/// The frame that requests the register `DIAAGC` (0x3FFC). The read bit is set, the parity even.
 const READ_FIELD: u16 = 0xFFFC;
 
 const ERROR: u16 = 1 << 14;
 const DATA: u16 = 0x3FFF;
-/// Too weak, too strong, overflow, compensated; and how they are while all is well.
+/// The bits of `DIAAGC` for field too weak, too strong, overflow, and compensated. The next constant is their value in normal
+/// operation.
 const FIELD: u16 = 0xF << 8;
 const FIELD_IS_RIGHT: u16 = 1 << 8;
 
-/// The answers in a tick's two frames. The second frame requests what the next tick's first frame brings.
+/// The answers of a tick's two frames. The second frame requests the data that the next tick's first frame brings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Frames {
     /// The answer to [`READ_ANGLE`].
     pub angle: u16,
-    /// The answer to the question before; `None` where there was none.
+    /// The answer to the register request of the tick before; `None` if there was none.
     pub before: Option<Asked>,
 }
 
 impl Frames {
-    /// The frames of a tick before which nothing beside the angle was requested.
+    /// The answers of a tick if the tick before requested only the angle.
     #[must_use]
     pub const fn alone(angle: u16) -> Self {
         Self {
@@ -53,26 +54,26 @@ impl Frames {
     }
 }
 
-/// The answer to the request at the end of the tick before.
+/// The answer to the register request at the end of the tick before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asked {
-    /// `DIAAGC`.
+    /// The value of the register `DIAAGC`, which reports the magnet's field.
     Field(u16),
-    /// `ERRFL`, whose value is not used: reading it clears the flag.
+    /// The value of the register `ERRFL`. It is not used: reading it clears the error flag.
     Errors(u16),
 }
 
-/// The register that a tick requests beside the angle.
+/// The register that a tick requests in addition to the angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Question {
-    /// Whether the magnet is there.
+    /// The register that reports whether the magnet's field is in order.
     Field,
-    /// The error flags of a frame: the encoder marks every answer until they are read.
+    /// The register with the error flags of frames: the encoder marks every answer until it is read.
     Errors,
 }
 
 impl Question {
-    /// The state after the first of a tick's answers.
+    /// The register to request after the first answer of a tick.
     #[must_use]
     pub const fn after(answer: u16) -> Self {
         if answer & ERROR != 0 {
@@ -82,7 +83,7 @@ impl Question {
         }
     }
 
-    /// The register that a frame requests; `None` for any other frame.
+    /// The register that this frame requests; `None` for any other frame.
     #[must_use]
     pub const fn of(frame: u16) -> Option<Self> {
         match frame {
@@ -101,7 +102,7 @@ impl Question {
         }
     }
 
-    /// Marks an answer with the register that it belongs to.
+    /// Joins an answer with the register to which it belongs.
     #[must_use]
     pub const fn answered(self, answer: u16) -> Asked {
         match self {
@@ -121,7 +122,7 @@ pub(super) fn decode(frames: Frames) -> Result<Word, EncoderError> {
     Ok(Word::new(u32::from(angle), 14))
 }
 
-/// The data of a frame that is not marked and whose parity is right.
+/// The data of a frame with right parity and without an error flag; else the error.
 fn whole(frame: u16) -> Result<u16, EncoderError> {
     if !frame.count_ones().is_multiple_of(2) {
         return Err(EncoderError::Check(u32::from(frame)));
@@ -136,7 +137,7 @@ fn whole(frame: u16) -> Result<u16, EncoderError> {
 mod tests {
     use super::*;
 
-    /// An answer with its parity.
+    /// An answer with this data and even parity.
     fn answer(data: u16) -> u16 {
         data | ((data.count_ones() & 1) as u16) << 15
     }

@@ -1,4 +1,4 @@
-//! Turns an encoder's raw word into an unbroken count, and names the errors of a reading.
+//! Converts an encoder's raw word to a count that continues over its wrap, and names the errors of a reading.
 
 mod as5047p;
 mod mt6701;
@@ -13,30 +13,30 @@ pub use as5047p::{Asked, Frames, Question};
 /// The encoder's reading in this tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EncoderReading {
-    /// A timer of 16 bits.
+    /// The value of a 16-bit counter of encoder edges.
     Counter16(u16),
-    /// A timer of 32 bits.
+    /// The value of a 32-bit counter of encoder edges.
     Counter32(u32),
-    /// The frames that answered [`AS5047P_READ_ANGLE`] and the request of the tick before.
+    /// The AS5047P's answers to [`AS5047P_READ_ANGLE`] and to the register request of the tick before.
     As5047p(Frames),
-    /// 24 bits of SSI, the first received in bit 23.
+    /// The MT6701's 24 bits over SSI, with the first received bit in bit 23.
     Mt6701(u32),
     /// No reading came in time.
     Silent,
 }
 
-/// Why a reading is not used.
+/// Why an encoder reading is not used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EncoderError {
-    /// No answer came, or the answer of another encoder.
+    /// No answer came, or the answer belongs to another type of encoder.
     Silent,
-    /// Parity or check sum are wrong; the raw word.
+    /// The parity or checksum is wrong; holds the raw word.
     Check(u32),
-    /// The encoder reports an error; the value is the raw word.
+    /// The encoder reports an error; holds the raw word.
     Status(u32),
 }
 
-/// A good reading: the counter's value at the upper end of 32 bits, so that it wraps where the encoder does.
+/// A good reading: the counter's value, shifted to the upper end of 32 bits, so that it wraps where the encoder does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Word {
     aligned: u32,
@@ -52,7 +52,7 @@ impl Word {
         }
     }
 
-    /// The counter's value.
+    /// The counter's value, shifted back.
     #[must_use]
     pub const fn value(self) -> u32 {
         self.aligned >> self.shift
@@ -60,10 +60,10 @@ impl Word {
 }
 
 impl EncoderReading {
-    /// Checks and decodes.
+    /// Checks and decodes the reading.
     ///
     /// # Errors
-    /// The error of the reading.
+    /// The reading's error.
     #[inline]
     pub fn decode(self, kind: EncoderKind) -> Result<Word, EncoderError> {
         match (kind, self) {
@@ -78,7 +78,8 @@ impl EncoderReading {
     }
 }
 
-/// Unwraps any of the encoders: their counters, moved to the upper end of 32 bits, all wrap at 2^32, and nothing is lost.
+/// Continues the count of any encoder over its wrap. The counters are shifted to the upper end of 32 bits, so all wrap at 2^32, and
+/// no bit is lost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Unwrapped {
     aligned: Unwrap32,
@@ -87,7 +88,7 @@ pub struct Unwrapped {
 }
 
 impl Unwrapped {
-    /// Starts at count 0.
+    /// Starts at count 0 with the first reading.
     #[must_use]
     pub const fn new(word: Word, reversed: bool) -> Self {
         Self {
@@ -97,7 +98,7 @@ impl Unwrapped {
         }
     }
 
-    /// Takes the next reading; the unbroken count, right if the shaft moved by less than half the counter's range.
+    /// Takes the next reading; returns the continued count. It is right if the shaft moved by less than half the counter's range.
     #[inline]
     pub fn update(&mut self, word: Word) -> i64 {
         let count = self.aligned.update(word.aligned) >> (self.shift & 31);
@@ -108,8 +109,8 @@ impl Unwrapped {
         }
     }
 
-    /// How far the last reading is from the encoder's own zero, in the direction in which it is counted. Means nothing for an encoder
-    /// that counts from where it was switched on.
+    /// Counts from the encoder's own zero to the last reading, in the direction of counting. The value has no meaning for an
+    /// encoder that counts from where it was switched on.
     #[cfg(feature = "large")]
     #[must_use]
     pub fn from_own_zero(&self) -> i64 {

@@ -1,6 +1,6 @@
-//! MT6701 over SSI: 24 bits (data sheet, "SSI interface").
+//! The encoder MT6701: 24-bit frames over SSI (data sheet, "SSI interface").
 //!
-//! | bit | |
+//! | bit | content |
 //! |---|---|
 //! | 23–10 | angle, 16,384 counts a turn |
 //! | 9 | track lost |
@@ -25,7 +25,7 @@ pub(super) fn decode(frame: u32) -> Result<Word, EncoderError> {
     Ok(Word::new((frame >> 10) & 0x3FFF, 14))
 }
 
-/// Remainder of 24 bits divided by the polynomial.
+/// Remainder of the frame's 24 bits divided by the CRC's polynomial; 0 for a right frame.
 const fn remainder(frame: u32) -> u32 {
     let mut rest = frame;
     let mut bit = 23;

@@ -1,10 +1,10 @@
 //! B-G431B-ESC1.
 //!
-//! | number | from |
+//! | number | source |
 //! |---|---|
-//! | shunts, amplifier's network, bus divider | the board's schematic, as NuttX and SimpleFOC quote it; itself **not read** |
+//! | shunts, amplifier's network, bus divider | the board's schematic, as NuttX and SimpleFOC quote it; the schematic itself was **not read** |
 //! | six lithium cells at most | UM2516, its first page |
-//! | 10 V at least | ours: three cells at 3.3 V; where the gate drivers' own supply begins was **not read** |
+//! | 10 V at least | this project's choice: three cells at 3.3 V; where the gate drivers' own supply begins was **not read** |
 //! | the amplifier's 13 MHz | the chip's data sheet DS12589, OPAMP |
 //! | everything named after the shield | the same parts or the same program |
 //!

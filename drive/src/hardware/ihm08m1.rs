@@ -1,13 +1,13 @@
 //! X-NUCLEO-IHM08M1 on the NUCLEO-G474RE.
 //!
-//! | number | from |
+//! | number | source |
 //! |---|---|
-//! | shunts, their pull-up and amplifier, bus divider | the shield's schematic, as NuttX and oxifoc quote it; itself **not read** |
+//! | shunts, their pull-up and amplifier, bus divider | the shield's schematic, as NuttX and oxifoc quote it; the schematic itself was **not read** |
 //! | supply from 10 to 48 V | UM1996, its first page |
 //! | gate drivers turn on at 9 to 10 V, keep 320 ns themselves | L6398's data sheet |
 //! | the amplifier's 20 MHz | TSV994's data sheet |
-//! | offset's tolerance and spread, largest current, 110 °C | ours: what leaves room for 1 % resistors, an over-current below the sensor's end, the thermistor's table |
-//! | clock, PWM, timer | ours: `firmware/src/clock.rs`, `firmware/src/pwm.rs` |
+//! | offset's tolerance and spread, largest current, 110 °C | this project's choice: what leaves room for 1 % resistors, an over-current below the sensor's end, the thermistor's table |
+//! | clock, PWM, timer | this project's choice: `firmware/src/clock.rs`, `firmware/src/pwm.rs` |
 //!
 //! Pins: `firmware/src/board/nucleo_g474re.rs`. Nothing was measured on a board.
 

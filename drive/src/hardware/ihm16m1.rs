@@ -1,24 +1,25 @@
 //! X-NUCLEO-IHM16M1, on the NUCLEO-G474RE or the NUCLEO-G431RB.
 //!
-//! | number | from |
+//! | number | source |
 //! |---|---|
-//! | shunts of 0.33 Ω, their pull-up of 680 Ω and 2.2 kΩ to 3.3 V, gain 1.53 in all | the shield's schematic, as NuttX and two open benches quote it; itself **not read** |
+//! | shunts of 0.33 Ω, their pull-up of 680 Ω and 2.2 kΩ to 3.3 V, gain 1.53 in all | the shield's schematic, as NuttX and two open benches quote it; the schematic itself was **not read** |
 //! | bus divider 1:16 | the same; one of the benches read 12.28 to 12.30 V where a voltmeter read 12.30. NuttX also names resistors that would be 1:19.15: **measure** |
 //! | supply from 7 to 45 V | the shield's data, as NuttX quotes it; UM2415 **not read** |
 //! | dead time of 550 ns inside the driver | one of the benches; STSPIN830's data sheet **not read** |
 //! | the amplifier's 20 MHz, the thermistor at PC4 | taken to be those of X-NUCLEO-IHM08M1: **not read** |
-//! | 10 V at least | ours: the range of `limits.bus_min_v`, above what the driver needs |
-//! | largest current | ours: 2.5 A of the 3.09 A at which a sensor is at its end; the driver is for 1.5 A rms |
+//! | 10 V at least | this project's choice: the range of `limits.bus_min_v`, above what the driver needs |
+//! | largest current | this project's choice: 2.5 A of the 3.09 A at which a sensor is at its end; the driver is for 1.5 A rms |
 //! | offset's tolerance and spread | as on X-NUCLEO-IHM08M1, in volts and with the same resistors' 1 % |
-//! | clock, PWM, timer | ours: `firmware/src/clock.rs`, `firmware/src/pwm.rs` |
+//! | clock, PWM, timer | this project's choice: `firmware/src/clock.rs`, `firmware/src/pwm.rs` |
 //!
 //! Pins: `firmware/src/board/nucleo_g474re_ihm16m1.rs`, `nucleo_g431rb_ihm16m1.rs`. Nothing was measured on a board.
 
 use super::{Hardware, IHM08M1, sampling_counts};
 use touchstone_control::Si;
 
-/// X-NUCLEO-IHM16M1: shunts of 0.33 Ω, pulled up by 680 Ω and 2.2 kΩ to 3.3 V, behind a gain of 2: 1.528 around 1.56 V. Bus divider
-/// 1:16, 3.3 V, 12 bits. A code is 1.6 mA, a tenth of the other shield's.
+/// X-NUCLEO-IHM16M1: shunts of 0.33 Ω, pulled up by 680 Ω and 2.2 kΩ to 3.3 V, behind amplifiers with a gain of 2. The total gain
+/// is 1.528, with 1.56 V at zero current. Bus divider 1:16, converter of 3.3 V and 12 bits. A code is 1.6 mA, a tenth of that of
+/// the IHM08M1 shield.
 pub const IHM16M1: Hardware = Hardware {
     // The driver's own dead time; an amplifier of 20 MHz at a gain of 2.
     sampling_counts: sampling_counts(550, 700),

@@ -1,5 +1,5 @@
-//! Constants of a board's analogue parts, without pins: how readings become volts and amperes. One file a board says
-//! where each number comes from.
+//! Constants of each board's analogue parts, without pins: the conversion of readings to volts and amperes. The file of a board
+//! states where each number comes from.
 
 mod b_g431b_esc1;
 mod ihm08m1;
@@ -16,45 +16,45 @@ use crate::thermistor::Thermistor;
 use crate::units::clamp_i32;
 use touchstone_control::Si;
 
-/// A board's power stage as the converter sees it.
+/// A board's power stage, with readings as codes of the analogue-to-digital converter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Hardware {
-    /// PWM rate and rate of the current loop, Hz.
+    /// PWM rate, which is also the rate of the current loop, Hz.
     pub pwm_hz: u32,
-    /// Processor clock, Hz: the unit of [`crate::timing`].
+    /// Processor clock, Hz: the rate of the cycles in [`crate::timing`].
     pub core_hz: u32,
     /// Compare value at which a phase is always high (centre-aligned: `core_hz / (2 pwm_hz)`).
     pub timer_top: u16,
-    /// Timer counts that the low side must be on for so that its shunt can be sampled: settling, dead time, conversion.
+    /// Timer counts for which the low side must be on so that its shunt can be sampled: dead time, settling, conversion.
     pub sampling_counts: u16,
-    /// Whether the currents of the motor are measured. Where they are not, the motor is given a voltage ([`crate::current`]), and the five
-    /// constants that follow from the sensors mean nothing.
+    /// Whether the board measures the motor's currents. If not, the motor is driven by voltage ([`crate::current`]), and the five
+    /// constants that follow from the sensors have no meaning.
     pub senses_current: bool,
-    /// A of current into the motor per code of the converter. Negative with shunts below the lower transistors and amplifiers that do
-    /// not invert: that current comes from ground, and pulls the shunt's upper end below it.
+    /// Current into the motor in A per converter's code. It is negative with shunts below the low-side transistors and amplifiers
+    /// that do not invert: such a current comes from ground, and pulls the shunt's upper end below ground.
     pub amps_per_code: Si,
-    /// V of bus voltage per code.
+    /// Bus voltage in V per converter's code.
     pub volts_per_code: Si,
-    /// Code that the current sensors show without current, by their schematic.
+    /// Converter's code of the current sensors at zero current, by the schematic.
     pub offset_code: u16,
-    /// How far a measured offset may be from it, codes.
+    /// Largest allowed difference of a measured offset from `offset_code`, in codes.
     pub offset_tolerance: u16,
-    /// How far apart readings without current may be, codes.
+    /// Largest allowed spread of the readings at zero current, in codes.
     pub offset_spread: u16,
-    /// Largest current that the sensors resolve with a reserve, A.
+    /// Largest current, A: what the sensors resolve, less a reserve.
     pub current_max_a: Si,
     /// Lowest bus voltage at which the gate drivers work, V.
     pub bus_min_v: Si,
-    /// Highest bus voltage, V.
+    /// Highest bus voltage that the board allows, V.
     pub bus_max_v: Si,
-    /// Highest temperature of the power stage, degrees Celsius.
+    /// Highest allowed temperature of the power stage, degrees Celsius.
     pub temperature_max_c: Si,
     /// The temperature sensor; [`Thermistor::NONE`] where the board has none.
     pub thermistor: Thermistor,
 }
 
-/// Timer counts, at 170 MHz, for which the low side must be on so that its shunt can be sampled. It turns on a dead time after the
-/// compare value, the amplifier settles, and the sample is taken 20 counts before the middle.
+/// Timer counts, at 170 MHz, for which the low side must be on so that its shunt can be sampled. The low side turns on a dead time
+/// after the compare value, the amplifier settles, and the sample is taken 20 counts before the middle.
 const fn sampling_counts(dead_time_ns: u16, settling_ns: u16) -> u16 {
     const LEAD: u32 = 20;
     let ns = dead_time_ns as u32 + settling_ns as u32;
@@ -64,7 +64,7 @@ const fn sampling_counts(dead_time_ns: u16, settling_ns: u16) -> u16 {
 }
 
 impl Hardware {
-    /// The modulator of this timer.
+    /// The space-vector modulator for this board's timer.
     #[must_use]
     pub const fn modulator(&self) -> Modulator {
         Modulator {
@@ -74,14 +74,15 @@ impl Hardware {
         }
     }
 
-    /// Whether the motor is given a voltage for want of current sensors. Decided by the compiler in a program for other boards.
+    /// Whether the motor is driven by voltage because the board has no current sensors. In a program for other boards the compiler
+    /// evaluates this.
     #[inline(always)]
     #[must_use]
     pub const fn gives_voltage(&self) -> bool {
         cfg!(feature = "voltage") && !self.senses_current
     }
 
-    /// A per code with 28 fractional bits.
+    /// Current in A per converter's code, with 28 fractional bits.
     #[must_use]
     pub const fn amps_per_code_bits(&self) -> i32 {
         clamp_i32(self.amps_per_code.to_bits() >> 4)

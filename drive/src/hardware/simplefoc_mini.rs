@@ -1,16 +1,16 @@
 //! SimpleFOC Mini (DRV8313), on the NUCLEO-G474RE. **It measures no current**: neither shunts nor amplifiers are on it.
 //!
-//! | number | from |
+//! | number | source |
 //! |---|---|
 //! | no current sensors; one EN for the three channels; nFT, nSP, nRT with 10 kΩ to the driver's 3.3 V | the board's schematic v1.1 (2024-04-26), in its makers' repository |
 //! | supply from 8 to 24 V, 2.5 A a phase | the README beside it. The board itself says 8 to 35 V |
 //! | VM from 8 to 60 V, inputs up to 250 kHz, pulled down by 100 kΩ | DRV8313's data sheet SLVSBA5D, its tables of operating conditions and inputs |
 //! | 0.24 Ω a transistor, over-current at 3 to 5 A and latched, dead time of 90 ns | the same data sheet's other pages, from memory: **not read** |
-//! | bus divider of 100 kΩ over 10 kΩ | ours: the board has none, so two resistors belong to the wiring (docs/build-guide.md) |
+//! | bus divider of 100 kΩ over 10 kΩ | this project's choice: the board has none, so two resistors belong to the wiring (docs/build-guide.md) |
 //! | no temperature | none on the board; the driver switches off by itself, and says so by its line |
-//! | 10 V at least | ours: the range of `limits.bus_min_v`, above what the driver needs |
-//! | largest current, by computation | ours: what the README allows |
-//! | clock, PWM, timer | ours: `firmware/src/clock.rs`, `firmware/src/pwm.rs` |
+//! | 10 V at least | this project's choice: the range of `limits.bus_min_v`, above what the driver needs |
+//! | largest current, by computation | this project's choice: what the README allows |
+//! | clock, PWM, timer | this project's choice: `firmware/src/clock.rs`, `firmware/src/pwm.rs` |
 //!
 //! Pins: `firmware/src/board/nucleo_g474re_simplefoc_mini.rs`. Nothing was measured on a board.
 

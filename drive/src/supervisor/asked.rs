@@ -1,5 +1,4 @@
-//! Stop button and silent desktop: the two ways in which a person switches off, by pressing the button or pulling the
-//! cable.
+//! Stop button and silence of the computer: a person can switch the device off by pressing the button or by pulling the cable.
 
 use super::Found;
 use crate::input::ControlInput;
@@ -7,16 +6,16 @@ use crate::units::clamp_i32;
 use touchstone_control::Si;
 use touchstone_protocol::{DeviceSettings, FaultCode};
 
-/// Coefficients.
+/// Coefficients of the checks of stop button and computer.
 #[derive(Debug, Clone, Copy)]
 pub struct AskedConfig {
-    /// Ticks without a word of the desktop that are too many; 0 where it is not waited for.
+    /// Number of ticks without a frame from the computer that is a fault; 0 if silence is allowed.
     silent: u32,
     rate_hz: u32,
 }
 
 impl AskedConfig {
-    /// Computes it from validated settings.
+    /// Computes the coefficients from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings) -> Self {
@@ -32,20 +31,20 @@ impl AskedConfig {
     }
 }
 
-/// How long the desktop has been silent.
+/// The time for which the computer has been silent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Asked {
     ticks: u32,
 }
 
 impl Asked {
-    /// A state in which the desktop was just heard.
+    /// The state just after a frame from the computer.
     #[must_use]
     pub const fn new() -> Self {
         Self { ticks: 0 }
     }
 
-    /// Takes a tick; silence counts while the outputs may be on.
+    /// Checks a tick; returns the broken limit, if any. Silence counts only while the outputs may be on.
     pub fn update(
         &mut self,
         config: &AskedConfig,

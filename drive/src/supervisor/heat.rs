@@ -1,19 +1,22 @@
-//! How hot the motor's windings are, by what they were given: no sensor is in them.
+//! Temperature limit of the motor's windings, from a model of their heat: the windings have no sensor.
 //!
-//! The model is one thermal mass and one way out of it: the windings' rise above the room follows the mean square of the current,
-//! with one time constant,
+//! The model has one thermal mass and one thermal resistance. The windings' rise above the room's temperature follows the mean
+//! square of the current, with one time constant:
 //!
 //! ```text
 //! τ ds/dt = i² - s        rise = s R_th 3/2 R        at rest: s = i²
 //! ```
 //!
-//! so that a motor that bears a current for ever bears every `s` up to that current squared: neither `R_th` nor the room's
-//! temperature need be known. From 80 % of it on, the largest current that is given falls in a straight line, from the motor's limit
-//! to the one it bears for ever: `s` comes near that limit and does not pass it, whatever a hand asks for. What it leaves out: a
-//! motor's iron and frame, which are slower (on the safe side with the windings' own, shorter time), a room hotter than the one for
-//! which the current was stated, and a shaft that stands still, where one phase may have twice the mean heat of the three.
+//! A motor that can carry a current continuously can bear every `s` up to that current squared. So neither `R_th` nor the room's
+//! temperature need be known. From 80 % of that `s` on, the largest allowed current falls in a straight line, from the motor's
+//! current limit to its continuous current. So `s` comes near its limit and does not exceed it, whatever current is requested. The
+//! model leaves out:
 //!
-//! Calibration's current is not reduced, as its force is what finds the rotor: windings half as hot again as they may be are a fault.
+//! - the motor's iron and frame, which warm more slowly (the shorter time constant of the windings alone is on the safe side);
+//! - a room hotter than the one for which the continuous current was stated;
+//! - a shaft that stands still, where one phase may have twice the mean heat of the three.
+//!
+//! The calibration's current is not reduced, as its force must turn the rotor. An `s` of one and a half times its limit is a fault.
 
 use super::Found;
 use crate::current::CurrentReport;
@@ -22,30 +25,30 @@ use crate::units::{clamp_i32, narrow, quotient};
 use touchstone_control::Si;
 use touchstone_protocol::{DeviceSettings, FaultCode};
 
-/// Fractional bits of a square of a current, A².
+/// Fractional bits of the square of a current, A².
 const SQUARE_BITS: u32 = 16;
-/// Further fractional bits of the mean, so that the small amount a tick adds is not lost.
+/// Fractional bits of the mean square, more than those of a square, so that the small amount that a tick adds is not lost.
 const MEAN_BITS: u32 = 48;
-/// The whole of the current.
+/// The whole current limit, as a fraction in 1/65,536.
 const ALL: u32 = 1 << 16;
 
-/// Coefficients; squares in A² with `SQUARE_BITS`.
+/// Coefficients of the heat model; squares of currents in A² with `SQUARE_BITS` fractional bits.
 #[derive(Debug, Clone, Copy)]
 pub struct HeatConfig {
-    /// Share of the difference that a tick takes, 2^-32: tick over time constant, at most 2^-7.
+    /// Weight of a tick in the mean, 2^-32: tick over time constant, at most 2^-7.
     share: i32,
-    /// The temperature above which the current is reduced: 80 % of `bears`.
+    /// Mean square of the current, in A², above which the current limit is reduced: 80 % of `bears`.
     warm: i32,
-    /// Square of the current that the motor bears for ever.
+    /// Square, in A², of the current that the motor can carry continuously.
     bears: i32,
-    /// Temperature of the fault, as the converter's code.
+    /// Mean square of the current, in A², at which the motor's heat is a fault: 1.5 times `bears`.
     hot: i32,
-    /// Share of the limit that it may be given for ever, 1/65,536.
+    /// The motor's continuous current as a fraction of its current limit, 1/65,536.
     for_ever: u32,
 }
 
 impl HeatConfig {
-    /// Computes it from validated settings.
+    /// Computes the coefficients from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings) -> Self {
@@ -69,7 +72,7 @@ impl HeatConfig {
         }
     }
 
-    /// The share that a mean square leaves: a straight line from `warm` to `bears`.
+    /// Fraction of the current limit that is allowed at this mean square, in 1/65,536: a straight line from `warm` to `bears`.
     fn left(&self, mean: i32) -> u32 {
         if mean <= self.warm {
             return ALL;
@@ -87,16 +90,16 @@ impl HeatConfig {
     }
 }
 
-/// Square of a current, A²: below 2^46.
+/// Square of a current, A² with `SQUARE_BITS` fractional bits: below 2^46.
 const fn square(current: crate::Amps) -> i64 {
     let wide = current.to_bits() as i64;
     (wide * wide) >> SQUARE_BITS
 }
 
-/// The windings.
+/// The state of the heat model of the windings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Heat {
-    /// Mean square of the current, A² with [`MEAN_BITS`]; never negative.
+    /// Mean square of the current, A² with [`MEAN_BITS`] fractional bits; never negative.
     mean: i64,
 }
 
@@ -113,7 +116,7 @@ impl Heat {
         Self { mean: 0 }
     }
 
-    /// The windings at their limit: it is not known how long the processor was away.
+    /// The windings at their limit, because it is unknown how long the processor was off.
     #[must_use]
     pub const fn unknown(config: &HeatConfig) -> Self {
         Self {
@@ -121,7 +124,8 @@ impl Heat {
         }
     }
 
-    /// Takes a tick's measured current: a broken limit, and the share of the current limit that is left, in 1/65,536.
+    /// Takes a tick's measured current. Returns the broken limit, if any, and the allowed fraction of the current limit, in
+    /// 1/65,536.
     pub fn update(&mut self, config: &HeatConfig, report: &CurrentReport) -> (Option<Found>, u32) {
         let now = clamp_i32(square(report.current.d) + square(report.current.q));
         let mean = (self.mean >> (MEAN_BITS - SQUARE_BITS)) as i32;
@@ -152,8 +156,8 @@ mod tests {
         }
     }
 
-    /// Wants the same current for `seconds`, and drives what the limit leaves. Returns the largest mean square of the
-    /// windings, in floats, and the current at the end.
+    /// Requests the same current for `seconds`, and drives as much as the limit allows. Returns the largest mean square of the
+    /// windings' current, calculated in floating point, and the current at the end.
     fn leans(settings: &DeviceSettings, asked: f64, seconds: f64) -> (f64, f64) {
         let config = HeatConfig::new(settings);
         let limit: f64 = settings.motor.current_limit_a.to_num();

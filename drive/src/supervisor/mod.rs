@@ -1,24 +1,24 @@
-//! What may go wrong, and what is done about it.
+//! The supervisor: checks for faults.
 //!
-//! Each control tick, before anything else, everything that was read is compared with its limits. The first that is broken
-//! becomes the tick's fault; the fault machine switches the outputs off in the same tick and latches it with its context.
-//! Power and sensors are watched from the command to calibrate until the next stop: what is off may lie unpowered and open.
+//! At the beginning of each control tick it compares all readings with their limits. The first broken limit becomes the tick's
+//! fault. The fault machine switches the outputs off in the same tick and latches the fault with its context. Power and sensors are
+//! checked from the command to calibrate until the next stop, since parts that are off may be unpowered or disconnected.
 //!
-//! | seen by | faults |
+//! | checked in | faults |
 //! |---|---|
-//! | here | break input, gate driver, deadline |
+//! | this module | break input, gate driver, deadline |
 //! | [`power`] | bus voltage, temperature (with derating below the fault) |
 //! | [`shaft`] | encoder silent, parity and CRC, own error, jump, overspeed |
 //! | [`share`] | too many bad readings, in a row or not |
 //! | [`stuck`] | encoder stuck while armed |
-//! | [`model`] | a motor that answers its voltage otherwise than the settings' would |
+//! | [`model`] | a motor whose current does not match its voltage by the settings |
 //! | [`heat`] | a motor that is too hot by the model of its windings (with derating below the fault) |
-//! | [`asked`] | stop button, a desktop that is silent |
-//! | [`crate::current`] | over-current, stale command, break: the loop has switched off already and says why |
+//! | [`asked`] | stop button, silence of the computer |
+//! | [`crate::current`] | over-current, stale command, break: the current loop has already switched off and reports why |
 //! | [`crate::calibration`] | calibration, current sensors, encoder stuck while calibrating |
 //! | [`crate::reset`] | watchdog, brown-out, panic: after the reset that they caused |
 //!
-//! Limits that hold back without a fault have codes of their own, [`touchstone_protocol::Limits`].
+//! Limits that reduce the force without a fault have codes of their own, [`touchstone_protocol::Limits`].
 
 pub mod asked;
 pub mod heat;
@@ -43,27 +43,27 @@ use stuck::{Stuck, StuckConfig};
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
 
-/// Whether the motor is compared with its model: the smaller chips have no room for that.
+/// Whether the motor is compared with its model. The smaller chips have too little memory for it.
 const HAS_MODEL: bool = cfg!(feature = "large");
 
-/// Why, and the value that goes into the context.
+/// A fault's code, and the value for its context.
 pub type Found = (FaultCode, i32);
 
-/// Limits, computed once.
+/// The limits of all checks, computed once.
 #[derive(Debug, Clone, Copy)]
 pub struct SupervisorConfig {
     shaft: ShaftConfig,
-    /// `None` for an analogue drive, whose power stage is not ours.
+    /// Limits of power stage, encoder standstill and motor heat; `None` for an analogue drive, whose power stage is external.
     motor: Option<(PowerConfig, StuckConfig, HeatConfig)>,
-    /// Where currents are measured.
+    /// Coefficients of the motor's model; `None` where no currents are measured.
     model: Option<ModelConfig>,
     asked: AskedConfig,
-    /// Cycles of a control period.
+    /// Processor cycles of a control period.
     period: u32,
 }
 
 impl SupervisorConfig {
-    /// Computes it from validated settings.
+    /// Computes the limits from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -86,7 +86,7 @@ impl SupervisorConfig {
         }
     }
 
-    /// Whether a bus voltage is within its limits; always, where the power stage is not ours.
+    /// Whether a bus voltage is within its limits; always true for an external power stage.
     #[cfg(feature = "large")]
     #[must_use]
     pub fn takes_supply(&self, bus: crate::Volts) -> bool {
@@ -117,26 +117,26 @@ pub struct Supervisor {
 /// Result of a tick's checks.
 #[derive(Debug, Clone, Copy)]
 pub struct Verdict {
-    /// The first limit that was broken.
+    /// The first broken limit; `None` if all are kept.
     pub fault: Option<Found>,
-    /// The unbroken count, if the reading was good.
+    /// The continued encoder count; `None` if the reading was bad.
     pub count: Option<i64>,
-    /// Share of the current that the temperatures of power stage and motor leave, in 1/65,536.
+    /// Fraction of the current limit that the temperatures of power stage and motor allow, in 1/65,536.
     pub derating: u32,
 }
 
 /// The checks that apply in the present state of the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Watch {
-    /// Broken limits are faults.
+    /// Whether broken limits are faults.
     pub watched: bool,
-    /// The outputs may be on.
+    /// Whether the outputs may be on.
     pub may_be_on: bool,
-    /// The tick before drove the motor by the law.
+    /// Whether the control law drove the motor in the tick before.
     pub driven: bool,
-    /// The encoder did not say where it was when the force changed.
+    /// Whether the encoder's second reading, at the change of force, is missing.
     pub untold: bool,
-    /// The electrical angle falls when the count rises.
+    /// Whether the electrical angle falls when the count rises.
     pub against: bool,
 }
 
@@ -147,7 +147,7 @@ impl Default for Supervisor {
 }
 
 impl Supervisor {
-    /// A memory that has seen no tick yet.
+    /// The memory before the first tick.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -163,15 +163,14 @@ impl Supervisor {
         }
     }
 
-    /// The processor was away for an unknown time: the motor is taken to be as hot as it may be.
+    /// Assumes that the motor is as hot as it may be, because the processor was off for an unknown time.
     pub const fn motor_may_be_hot(&mut self, config: &SupervisorConfig) {
         if let Some((_, _, heat)) = &config.motor {
             self.heat = Heat::unknown(heat);
         }
     }
 
-    /// Starts with another configuration: the shaft's memory is cleared; the current loop's counters and the motor's
-    /// heat stay.
+    /// Starts with another configuration. The shaft's memory is cleared; the current loop's counters and the motor's heat are kept.
     pub const fn restart(&mut self) {
         self.shaft = Shaft::new();
         self.stuck = Stuck::new();
@@ -179,13 +178,13 @@ impl Supervisor {
         self.model = Model::new();
     }
 
-    /// The shaft's motion.
+    /// The motion of the shaft, as the encoder measures it.
     #[must_use]
     pub const fn shaft(&self) -> &Shaft {
         &self.shaft
     }
 
-    /// Inspects everything that was read.
+    /// Checks all readings of a tick.
     pub fn inspect(
         &mut self,
         config: &SupervisorConfig,

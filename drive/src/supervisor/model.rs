@@ -1,15 +1,16 @@
-//! A motor that does not answer its voltage as the settings' motor would: the alignment slipped, a current sensor lies.
+//! Detects a motor whose voltages do not fit its currents by the settings: the alignment slipped, or a current sensor is wrong.
 //!
 //! ```text
 //! r_d = v_d - R i_d + ω_e L i_q        a_d = 1/2 V + R |i_q|/16 + ψ |ω|/4
 //! r_q = v_q - R i_q - ψ ω              a_q = 1 V + R |i|/2 + ψ |ω|/2              ψ = k_t/(3/2)
 //! ```
 //!
-//! `r` is what the voltages have that the motor's equations do not explain, `a` what a good motor may have of it. Times the current
-//! this is the balance of power, `3/2 (v·i - R i²)` against the torque that was told times the speed, one axis at a time. The windings'
-//! heat, whose resistance nobody knows to a third, is in one of them only. A voltage across the current is a matter of the angle.
+//! `r` is the part of the voltage that the motor's equations do not explain, and `a` the largest such part of a good motor. Times
+//! the current, `r` is the balance of power: `3/2 (v·i - R i²)` less the commanded torque times the speed, separately for each
+//! axis. Only the equation of the q axis depends much on the windings' resistance, which is known to a third only. A voltage on the
+//! d axis shows an error of the angle.
 //!
-//! What `a` allows:
+//! The limit `a` allows:
 //!
 //! - windings 100 K warmer (39 % more resistance), and an error of 10 % beside it;
 //! - ±30 % of the torque constant, and 20 % of the speed, which is late;
@@ -19,8 +20,8 @@
 //! Both `r` and `a` go through the same mean of 10 to 20 ms. The mean is
 //! linear and positive: a device that keeps `|r| <= a` in each tick keeps it in the mean, so there is no alarm.
 //!
-//! What it does not see: an error while the shaft hardly turns and the current is the commanded one, since no power is then missing. A
-//! board that measures no current computes it by these very equations, so that there is nothing to compare.
+//! The check does not detect an error while the shaft hardly turns and the current is the commanded one, since no power is missing
+//! then. A board that measures no current calculates it by the same equations, so there the check is left out.
 
 use crate::current::CurrentReport;
 use crate::hardware::Hardware;
@@ -29,20 +30,20 @@ use fixed::types::I16F16;
 use touchstone_control::Si;
 use touchstone_protocol::DeviceSettings;
 
-/// Coefficients.
+/// Coefficients of the motor's model.
 #[derive(Debug, Clone, Copy)]
 pub struct ModelConfig {
     ohms: I16F16,
-    /// `ψ`, V·s/rad.
+    /// Flux linkage `ψ`, V·s/rad.
     flux: I16F16,
-    /// `p L`, H.
+    /// Inductance times pole pairs, `p L`, H.
     henries: I16F16,
     /// Length of the mean in ticks, as a power of two.
     over_log2: u32,
 }
 
 impl ModelConfig {
-    /// Computes it from validated settings; `None` for a board that measures no current.
+    /// Computes the coefficients from validated settings; `None` for a board that measures no current.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Option<Self> {
@@ -60,22 +61,22 @@ impl ModelConfig {
     }
 }
 
-/// Sums whose share of `2^-over_log2` are the means; 16 fractional bits.
+/// Running sums; divided by `2^over_log2` they are the means, with 16 fractional bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Model {
-    /// `r_d`, `a_d`, `r_q`, `a_q`.
+    /// Sums of `r_d`, `a_d`, `r_q`, `a_q`: unexplained and allowed voltage on each axis.
     sums: [i64; 4],
 }
 
 impl Model {
-    /// A memory that has seen no tick.
+    /// The memory before the first tick.
     #[must_use]
     pub const fn new() -> Self {
         Self { sums: [0; 4] }
     }
 
-    /// Takes a tick in which the law drove the motor, with the `speed` along the electrical angle, rad/s. Returns by
-    /// how much the voltages exceed the allowed difference, mV.
+    /// Takes a tick in which the law drove the motor, with the `speed` in the direction of the electrical angle, rad/s. Returns by
+    /// how much the unexplained voltage exceeds the allowed one, mV.
     pub fn update(
         &mut self,
         config: &ModelConfig,

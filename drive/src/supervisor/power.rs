@@ -1,4 +1,4 @@
-//! Bus voltage and temperature.
+//! Checks of the bus voltage and of the power stage's temperature.
 
 use super::Found;
 use crate::current::CurrentReport;
@@ -19,12 +19,12 @@ pub struct PowerConfig {
     #[cfg(feature = "voltage")]
     is_without_sensor: bool,
     fault_from: Celsius,
-    /// Share of the current lost per degree, in 1/65,536.
+    /// Loss of current per degree above the first temperature, as a fraction of the current limit in 1/65,536.
     share_per_degree: i32,
 }
 
 impl PowerConfig {
-    /// Computes it from validated settings.
+    /// Computes the limits from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -45,7 +45,7 @@ impl PowerConfig {
 }
 
 impl PowerConfig {
-    /// Whether a bus voltage is within its limits.
+    /// Whether this bus voltage is within the limits for the power stage.
     #[cfg(feature = "large")]
     #[must_use]
     pub fn takes(&self, bus: Volts) -> bool {
@@ -53,19 +53,19 @@ impl PowerConfig {
     }
 }
 
-/// The power stage; it remembers nothing.
+/// The check of the power stage, which has no memory.
 #[derive(Debug, Clone, Copy)]
 pub struct Power;
 
 impl Power {
-    /// The temperature; `None` if its sensor makes no sense.
+    /// The temperature of the power stage; `None` if the sensor's reading is impossible.
     #[must_use]
     pub fn temperature(thermistor: &Thermistor, report: &CurrentReport) -> Option<Celsius> {
         thermistor.celsius(report.temperature)
     }
 
-    /// Returns a broken limit, and the share of the current that the temperature leaves, in 1/65,536: all of it up to
-    /// the first temperature, nothing at the second, a straight line between.
+    /// Returns the broken limit, if any, and the fraction of the current limit that the temperature allows, in 1/65,536. The whole
+    /// is allowed up to the first temperature, nothing at the second, with a straight line between.
     #[must_use]
     pub fn inspect(config: &PowerConfig, report: &CurrentReport) -> (Option<Found>, u32) {
         let temperature = Self::temperature(&config.thermistor, report);

@@ -1,10 +1,10 @@
-//! The encoder's readings: bad ones, jumps, and the speed that follows from the good ones.
+//! Checks of the encoder's readings: bad readings, jumps, and the speed from the good readings.
 //!
-//! Overspeed is looked for twice. A tick's movement shows what is clearly too fast with the first reading whose whole period was
-//! so. The mean over a window also shows a slight excess of an encoder that counts little in a tick.
+//! Overspeed is checked twice. The displacement of one tick shows a speed that is clearly too high, at the first reading after a
+//! whole period at that speed. The mean over a window also shows a slight excess with an encoder that counts little in a tick.
 //!
-//! A bad reading is not used, and the outputs are off until the next good one: nothing is driven on a guess. So many bad ones in
-//! a row are a fault, with the code of the last. After a gap the shaft may have moved for each of the ticks left out.
+//! A bad reading is not used, and the outputs are off until the next good one. Several bad readings in a row are a fault, with the
+//! code of the last. After a gap the shaft may have moved in each of the missing ticks.
 
 use crate::encoder::{EncoderError, EncoderKind, EncoderReading, Unwrapped};
 use crate::hardware::Hardware;
@@ -15,37 +15,37 @@ use touchstone_control::Si;
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
 
-/// Longest window of the speed, ticks.
+/// Longest window over which the speed is measured, ticks.
 const WINDOW_MAX: usize = 20;
-/// Counts that an encoder may jitter.
+/// Encoder counts by which a reading may jitter.
 const JITTER: i64 = 4;
-/// A movement this many times as fast as the fastest allowed is a jump; a slower one is overspeed.
+/// A displacement at this many times the highest allowed speed is a jump; a smaller excess is overspeed.
 const JUMP_FACTOR: i32 = 4;
 /// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
 
-/// Coefficients.
+/// Coefficients of the checks of the shaft.
 #[derive(Debug, Clone, Copy)]
 pub struct ShaftConfig {
     kind: EncoderKind,
     reversed: bool,
     bad_readings: u8,
-    /// Counts in a tick that no shaft moves.
+    /// Counts per tick that no real shaft moves: a jump.
     jump: i32,
-    /// Ticks over which the speed is taken: 2 ms, at least 2 ticks.
+    /// Ticks over which the speed is measured: 2 ms, at least 2 ticks.
     window: usize,
-    /// Counts in a tick that are too fast.
+    /// Counts per tick from which on the speed is too high.
     fastest_in_tick: i32,
-    /// Counts in a window that are too fast.
+    /// Counts per window from which on the speed is too high.
     fastest: i32,
-    /// rad/s per count in a window.
+    /// Speed in rad/s for each count in a window.
     speed_per_count: I16F16,
-    /// 2^-48 electrical turns in a PWM period per count in a window.
+    /// Electrical angle per PWM period for each count that the shaft moves in a window, in 2^-48 turns.
     advance_per_count: i64,
 }
 
 impl ShaftConfig {
-    /// Computes it from validated settings.
+    /// Computes the coefficients from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -88,31 +88,31 @@ impl ShaftConfig {
     }
 }
 
-/// What became of a reading.
+/// Result of checking an encoder reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Seen {
     /// The reading is good.
     Good {
-        /// The unbroken count.
+        /// The count, continued over the encoder's wrap.
         count: i64,
         /// Counts since the last good reading.
         moved: i64,
     },
     /// The reading must not be used.
     Bad,
-    /// A fault.
+    /// The reading is a fault; holds its code and value.
     Fault(FaultCode, i32),
 }
 
-/// The shaft as the encoder measures it.
+/// Memory of the shaft's motion, as the encoder measures it.
 #[derive(Debug, Clone, Copy)]
 pub struct Shaft {
     unwrapped: Option<Unwrapped>,
     bad: u8,
-    /// Movements of the last ticks.
+    /// Counts that the shaft moved in each of the last ticks.
     moves: [i32; WINDOW_MAX],
     at: usize,
-    /// Their sum over the window.
+    /// Sum of the counts moved over the window.
     sum: i32,
 }
 
@@ -123,7 +123,7 @@ impl Default for Shaft {
 }
 
 impl Shaft {
-    /// A memory that has read no angle yet.
+    /// The memory before the first reading.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -135,7 +135,7 @@ impl Shaft {
         }
     }
 
-    /// Takes a tick's reading, which is worth nothing where the one before it is missing.
+    /// Checks and takes a tick's reading. If the second reading of the tick before is missing, this one counts as bad.
     pub fn read(
         &mut self,
         config: &ShaftConfig,
@@ -188,7 +188,7 @@ impl Shaft {
         Seen::Good { count, moved }
     }
 
-    /// The count of a reading between two ticks, if it is good and no jump. It is not remembered.
+    /// The count of a reading between two ticks, if the reading is good and no jump. The memory stays unchanged.
     #[inline(never)]
     #[must_use]
     pub fn at(&self, config: &ShaftConfig, reading: EncoderReading) -> Option<i64> {
@@ -200,7 +200,8 @@ impl Shaft {
         (moved <= i64::from(config.jump)).then_some(count)
     }
 
-    /// How far count 0 is from an absolute encoder's own zero; `None` for one that has none, and before the first good reading.
+    /// Counts from an absolute encoder's own zero to count 0. `None` for an encoder without a zero of its own, and before the first
+    /// good reading.
     #[cfg(feature = "large")]
     #[must_use]
     pub fn own_zero(&self, config: &ShaftConfig) -> Option<i64> {
@@ -209,7 +210,7 @@ impl Shaft {
             .map(|place| place.saturating_sub(count))
     }
 
-    /// How far the last good reading is from an absolute encoder's own zero; else as [`Shaft::own_zero`].
+    /// Counts from an absolute encoder's own zero to the last good reading; `None` as in [`Shaft::own_zero`].
     #[cfg(feature = "large")]
     #[inline]
     #[must_use]
@@ -253,14 +254,14 @@ impl Shaft {
         Self::speed_of(config, self.sum)
     }
 
-    /// The speed for a number of counts in a window, rad/s, saturating.
+    /// The speed for this number of counts in a window, rad/s, saturating.
     fn speed_of(config: &ShaftConfig, counts: i32) -> I16F16 {
         I16F16::from_bits(clamp_i32(
             i64::from(counts) * i64::from(config.speed_per_count.to_bits()),
         ))
     }
 
-    /// How far the electrical angle moves in a PWM period at this speed, 2^-32 turns, saturating.
+    /// Change of the electrical angle in a PWM period at the present speed, 2^-32 turns, saturating.
     #[must_use]
     pub fn advance(&self, config: &ShaftConfig) -> i32 {
         clamp_i32(i64::from(self.sum).saturating_mul(config.advance_per_count) >> 16)
@@ -272,7 +273,8 @@ mod tests {
     use super::*;
     use crate::hardware::IHM08M1;
 
-    /// Turns a good encoder of 16,384 counts by this many counts in each tick; returns the fault and its tick.
+    /// Turns an encoder of 16,384 counts per turn by this many counts in each tick, with good readings; returns the fault and its
+    /// tick.
     fn turned(rate_hz: u32, counts: i64) -> Option<(u32, Seen)> {
         let mut settings = DeviceSettings::default();
         settings.encoder.kind = EncoderKind::Incremental;

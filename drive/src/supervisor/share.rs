@@ -1,13 +1,15 @@
-//! The share of bad readings, whether or not they come in a row.
+//! Checks the fraction of bad encoder readings, whether or not they come in a row.
 //!
-//! A bad reading leaves the bridge off for a tick, and the guard answers for the worst that may have happened meanwhile. A few are
-//! harmless, an encoder that goes on so is not one to drive by. Each bad reading counts 50, each good one takes 1 away, and 1,000
-//! are a fault: 20 nearly at once, or a share of more than 1 in 51 that lasts. Every second one is found after 41 readings.
+//! After a bad reading the bridge is off for a tick, and the guard charges the worst that may have happened meanwhile. A few bad
+//! readings are harmless. An encoder that keeps giving them must not drive a motor. Each bad reading adds 50 to a sum, each good
+//! one takes 1 away, and 1,000 is a fault: 20 bad readings nearly at once, or a lasting fraction of more than 1 in 51. If every
+//! second reading is bad, the fault comes after 41 readings.
 //!
-//! A good encoder does not come there. With independent bad readings of share `p`, the chance that a tick ends a climb to 1,000 is at
-//! most `exp(-1000 r)`, where `p exp(50 r) + (1 - p) exp(-r) = 1`: `exp(-89)` for one in a thousand.
+//! A good encoder does not reach the fault. With independent bad readings of probability `p`, the chance that a tick ends a climb
+//! to 1,000 is at most `exp(-1000 r)`, where `p exp(50 r) + (1 - p) exp(-r) = 1`: `exp(-89)` for one in a thousand.
 //!
-//! The reading of the tick and the one at the change of force are counted apart: good ones of one kind do not hide the other's bad ones.
+//! The first reading of a tick and the second one at the change of force have separate sums: good first readings do not hide bad
+//! second ones.
 
 use super::Found;
 use touchstone_protocol::FaultCode;
@@ -15,7 +17,7 @@ use touchstone_protocol::FaultCode;
 const BAD: u16 = 50;
 const MOST: u16 = 1_000;
 
-/// How many bad readings of each kind are still allowed.
+/// The sums that bad readings raise and good readings lower, one for each of a tick's two readings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Share {
     of: [u16; 2],
@@ -28,7 +30,8 @@ impl Share {
         Self { of: [0; 2] }
     }
 
-    /// Takes whether the reading of a tick was bad, and the one at the change of force where one was due.
+    /// Takes whether a tick's first reading was bad, and whether its second was, if one was due. Returns the fault, if there is
+    /// one.
     pub fn update(&mut self, tick: bool, change: Option<bool>) -> Option<Found> {
         let mut fault = None;
         for ((left, bad), number) in self.of.iter_mut().zip([Some(tick), change]).zip(1..) {
@@ -49,7 +52,7 @@ impl Share {
 mod tests {
     use super::*;
 
-    /// Ticks until a fault, and which reading.
+    /// Number of ticks until a fault, and the value that says which of the two readings caused it.
     fn after(ticks: u32, bad: impl Fn(u32) -> (bool, Option<bool>)) -> Option<(u32, i32)> {
         let mut share = Share::new();
         (0..ticks).find_map(|tick| {

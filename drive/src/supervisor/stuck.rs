@@ -1,14 +1,14 @@
-//! An encoder that always says the same.
+//! Detects an encoder whose reading is stuck at one value.
 //!
-//! A shaft at rest gives a constant reading too, so a constant reading alone says nothing, and the noise of a magnetic encoder
-//! is filtered away in some. But a motor that turns makes a voltage: what the current loop gives beyond `R i` is back-EMF,
-//! whatever the angle is that it believes in, for the length of a vector does not depend on the frame. So: the count has
-//! not moved at all while the voltage says that the shaft turns, for 10 ms without a break.
+//! A shaft at rest gives a constant reading too, and some magnetic encoders filter their noise away. So a constant reading alone
+//! proves nothing. But a motor that turns generates a voltage: the current loop's voltage beyond `R i` is back-EMF. The length of
+//! that voltage vector does not depend on the electrical angle that the loop assumes. So the encoder counts as stuck if for 10 ms
+//! without a break the count has not moved at all while the voltage shows that the shaft turns.
 //!
-//! The voltage must exceed 1 V (dead time, rounding), half of `R |i|` (a winding that is 100 K warmer has 39 % more resistance)
-//! and the back-EMF of a speed at which a good encoder would have counted several times. A stuck encoder on a slower shaft is
-//! not seen until it turns faster. Meanwhile the wall's force stays constant, as does the field: the motor holds like a
-//! stepper and does not run away.
+//! The voltage must exceed 1 V (dead time, rounding), half of `R |i|` (a winding that is 100 K warmer has 39 % more resistance) and
+//! the back-EMF of a speed at which a good encoder would have counted several times. A stuck encoder on a slower shaft is not
+//! detected until the shaft turns faster. Meanwhile the wall's force and the motor's field stay constant: the motor holds like a
+//! stepper motor and does not run away.
 
 use super::Found;
 use crate::Volts;
@@ -20,18 +20,18 @@ use touchstone_control::Si;
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
 
-/// Coefficients.
+/// Coefficients of the check for a stuck encoder.
 #[derive(Debug, Clone, Copy)]
 pub struct StuckConfig {
     resistance_ohm: I16F16,
-    /// Voltage that rest may show.
+    /// Largest unexplained voltage at rest, V.
     least: Volts,
-    /// Ticks without a break.
+    /// Number of suspicious ticks in a row that is a fault.
     ticks: u32,
 }
 
 impl StuckConfig {
-    /// Computes it from validated settings.
+    /// Computes the coefficients from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings) -> Self {
@@ -52,7 +52,7 @@ impl StuckConfig {
     }
 }
 
-/// How long it has looked so.
+/// The time for which the encoder has looked stuck.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stuck {
     ticks: u32,
@@ -71,13 +71,13 @@ impl Stuck {
         Self { ticks: 0 }
     }
 
-    /// Whether it looked so in the last tick.
+    /// Whether the encoder looked stuck in the last tick.
     #[must_use]
     pub const fn is_suspected(&self) -> bool {
         self.ticks != 0
     }
 
-    /// Takes a tick in which the motor was driven.
+    /// Takes a tick in which the motor was driven; returns the fault, if there is one.
     pub fn update(
         &mut self,
         config: &StuckConfig,

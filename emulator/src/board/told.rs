@@ -1,23 +1,23 @@
-//! The motor's values that a person sets where the board cannot measure them.
+//! The motor's values that a person enters where the board cannot measure them.
 
 use touchstone_control::Si;
 use touchstone_protocol::settings::DeviceSettings;
 
-/// A motor as a person says it.
+/// Values of a motor as a person enters them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ToldMotor {
-    /// Resistance of a phase to the star point, with the driver's transistor, Ω.
+    /// Resistance between a phase and the star point, including the driver's transistor, Ω.
     pub resistance_ohm: Si,
-    /// Inductance of a phase to the star point, H.
+    /// Inductance between a phase and the star point, H.
     pub inductance_h: Si,
-    /// N·m for an amplitude of 1 A.
+    /// Torque in N·m per ampere of current amplitude.
     pub torque_constant_n_m_per_a: Si,
     /// The wall's force limit, N·m.
     pub force_limit_n_m: Si,
 }
 
 impl ToldMotor {
-    /// The GBM2804H-100T, with a transistor of the DRV8313.
+    /// The motor GBM2804H-100T, with the resistance of a transistor of the DRV8313 added.
     pub const GIMBAL: Self = Self {
         resistance_ohm: Si::lit("5.53"),
         inductance_h: Si::lit("0.00105"),
@@ -25,7 +25,7 @@ impl ToldMotor {
         force_limit_n_m: Si::lit("0.045"),
     };
 
-    /// Writes the board's properties into the settings.
+    /// Writes the motor's values into the settings.
     pub fn tell(&self, settings: &mut DeviceSettings) {
         settings.motor.resistance_ohm = self.resistance_ohm;
         settings.motor.inductance_h = self.inductance_h;

@@ -1,5 +1,5 @@
-//! What switches the bridge off without the processor: the break pin, the comparators; and the system's break, which a lockup, the
-//! supply's detector and an error in flash hold, each where SYSCFG_CFGR2 lets it (RM0440, 10.2.5).
+//! The paths that switch the motor's power bridge off without the processor: the break pin, the comparators and the system break. A
+//! lockup, the supply's detector or an error in flash raises the system break, where SYSCFG_CFGR2 enables it (RM0440, 10.2.5).
 
 use super::Chip;
 use crate::board::BREAK_PIN;
@@ -9,11 +9,11 @@ const SYSCFG_CFGR2: u32 = 0x1c;
 const CLL: u32 = 1;
 const PVDL: u32 = 1 << 2;
 const ECCL: u32 = 1 << 3;
-/// The exception that an error in flash raises.
+/// Number of the exception that an error in flash raises.
 const NMI: usize = 2;
 
 impl Chip {
-    /// The processor has locked up.
+    /// Called when the processor has locked up.
     pub fn lock_up(&mut self) {
         let now = self.core.now;
         self.locked_up = true;
@@ -22,7 +22,7 @@ impl Chip {
         self.drive_world();
     }
 
-    /// The processor reads flash.
+    /// Called when the processor reads flash.
     pub fn read_flash(&mut self, address: u32) {
         let before = self.flash.has_error();
         if self.flash.reads_torn(address) && !before {
@@ -32,7 +32,7 @@ impl Chip {
         }
     }
 
-    /// The break inputs as the board and the comparators drive them now.
+    /// Updates the break inputs to the levels that the board and the comparators drive now.
     pub fn update_break(&mut self, now: u64) {
         let mut pin = self.board.break_pin(&self.world);
         if let Some((port, at)) = self.board.driver_line {

@@ -1,4 +1,4 @@
-//! Reads and writes of the program: which block answers, and which other blocks a write affects.
+//! Register reads and writes by the firmware: which peripheral block answers, and which other blocks a write affects.
 
 use super::Chip;
 use super::map::{Block, MAP};
@@ -30,7 +30,7 @@ impl Chip {
         }
     }
 
-    /// An amplifier is on, with its output led to the converter inside (RM0440, OPAMPx_CSR).
+    /// Whether an amplifier is on, with its output connected to a converter on the chip (RM0440, OPAMPx_CSR).
     pub(super) fn amplifies(&self, amplifier: usize) -> bool {
         const ON_AND_INSIDE: u32 = 1 | 1 << 8;
         self.plain[3].get(4 * amplifier as u32) & ON_AND_INSIDE == ON_AND_INSIDE
@@ -53,7 +53,7 @@ impl Chip {
         }
     }
 
-    /// The rows of the map that RCC clocks now.
+    /// Bit mask of the rows of the register map whose blocks RCC clocks now.
     pub(super) fn clocked(rcc: &Rcc) -> u64 {
         let clocked = |(.., clock): &(u32, u32, Block, Option<(u32, u32)>)| {
             clock.is_none_or(|(register, bit)| rcc.gives(register, bit))
@@ -67,7 +67,7 @@ impl Chip {
         self.peripheral(block).read(offset, now)
     }
 
-    /// A read by the program.
+    /// Carries out a read by the firmware; returns the value.
     pub fn read(&mut self, address: u32, size: usize) -> u32 {
         let now = self.core.now;
         let word = match address & !3 {
@@ -93,7 +93,7 @@ impl Chip {
         }
     }
 
-    /// A write by the program.
+    /// Carries out a write by the firmware.
     pub fn write(&mut self, address: u32, value: u32, size: usize) {
         let now = self.core.now;
         if address >= 0xe000_0000 {

@@ -22,7 +22,7 @@ const SCALER: u32 = 1 << 23;
 const BRIDGE: u32 = 1 << 22;
 /// VREFINT, V: typical, by the data sheet (from memory, unread).
 const VREFINT_V: f64 = 1.212;
-/// A step of HYST, V.
+/// Comparator hysteresis per step of the register field HYST, V.
 const HYSTERESIS_V: f64 = 0.01;
 
 /// Port and pin of each comparator's two non-inverting inputs.
@@ -36,12 +36,13 @@ const PLUS: [[(usize, usize); 2]; 4] = [
 const DAC3: [usize; 4] = [0, 1, 0, 1];
 const DAC1: [usize; 4] = [0, 1, 0, 0];
 
-/// The comparators' outputs, and the currents at which they rose.
+/// The comparators' outputs, and the currents at which the outputs rose.
 #[derive(Debug, Clone, Default)]
 pub struct Comparators {
-    /// V+ is above V-, with the hysteresis.
+    /// Whether each comparator's positive input is above its negative input, with hysteresis.
     above: [bool; 4],
-    /// Each time one began to see its input above: when, which (counted from 0), and the current through the shunt to ground, A.
+    /// Every rise of a comparator's output: time in cycles, comparator (counted from 0), and current through the shunt to ground in
+    /// A.
     pub risen: Vec<(u64, usize, f64)>,
 }
 
@@ -77,7 +78,7 @@ fn minus_v(number: usize, csr: u32, dac1: &Plain, dac3: &Plain) -> Option<f64> {
 }
 
 impl Chip {
-    /// Levels of the comparators' outputs, as a mask: bit 0 is COMP1. One that is off says nothing.
+    /// Levels of the comparators' outputs, as a mask: bit 0 is COMP1. The bit of a comparator that is off is 0.
     pub(super) fn compare(&mut self, now: u64) -> u32 {
         let mut outputs = 0;
         for (number, offset) in COMP_CSR.into_iter().enumerate() {

@@ -1,6 +1,6 @@
-//! The addresses of the registers.
+//! Address map of the chip's registers.
 
-/// A block of registers by its place.
+/// A peripheral block of registers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Block {
     Timer(usize),

@@ -1,4 +1,4 @@
-//! The chip: its inner connections, and the time.
+//! The emulated chip without its processor: the connections between its peripheral blocks, and its time.
 
 mod breaks;
 mod bus;
@@ -35,20 +35,20 @@ const SPI3: u32 = 51;
 const USART2: u32 = 38;
 const LPUART1: u32 = 91;
 
-/// The chip without its processor.
+/// The emulated chip with its board and simulated world, without the processor.
 pub struct Chip {
-    /// Time, counters.
+    /// Time and counters of the processor.
     pub core: Core,
     /// The interrupt controller.
     pub nvic: Nvic,
-    /// TIM1.
+    /// Timer TIM1, which switches the motor's power bridge.
     pub bridge: BridgeTimer,
     timers: [Timer; 4],
     adcs: [Adc; 2],
     ports: Vec<Port>,
-    /// The link to the desktop.
+    /// Serial port LPUART1, the link to the desktop on some boards.
     pub lpuart1: Uart,
-    /// The other board's link.
+    /// Serial port USART2, the link to the desktop on the other boards.
     pub usart2: Uart,
     /// The bus of the magnetic encoder.
     pub spi3: Spi,
@@ -59,9 +59,9 @@ pub struct Chip {
     /// The flash controller.
     pub flash: Flash,
     rcc: Rcc,
-    /// The rows of the map that are clocked.
+    /// Bit mask of the rows of the register map whose blocks are clocked.
     clocked: u64,
-    /// The supply.
+    /// The power control block.
     pub pwr: Pwr,
     exti: Exti,
     plain: [Plain; 6],
@@ -72,23 +72,23 @@ pub struct Chip {
     locked_up: bool,
     /// The board around the chip.
     pub board: Board,
-    /// Motor, knob, hand.
+    /// The simulated motor, knob and hand.
     pub world: World,
-    /// Exceptions that run.
+    /// Exceptions whose handlers are running.
     pub running: Vec<Running>,
     /// Cost of each exception's handler.
     pub handlers: Vec<Handler>,
-    /// A reset that is due.
+    /// Cause of a reset that is due; `None` if none is.
     pub reset_request: Option<ResetCause>,
-    /// Accesses and instructions so far that the chip does not have.
+    /// Descriptions of the accesses and instructions so far that the real chip does not have.
     pub faults: Vec<String>,
-    /// Registers that were used and are not modelled: addresses.
+    /// Addresses of the registers that the firmware used and that are not modelled.
     pub unknown: std::collections::BTreeSet<u32>,
-    /// Registers that the program has written since the power came on: addresses.
+    /// Addresses of the registers that the firmware has written since power-on.
     pub written: std::collections::BTreeSet<u32>,
-    /// Frequency of the watchdog's oscillator, Hz.
+    /// Frequency of the oscillator that clocks the watchdog, Hz.
     lsi_hz: u64,
-    /// An interrupt that is raised again and again by something that the program does not know: (number, period, next time).
+    /// An injected interrupt that is raised periodically without the firmware's doing: number, period, next time.
     pub storm: Option<(u32, u64, u64)>,
 }
 
@@ -190,7 +190,7 @@ impl Chip {
         self.spi3.slave = self.board.encoder.slave();
     }
 
-    /// The vector table.
+    /// Address of the vector table.
     #[must_use]
     pub fn vectors(&self) -> u32 {
         match self.system.get(0xed08) {
@@ -199,13 +199,13 @@ impl Chip {
         }
     }
 
-    /// SYSCLK as the program has set it up, Hz.
+    /// Frequency of the system clock SYSCLK as the firmware has set it up, Hz.
     #[must_use]
     pub fn sysclk_hz(&self) -> u64 {
         self.rcc.sysclk_hz()
     }
 
-    /// The serial port that the board's desktop link is on.
+    /// The serial port that links the board to the desktop.
     pub fn link(&mut self) -> &mut Uart {
         match self.board.link_is_usart2 {
             true => &mut self.usart2,
@@ -222,14 +222,14 @@ impl Chip {
         self.core.interrupted = true;
     }
 
-    /// Gives the world the new state of the bridge.
+    /// Gives the simulated world the new state of the power bridge.
     fn drive_world(&mut self) {
         let now = self.core.now;
         let duty = self.bridge.duty();
         self.world.drive(now, duty);
     }
 
-    /// Levels of all interrupt lines; stops the processor where something is to be delivered.
+    /// Updates the levels of all interrupt lines; stops the processor if an interrupt is to be delivered.
     fn refresh(&mut self) {
         let mut lines = self.bridge.lines()
             | self.lpuart1.lines()
@@ -249,7 +249,7 @@ impl Chip {
         }
     }
 
-    /// A handler begins.
+    /// Called when an exception's handler begins.
     pub fn begin_handler(&mut self, exception: usize) {
         self.nvic.enter(exception);
         self.core.depth += 1;
@@ -269,7 +269,7 @@ impl Chip {
         self.core.is_counting = matches!(runs, Some(CURRENT_LOOP | CONTROL_TICK));
     }
 
-    /// A handler ends; `None` if none runs.
+    /// Called when an exception's handler ends; `None` if no handler runs.
     pub fn end_handler(&mut self) -> Option<()> {
         let running = self.running.pop()?;
         let cost: Cost = self.core.by_depth[self.core.depth.min(7)].since(running.begin);
@@ -287,7 +287,7 @@ impl Chip {
         Some(())
     }
 
-    /// Value of the DAC's channel 1, 12 bits.
+    /// Value of the DAC's channel 1, an integer of 12 bits.
     #[must_use]
     pub fn dac(&self) -> u32 {
         let dac = &self.plain[1];
@@ -299,7 +299,7 @@ impl Chip {
         }
     }
 
-    /// What each converter is sampling or converting, and when its sampling ends.
+    /// For each converter, the quantity that it samples or converts, and the time at which its sampling ends.
     #[must_use]
     pub fn samplings(&self) -> [Option<(Source, u64)>; 2] {
         [0, 1].map(|adc| {
@@ -310,7 +310,7 @@ impl Chip {
         })
     }
 
-    /// A port.
+    /// The GPIO port of this index.
     pub fn port(&mut self, index: usize) -> &mut Port {
         &mut self.ports[index]
     }

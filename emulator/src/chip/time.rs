@@ -1,12 +1,12 @@
-//! Events that need no instruction: the bridge's edges, the conversions that they trigger, and everything else that is
-//! due.
+//! Events that need no instruction: the switching edges of the power bridge, the conversions that the edges trigger, and everything
+//! else that is due at a time.
 
 use super::Chip;
 use crate::peripheral::rcc::ResetCause;
 use crate::peripheral::timer::bridge::Edge;
 use crate::peripheral::{NEVER, Peripheral};
 
-/// How often a short is examined, cycles.
+/// Interval in cycles at which the current of a short circuit is examined.
 const LOOK: u64 = 4;
 
 impl Chip {

@@ -9,7 +9,7 @@ struct Cache {
     infos: Vec<Option<Info>>,
 }
 
-/// Why the processor stopped.
+/// Reason why the processor stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stop {
     /// The time slice is over, or something changed that may raise an interrupt.
@@ -25,14 +25,14 @@ pub enum Stop {
 /// A function whose calls are counted.
 #[derive(Debug, Clone)]
 pub struct Watch {
-    /// Name for people.
+    /// Name of the function for reports.
     pub name: String,
     start: u32,
     /// Where the present call returns to, with the stack that it had, and the counters at its start.
     call: Option<Call>,
     /// Number of calls.
     pub calls: u64,
-    /// Most instructions of one call, without what interrupted it.
+    /// Largest cost of a single call, without the interrupts during the call.
     pub worst: Cost,
 }
 
@@ -43,12 +43,12 @@ struct Call {
     begin: Cost,
 }
 
-/// Instructions and cycles.
+/// Cost of executed code: instructions, cycles and flash fetches.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Cost {
-    /// Instructions, those skipped in an IT block with them.
+    /// Number of instructions, including those that an IT block skips.
     pub instructions: u64,
-    /// Cycles by the table, see [`super::decode`].
+    /// Number of cycles by the table of instruction times, see [`super::decode`].
     pub cycles: u64,
     /// Double words of flash that are not those of the fetch before, and constants read beside the code.
     pub fetches: u64,
@@ -65,7 +65,7 @@ impl Cost {
         }
     }
 
-    /// The larger of each.
+    /// The larger value of two costs, for each counter by itself.
     #[must_use]
     pub fn worst(self, other: Self) -> Self {
         Self {
@@ -90,19 +90,19 @@ pub const WAIT_STATES: u64 = 4;
 /// Registers, memories and counters of the processor.
 #[derive(Debug)]
 pub struct Core {
-    /// Time in cycles of the processor, since power came on.
+    /// Time since power-on, in processor cycles.
     pub now: u64,
     /// Costs of the executed instructions; cycles by the table, without wait states.
     pub spent: Cost,
-    /// Stop at this time.
+    /// Time in cycles at which the processor stops.
     pub limit: u64,
-    /// Stop at the next instruction boundary.
+    /// True: the processor stops at the next instruction boundary.
     pub interrupted: bool,
-    /// Why it stopped.
+    /// Reason why the processor stopped.
     pub stop: Stop,
-    /// The float unit was used since the last exception began.
+    /// Whether the float unit was used since the last exception began.
     pub float_used: bool,
-    /// The event register.
+    /// The event register, which WFE reads.
     pub event: bool,
     /// Every instruction takes this many times its cycles, in 256ths: 256 by the table. More stands for wait states, or, far
     /// more, for a program that takes too long.
@@ -118,9 +118,9 @@ pub struct Core {
     /// How often each double word of flash was fetched while [`Core::is_counting`]; empty unless a caller made room
     /// for it.
     pub by_place: Vec<u32>,
-    /// What runs is of those whose fetches are counted by their place.
+    /// Whether the running code is code whose fetches are counted per address.
     pub is_counting: bool,
-    /// Functions that are counted.
+    /// Functions whose calls are counted.
     pub watches: Vec<Watch>,
     /// Addresses where watched functions begin, and where their calls return to.
     watch_points: Vec<u32>,
@@ -173,7 +173,7 @@ impl Core {
         });
     }
 
-    /// Sets the state after a reset; the time goes on.
+    /// Sets the state after a reset; the time is not reset.
     pub fn reset(&mut self) {
         self.end = None;
         self.block_start = u32::MAX;
@@ -193,7 +193,7 @@ impl Core {
         usize::from(address >= ccm.base) + usize::from(address >= ram.base)
     }
 
-    /// The decoded instruction, if it was met before.
+    /// The decoded instruction at an address; `None` if it has not been decoded yet.
     #[must_use]
     #[inline]
     pub fn known(&self, address: u32) -> Option<Info> {
@@ -206,7 +206,7 @@ impl Core {
         }
     }
 
-    /// Remembers a decoded instruction.
+    /// Stores the decoded instruction of an address.
     pub fn learn(&mut self, address: u32, info: Info) {
         let memory = self.memory_of(address);
         let cache = &mut self.caches[memory];
@@ -242,7 +242,7 @@ impl Core {
         }
     }
 
-    /// Time that passes without instructions: an exception's entry or return.
+    /// Advances the time without an instruction, for an exception's entry or return.
     pub fn spend_cycles(&mut self, cycles: u64) {
         self.now += cycles;
     }

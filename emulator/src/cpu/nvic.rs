@@ -5,12 +5,12 @@
 
 /// Number of the first external interrupt.
 pub const FIRST: usize = 16;
-/// Exceptions that are modelled: 112 interrupts.
+/// Number of modelled exceptions: 16 of the system and 112 interrupts.
 const COUNT: usize = 128;
-/// HardFault.
+/// Exception number of HardFault.
 pub const HARD_FAULT: usize = 3;
 
-/// The processor's masks, as its registers hold them.
+/// The processor's registers that mask exceptions.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Masks {
     /// PRIMASK.
@@ -24,7 +24,7 @@ pub struct Masks {
 /// The lowest priority, at which the thread runs.
 const THREAD: i16 = 256;
 
-/// The controller.
+/// The interrupt controller (NVIC).
 #[derive(Debug, Clone)]
 pub struct Nvic {
     enabled: u128,
@@ -48,7 +48,7 @@ impl Default for Nvic {
 }
 
 impl Nvic {
-    /// Takes the levels of all interrupt lines: a rising one pends.
+    /// Takes the levels of all interrupt lines; a rising line makes its interrupt pending.
     pub fn set_lines(&mut self, interrupts: u128) {
         let lines = interrupts << FIRST;
         self.pending |= lines & !self.lines;
@@ -65,7 +65,7 @@ impl Nvic {
         self.pending &= !(1 << exception);
     }
 
-    /// Whether anything waits at all.
+    /// Whether any exception is pending.
     #[must_use]
     pub const fn any_pending(&self) -> bool {
         self.pending & self.enabled != 0
@@ -80,7 +80,7 @@ impl Nvic {
         }
     }
 
-    /// What runs now runs at this priority, masks included.
+    /// Priority at which the processor runs now, with the mask registers taken into account.
     fn current(&self, masks: Masks) -> i16 {
         let running = bits(self.active)
             .map(|exception| self.priority_of(exception))
@@ -98,7 +98,7 @@ impl Nvic {
         priority
     }
 
-    /// The exception to be taken now, if any: of equal priorities the lowest number.
+    /// The exception to be entered now, if any; among equal priorities the one with the lowest number.
     #[must_use]
     pub fn next(&self, masks: Masks) -> Option<usize> {
         let waiting = self.pending & self.enabled;
@@ -116,13 +116,13 @@ impl Nvic {
         self.active |= 1 << exception;
     }
 
-    /// Has run; pends again if its line is still up.
+    /// Marks an exception as finished; it becomes pending again if its interrupt line is still high.
     pub fn leave(&mut self, exception: usize) {
         self.active &= !(1 << exception);
         self.pending |= self.lines & 1 << exception;
     }
 
-    /// Whether it runs, or was preempted while it ran.
+    /// Whether an exception's handler runs, or was preempted while it ran.
     #[must_use]
     pub const fn is_active(&self, exception: usize) -> bool {
         self.active >> exception & 1 != 0
@@ -166,7 +166,7 @@ impl Nvic {
         }
     }
 
-    /// Priority of a system exception (4 to 15).
+    /// Sets the priority of a system exception (number 4 to 15).
     pub fn set_system_priority(&mut self, exception: usize, priority: u8) {
         self.priority[exception] = priority & 0xf0;
     }

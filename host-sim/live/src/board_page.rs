@@ -1,5 +1,5 @@
-//! The page that shows a board: drawn by the code of the simulated one. It is fed by one socket of the program, or has the port
-//! itself, where the browser has WebSerial.
+//! The browser page that shows a real board, drawn by the JavaScript of the page for the simulated board. Its data come through a
+//! socket of this program. In a browser with WebSerial, the page can hold the serial port itself.
 
 use crate::page::{
     MARK, MEMORY, STAGE, STYLE, UNPACK, VIEW, block, escape, fill, hash, packed_module,
@@ -14,18 +14,18 @@ const SERIAL: [&str; 3] = [UNPACK, MEMORY, include_str!("../page/serial_link.js"
 /// How the page reaches the board.
 #[derive(Debug, Clone, Copy)]
 pub enum Way<'a> {
-    /// Through the program: the address of its socket, token included.
+    /// Through this program: the address of the program's web socket, with the access token.
     Socket(&'a str),
-    /// The browser has the port.
+    /// The browser opens the serial port itself (WebSerial).
     Serial,
 }
 
 /// Data with which the page starts.
 #[derive(Debug, Clone, Copy)]
 pub struct Content<'a> {
-    /// How it reaches the board.
+    /// How the page reaches the board.
     pub way: Way<'a>,
-    /// Names of the numbers of a record.
+    /// Column names of the numbers in one record of the board, in their order.
     pub columns: &'a [&'a str],
     /// Where the device is.
     pub place: &'a str,
@@ -33,7 +33,7 @@ pub struct Content<'a> {
     pub program: &'a str,
 }
 
-/// The page, and its content security policy.
+/// Returns the page as HTML, and its content security policy.
 #[must_use]
 pub fn render(content: &Content) -> (String, String) {
     let link = match content.way {

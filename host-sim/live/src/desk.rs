@@ -1,4 +1,5 @@
-//! The loops of a page: opened by a scene's text, moved by the hand's rest point, read as rows of numbers.
+//! The simulated control loops of a page. A loop is opened from a scene (TOML text that describes a simulation), is moved by the
+//! rest point of the hand's spring, and returns a row of numbers per tick.
 
 use std::path::Path;
 use touchstone_control::Choice as _;
@@ -8,7 +9,8 @@ use touchstone_sim::run;
 use touchstone_sim::run::live::{Live, Moment};
 use touchstone_sim::scene::{MotionSpec, Preset, RestPath, Scene};
 
-/// Numbers of a tick, in their order: the columns of a trace, as files of this program have them, then what only the page shows.
+/// Names of the numbers that one tick returns, in their order: the columns of this program's trace files first, then the numbers
+/// that only the page shows.
 pub const ROW: [&str; 17] = [
     "time_s",
     "angle_rad",
@@ -30,10 +32,10 @@ pub const ROW: [&str; 17] = [
     "guard_acts",
 ];
 
-/// How many of [`ROW`] are the columns of a trace.
+/// Number of leading entries of [`ROW`] that are columns of a trace file.
 pub const TRACE_COLUMNS: usize = 14;
 
-/// Numbers of a loop that stay until it is changed.
+/// Names of the numbers of a loop that change only with its scene.
 pub const FACTS: [&str; 19] = [
     "rate_hz",
     "surface_rad",
@@ -61,7 +63,7 @@ pub const FACTS: [&str; 19] = [
     "detent_rad",
 ];
 
-/// One loop.
+/// One simulated control loop of the page.
 struct Place {
     live: Live,
     /// The motion of the scene's own hand, and its length.
@@ -71,14 +73,14 @@ struct Place {
     facts: [f64; FACTS.len()],
 }
 
-/// The loops of a page.
+/// The simulated control loops of a page, each named by a handle.
 #[derive(Default)]
 pub struct Desk {
     places: Vec<Option<Place>>,
 }
 
-/// Reads a scene from a page: its TOML text or the name of a shipped scene, a zero byte, and changes `key=value`, one a line. A
-/// change `preset=NAME` comes before all others, as the option of that name does.
+/// Reads a scene that a page sent: its TOML text or the name of a shipped scene, a zero byte, then changes `key=value`, one per
+/// line. A change `preset=NAME` is applied before all others, like the command line's option `--preset`.
 ///
 /// # Errors
 /// The first problem in the text or in the changes.
@@ -209,10 +211,10 @@ impl Desk {
         self.places.get_mut(handle)?.as_mut()
     }
 
-    /// Opens a loop at its scene's start; returns its handle.
+    /// Opens a loop at the start of its scene; returns the loop's handle.
     ///
     /// # Errors
-    /// The problem of the scene.
+    /// The problem in the scene.
     pub fn open(&mut self, text: &str) -> Result<usize> {
         let scene = scene(text)?;
         let live = Live::new(&scene)?;
@@ -226,17 +228,17 @@ impl Desk {
         Ok(handle)
     }
 
-    /// Closes a loop; its handle may be given again.
+    /// Closes a loop; a loop opened later may get the same handle.
     pub fn close(&mut self, handle: usize) {
         if let Some(place) = self.places.get_mut(handle) {
             *place = None;
         }
     }
 
-    /// Goes on with another scene from where device and hand are.
+    /// Gives a loop another scene; the simulated device and hand keep their positions.
     ///
     /// # Errors
-    /// The problem of the scene; the loop goes on unchanged.
+    /// The problem in the new scene; the loop then continues with its old scene.
     pub fn change(&mut self, handle: usize, text: &str) -> Result<()> {
         let scene = scene(text)?;
         let place = self.place(handle).ok_or_else(|| closed(handle))?;
@@ -245,10 +247,10 @@ impl Desk {
         Ok(())
     }
 
-    /// Starts again from the scene's start.
+    /// Restarts a loop at the start of its scene.
     ///
     /// # Errors
-    /// No other errors than opening.
+    /// The same as for opening the loop.
     pub fn reset(&mut self, handle: usize) -> Result<()> {
         let place = self.place(handle).ok_or_else(|| closed(handle))?;
         place.live = Live::new(&place.scene)?;
@@ -256,7 +258,7 @@ impl Desk {
         Ok(())
     }
 
-    /// Runs one tick with the hand's rest point here, rad; returns the numbers of [`ROW`].
+    /// Runs one tick with the rest point of the hand's spring at `rest_rad`, in radians; returns the numbers named in [`ROW`].
     pub fn tick(&mut self, handle: usize, rest_rad: f64) -> Option<&[f64; ROW.len()]> {
         let place = self.place(handle)?;
         let moment = place.live.tick(rest_rad);
@@ -264,19 +266,19 @@ impl Desk {
         Some(&place.row)
     }
 
-    /// The scene's own rest point at a time, rad; NaN where it has no motion.
+    /// Rest point of the hand's spring in radians that the scene prescribes at a time; NaN for a scene without a hand motion.
     pub fn own_rest_rad(&mut self, handle: usize, time_s: f64) -> f64 {
         self.place(handle)
             .and_then(|place| place.motion.as_ref())
             .map_or(f64::NAN, |(motion, _)| motion.rest_rad(time_s))
     }
 
-    /// The numbers of [`FACTS`].
+    /// The numbers named in [`FACTS`]. They change only with the loop's scene.
     pub fn facts(&mut self, handle: usize) -> Option<&[f64; FACTS.len()]> {
         self.place(handle).map(|place| &place.facts)
     }
 
-    /// The scene with all its values and their meanings, as TOML.
+    /// The loop's scene as TOML, with every value and its meaning.
     #[must_use]
     pub fn printed(&mut self, handle: usize) -> String {
         self.place(handle)
@@ -284,7 +286,8 @@ impl Desk {
             .unwrap_or_default()
     }
 
-    /// The scene that repeats the ticks since the start, with this file of their rest points, as TOML.
+    /// A scene as TOML that repeats the loop's ticks since its start. `file` is the name of the file that holds the hand's rest
+    /// point of every tick.
     #[must_use]
     pub fn replay(&mut self, handle: usize, file: &str) -> String {
         self.place(handle)
@@ -292,7 +295,7 @@ impl Desk {
             .unwrap_or_default()
     }
 
-    /// The passivity bounds that the scene's settings violate, a line each.
+    /// The passivity bounds that the settings of the loop's scene violate, one per line.
     #[must_use]
     pub fn warnings(&mut self, handle: usize) -> String {
         let said = self

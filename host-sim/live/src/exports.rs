@@ -1,12 +1,13 @@
-//! What a page calls, by name: numbers in, numbers out, texts through one shared buffer.
+//! The WebAssembly functions that the page's JavaScript calls by name. Numbers are arguments and results; texts go through one
+//! shared buffer.
 //!
-//! Handles stand for loops, addresses for rows of numbers in the module's own memory. A row's address holds until the next call
-//! with the same handle; the buffer's until the next call that takes or gives a text. A function that gives −1 has left an error's
-//! text in the buffer.
+//! A handle names a simulated loop. A row of numbers is given as its address in the memory of the WebAssembly module. The address
+//! of a row holds until the next call with the same handle. The address of the buffer holds until the next call that reads or
+//! writes a text. A function that returns −1 has left the text of the error in the buffer.
 //!
-//! The attribute `unsafe(no_mangle)` makes a function's name that of the export; it counts as unsafe as two functions of the same
-//! name would be taken for one another. Every name here begins with `live_`, which no other crate's does. Nothing else in the crate
-//! is unsafe.
+//! The attribute `unsafe(no_mangle)` exports a function under its own name. Rust counts the attribute as unsafe because the linker
+//! could confuse two functions of the same name. Every name here begins with `live_`, and no other crate exports such a name.
+//! Nothing else in the crate is unsafe.
 #![allow(unsafe_code)]
 
 use crate::desk::Desk;
@@ -30,19 +31,19 @@ pub(crate) fn give(text: String) {
     TEXT.set(text.into_bytes());
 }
 
-/// The bytes in the buffer.
+/// Takes the bytes out of the shared text buffer.
 pub(crate) fn take_bytes() -> Vec<u8> {
     TEXT.with_borrow(Clone::clone)
 }
 
-/// Puts bytes into the buffer; gives how many.
+/// Puts bytes into the shared text buffer; returns their number.
 pub(crate) fn give_bytes(bytes: Vec<u8>) -> usize {
     let count = bytes.len();
     TEXT.set(bytes);
     count
 }
 
-/// The result as a number; an error's text goes into the buffer.
+/// Returns the number of a success. For an error, puts its text into the shared buffer and returns −1.
 pub(crate) fn number(result: Result<i32>) -> i32 {
     result.unwrap_or_else(|error| {
         give(error.to_string());
@@ -50,7 +51,7 @@ pub(crate) fn number(result: Result<i32>) -> i32 {
     })
 }
 
-/// Makes room for a text of this many bytes; returns the address to write it to.
+/// Makes room for a text of `bytes` bytes in the shared buffer; returns the address at which the caller writes the text.
 #[unsafe(no_mangle)]
 extern "C" fn live_text_room(bytes: usize) -> *mut u8 {
     TEXT.with_borrow_mut(|text| {
@@ -72,31 +73,32 @@ extern "C" fn live_text_bytes() -> usize {
     TEXT.with_borrow(Vec::len)
 }
 
-/// Opens a loop of the scene in the buffer; gives its handle, or −1.
+/// Opens a loop of the scene in the buffer; returns its handle, or −1 after an error.
 #[unsafe(no_mangle)]
 extern "C" fn live_open() -> i32 {
     number(desk(|desk| desk.open(&take())).map(|handle| handle as i32))
 }
 
-/// Closes a loop.
+/// Closes the simulated loop with this handle.
 #[unsafe(no_mangle)]
 extern "C" fn live_close(handle: usize) {
     desk(|desk| desk.close(handle));
 }
 
-/// Goes on with the scene in the buffer from where device and hand are; 0, or −1.
+/// Gives a loop the scene in the buffer; device and hand keep their positions. Returns 0, or −1 after an error.
 #[unsafe(no_mangle)]
 extern "C" fn live_change(handle: usize) -> i32 {
     number(desk(|desk| desk.change(handle, &take())).map(|()| 0))
 }
 
-/// Starts again; 0, or −1.
+/// Restarts a loop at the start of its scene. Returns 0, or −1 after an error.
 #[unsafe(no_mangle)]
 extern "C" fn live_reset(handle: usize) -> i32 {
     number(desk(|desk| desk.reset(handle)).map(|()| 0))
 }
 
-/// Runs one tick with the hand's rest point here, rad; returns the address of its row, or 0 for an unknown handle.
+/// Runs one tick with the rest point of the hand's spring at `rest_rad`, in radians. Returns the address of the row of numbers, or
+/// 0 for an unknown handle.
 #[unsafe(no_mangle)]
 extern "C" fn live_tick(handle: usize, rest_rad: f64) -> *const f64 {
     desk(|desk| {
@@ -105,13 +107,13 @@ extern "C" fn live_tick(handle: usize, rest_rad: f64) -> *const f64 {
     })
 }
 
-/// The scene's own rest point at a time, rad; NaN where it has none.
+/// Rest point of the hand's spring in radians that the scene prescribes at a time; NaN for a scene without a hand motion.
 #[unsafe(no_mangle)]
 extern "C" fn live_own_rest(handle: usize, time_s: f64) -> f64 {
     desk(|desk| desk.own_rest_rad(handle, time_s))
 }
 
-/// Address of the loop's facts, or 0 for an unknown handle.
+/// Address of the numbers of a loop that change only with its scene, or 0 for an unknown handle.
 #[unsafe(no_mangle)]
 extern "C" fn live_facts(handle: usize) -> *const f64 {
     desk(|desk| {
@@ -120,19 +122,19 @@ extern "C" fn live_facts(handle: usize) -> *const f64 {
     })
 }
 
-/// Puts the printed scene into the buffer.
+/// Puts the loop's scene into the buffer, as TOML with every value.
 #[unsafe(no_mangle)]
 extern "C" fn live_printed(handle: usize) {
     give(desk(|desk| desk.printed(handle)));
 }
 
-/// Puts the scene that repeats the ticks into the buffer, in the place of the name of the file of rest points.
+/// Puts a scene that repeats the loop's ticks into the buffer. The buffer held the name of the file of the hand's rest points.
 #[unsafe(no_mangle)]
 extern "C" fn live_replay(handle: usize) {
     give(desk(|desk| desk.replay(handle, &take())));
 }
 
-/// Puts the violated bounds into the buffer, a line each.
+/// Puts the passivity bounds that the scene violates into the buffer, one per line.
 #[unsafe(no_mangle)]
 extern "C" fn live_warnings(handle: usize) {
     give(desk(|desk| desk.warnings(handle)));

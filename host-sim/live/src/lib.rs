@@ -1,9 +1,10 @@
-//! A virtual wall under the mouse: the simulator's loop in one self-contained page.
+//! A virtual wall under the mouse: the simulator's control loop in one self-contained web page.
 //!
-//! The page's numbers are made by the very crates of the simulator, compiled to WebAssembly: [`desk`] holds the loops that run
-//! side by side, and is what a page talks to, [`space_loop`] one of three axes. On `wasm32` a plain function stands before each of its methods. On every other
-//! machine [`page`] writes the file, and [`board_page`] what is shown of a board. A page that has the board's port itself finds its side of
-//! the conversation ([`touchstone_link::talk`]) in the same module.
+//! The crates of the simulator, compiled to WebAssembly, compute the numbers of the page. [`desk`] holds the loops of one axis that
+//! run side by side; [`space_loop`] is the loop of three axes. On `wasm32`, one exported function per method gives the page access
+//! to them. On every other machine, [`page`] writes the page for the simulation and [`board_page`] the page for a real board. A
+//! page that holds the board's serial port itself runs the host's side of the protocol ([`touchstone_link::talk`]) in the same
+//! WebAssembly module.
 
 #[cfg(not(target_arch = "wasm32"))]
 pub mod board_page;

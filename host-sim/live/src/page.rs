@@ -1,14 +1,15 @@
-//! The page as one file: nothing is loaded from elsewhere, and its content security policy says so.
+//! Writes the page as one file. The page loads nothing from elsewhere, and its content security policy forbids loading.
 
 use crate::desk::{FACTS, ROW, TRACE_COLUMNS};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use sha2::{Digest, Sha256};
 
-/// The loop for browsers, made by `cargo xtask live`; a file beside it records how and from what.
+/// The simulator's loop as a WebAssembly module, built by `cargo xtask live`. A file beside the module records how it was built and
+/// from what.
 pub const MODULE: &[u8] = include_bytes!("../module/touchstone_live.wasm");
 
-/// First words of every page, by which the program knows its own.
+/// The first bytes of every page. By them the program recognises a file that it wrote itself.
 pub const MARK: &str = "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta http-equiv=\"Content-Security-Policy\"";
 
 const PAGE: &str = include_str!("../page/page.html");
@@ -39,19 +40,19 @@ const SCRIPT: [&str; 9] = [
 /// Data with which the page starts.
 #[derive(Debug, Clone, Copy)]
 pub struct Content<'a> {
-    /// The scene as TOML, changes included.
+    /// The scene as TOML, with the changes of the command line.
     pub scene: &'a str,
     /// Name of the scene.
     pub name: &'a str,
-    /// What the scene shows, in a sentence.
+    /// What the scene shows, in one sentence.
     pub description: &'a str,
-    /// The command's words after `touchstone live` that give the same scene.
+    /// Arguments after `touchstone live` that give the same scene.
     pub source: &'a str,
     /// Name, version and commit of the program.
     pub program: &'a str,
 }
 
-/// The page.
+/// Returns the page as HTML.
 #[must_use]
 pub fn render(content: &Content) -> String {
     let script = SCRIPT.concat();
@@ -82,7 +83,7 @@ pub fn render(content: &Content) -> String {
     fill(PAGE, &parts)
 }
 
-/// Name and description of every shipped feel.
+/// Name and description of every shipped haptic effect (detents, end stops and similar).
 fn feels() -> Vec<(&'static str, String)> {
     let named = touchstone_sim::scene::feels().into_iter();
     named
@@ -93,12 +94,12 @@ fn feels() -> Vec<(&'static str, String)> {
         .collect()
 }
 
-/// The module as a page has it: a third of its bytes.
+/// The WebAssembly module, compressed to about a third of its size and encoded as text for the page.
 pub(crate) fn packed_module() -> String {
     BASE64.encode(miniz_oxide::deflate::compress_to_vec_zlib(MODULE, 9))
 }
 
-/// A template with its parts in the places of their names.
+/// Returns the template with each placeholder replaced by the part of that name.
 pub(crate) fn fill(template: &str, parts: &[(&str, &str)]) -> String {
     let mut page = String::with_capacity(1 << 20);
     let mut rest = template;
@@ -112,12 +113,12 @@ pub(crate) fn fill(template: &str, parts: &[(&str, &str)]) -> String {
     page + rest
 }
 
-/// Data as a block of the page, without the one sequence that would end it.
+/// Writes data as JSON for a script block of the page, with the sequence escaped that would end the block.
 pub(crate) fn block(data: &serde_json::Value) -> String {
     data.to_string().replace('<', "\\u003c")
 }
 
-/// A block's hash, as a policy names it.
+/// Hash of a script or style block, in the format of a content security policy.
 pub(crate) fn hash(text: &str) -> String {
     format!("sha256-{}", BASE64.encode(Sha256::digest(text)))
 }

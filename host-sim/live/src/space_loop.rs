@@ -1,4 +1,5 @@
-//! A loop of three axes for a page: a wall of the control crate's space on a simulated omega.3 in a firm hand.
+//! A simulated control loop of three axes for a page: a virtual wall of the control crate on a simulated omega.3, held by a firm
+//! hand.
 
 use std::fmt::Write as _;
 use touchstone_control::space::environment::{Plane, Sphere};
@@ -17,11 +18,11 @@ use touchstone_world::plant::{Cartesian, FIRM_TRANSLATION, HeldLinear, OMEGA3, O
 type N = Fixed32;
 type Held = Cartesian<HeldLinear>;
 const UNIT: LengthUnit = LengthUnit::Centimetre;
-/// Units of the law in a metre; the second, millimetres in such a unit.
+/// Length units of the control law per metre (it computes in centimetres). `MM` is the number of millimetres per such unit.
 const PER_METRE: f64 = 100.0;
 const MM: f64 = 10.0;
 
-/// Numbers of a tick, in their order; places in mm, forces in N on the hand.
+/// Names of the numbers that one tick returns, in their order. Positions are in mm, forces on the hand in N.
 pub const SPACE_ROW: [&str; 20] = [
     "time_s",
     "hip_x_mm",
@@ -45,25 +46,25 @@ pub const SPACE_ROW: [&str; 20] = [
     "speed_mm_per_s",
 ];
 
-/// The object in the workspace.
+/// The virtual object in the workspace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SpaceObject {
-    /// The half-space below a plane through the centre; the normal points out.
+    /// The half-space below a plane through the centre of the workspace, given by its outward normal.
     Plane([f64; 3]),
-    /// A ball around the centre, radius in mm.
+    /// A ball around the centre of the workspace, given by its radius in mm.
     Sphere(f64),
 }
 
-/// The page's choices, and the program's data on the device.
+/// The settings chosen on the page, and the program's data on the device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpaceChoice {
-    /// The object.
+    /// The virtual object that the hand touches.
     pub object: SpaceObject,
-    /// The law, SI.
+    /// Settings of the control law, in SI units.
     pub law: Settings,
-    /// One law for each axis instead of one along the normal.
+    /// True: one control law for each axis. False: one control law along the normal of the surface.
     pub per_axis: bool,
-    /// The guard, where there is one, SI.
+    /// Settings of the energy guard in SI units; `None` runs the loop without a guard.
     pub guard: Option<GuardSettings>,
 }
 
@@ -93,7 +94,7 @@ macro_rules! numbers {
 }
 
 impl SpaceChoice {
-    /// The choice as a page keeps it: `key=value`, a line each.
+    /// The settings as the page keeps them: `key=value`, one per line.
     #[must_use]
     pub fn to_text(&self) -> String {
         let mut text = match self.object {
@@ -120,10 +121,10 @@ impl SpaceChoice {
         text
     }
 
-    /// Back from a page; of a key that stands twice the last one counts.
+    /// Reads the settings from a page's text. If a key occurs twice, the last value counts.
     ///
     /// # Errors
-    /// A key or a value that there is not.
+    /// An unknown key, or a value that its key does not allow.
     pub fn of_text(text: &str) -> Result<Self> {
         let mut choice = Self {
             object: SpaceObject::Sphere(30.0),
@@ -227,9 +228,9 @@ impl SpaceChoice {
     }
 }
 
-/// The loop.
+/// The simulated control loop of three axes.
 pub struct SpaceLoop {
-    /// The choice from which the loop was made.
+    /// The settings with which the loop was opened.
     pub choice: SpaceChoice,
     wall: SpaceWall<N, Shape<N>, AnyLaw<N>>,
     plant: Held,
@@ -245,7 +246,7 @@ pub struct SpaceLoop {
     row: [f64; SPACE_ROW.len()],
 }
 
-/// Where the hand waits at first, mm.
+/// Position in mm at which the hand rests at the start.
 #[must_use]
 pub fn start_mm(object: SpaceObject) -> [f64; 3] {
     match object {
@@ -258,7 +259,7 @@ pub fn start_mm(object: SpaceObject) -> [f64; 3] {
 }
 
 impl SpaceLoop {
-    /// A loop at rest at the hand's first position.
+    /// Opens a loop at rest at the start position of the hand.
     ///
     /// # Errors
     /// Same as [`Self::at`].
@@ -267,10 +268,10 @@ impl SpaceLoop {
         Self::at(choice, start)
     }
 
-    /// A loop at rest at a position, mm.
+    /// Opens a loop at rest at a position, in mm.
     ///
     /// # Errors
-    /// Settings that law or guard cannot have.
+    /// Settings that the control law or the energy guard refuses.
     pub fn at(choice: SpaceChoice, start_mm: [f64; 3]) -> Result<Self> {
         let refused = |why: &dyn std::fmt::Display| Error::Option {
             option: "law".to_owned(),
@@ -317,10 +318,10 @@ impl SpaceLoop {
         })
     }
 
-    /// Goes on with another choice from where device and hand are.
+    /// Gives the loop other settings; device and hand keep their positions.
     ///
     /// # Errors
-    /// Same as [`Self::new`]; the loop goes on as it was.
+    /// Same as [`Self::new`]; the loop then keeps its old settings.
     pub fn change(&mut self, choice: SpaceChoice) -> Result<()> {
         let mut changed = Self::new(choice)?;
         changed.state = self.state;
@@ -329,7 +330,7 @@ impl SpaceLoop {
         Ok(())
     }
 
-    /// What stays until it is changed, as JSON.
+    /// The values of the loop that change only with its settings, as JSON.
     #[must_use]
     pub fn facts(&self) -> String {
         let words: Vec<String> = LawKind::WORDS
@@ -352,7 +353,7 @@ impl SpaceLoop {
         )
     }
 
-    /// Runs one tick with the hand's rest point here, mm; returns the numbers of [`SPACE_ROW`].
+    /// Runs one tick with the rest point of the hand's spring at `rest_mm`, in mm; returns the numbers named in [`SPACE_ROW`].
     pub fn tick(&mut self, rest_mm: [f64; 3]) -> &[f64; SPACE_ROW.len()] {
         let hip_m = Held::position(&self.state);
         let hip_mm = hip_m.map(|x| x * 1e3);

@@ -5,12 +5,13 @@ use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// A box. The depth is exact inside, and less than a quantum off outside.
+/// A box along the axes. The depth that it reports is exact for a HIP inside; for one outside the error is less than one step of
+/// the format.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cuboid<N: Spatial> {
     /// Centre of the cuboid.
     pub centre: Vector<Position<N>>,
-    /// Distance from the centre to each face.
+    /// Distance from the centre to the face on each axis.
     pub half: Vector<Position<N>>,
 }
 

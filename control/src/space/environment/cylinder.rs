@@ -6,7 +6,8 @@ use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// A cylinder with flat ends. The depth is less than a quantum off, four at the rim.
+/// A cylinder with flat ends. The error of the depth that it reports is less than one step of the format, and less than four at the
+/// rim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cylinder<N: Spatial> {
     /// Centre of the cylinder.
@@ -15,12 +16,12 @@ pub struct Cylinder<N: Spatial> {
     pub radius: Position<N>,
     /// Distance from the centre to each end.
     pub half: Position<N>,
-    /// The axis along which it lies, 0 to 2; others are z.
+    /// The axis along which the cylinder lies, 0 to 2; other numbers mean z.
     pub axis: usize,
 }
 
 impl<N: Spatial> Cylinder<N> {
-    /// The part across the axis, and that along it.
+    /// Splits a vector into the part perpendicular to the cylinder's axis and the component along it.
     fn split(&self, v: Vector<Position<N>>) -> (Vector<Position<N>>, Position<N>) {
         let [x, y, z] = v.0;
         let none = Position::zero();

@@ -1,15 +1,15 @@
-//! A convex body of many planes.
+//! A convex body that is bounded by many planes.
 
 use super::{Nearest, Plane, Surface};
 use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// What lies below all of its planes. Inside the depth is within a quantum; outside it is that below the plane that is furthest, which at an edge is less than the
-/// distance. Planes may coincide; one without a direction counts as none.
+/// The body that lies below all of its planes. Inside, the depth is right within a quantum. Outside, it is the depth below the
+/// furthest plane; at an edge that is less than the distance. Planes may coincide, and a plane without a direction is ignored.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Facets<'a, N: Spatial> {
-    /// The planes that bound it.
+    /// The planes that bound the body.
     pub planes: &'a [Plane<N>],
 }
 

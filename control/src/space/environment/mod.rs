@@ -1,9 +1,9 @@
-//! Virtual objects: the closest surface point, and how far it is to the surface along a direction.
+//! Virtual objects. Each gives its closest surface point, and the distance to its surface along a direction.
 //!
-//! Every object is asked with the direction in which its surface point lay in the last tick, outwards. It decides where several points are as
-//! close (the centre of a sphere, the diagonal of a box), and which side of a thin plate the HIP came from. Distances are right
-//! to a few quanta of the format; that of each object is in its documentation. Lengths are in the device's
-//! [unit](super::LengthUnit), and coordinates at most a quarter of the format.
+//! Each request passes the outward direction to the surface point of the last tick. That direction decides where several points are
+//! equally close (the centre of a sphere, the diagonal of a box), and from which side of a thin plate the HIP came. Distances are
+//! right to a few quanta of the number format; each object's documentation gives its error. Lengths are in the device's
+//! [unit](super::LengthUnit), and coordinates are at most a quarter of the format's range.
 
 mod cuboid;
 mod cylinder;
@@ -25,21 +25,21 @@ use super::number::Spatial;
 use super::vector::{Direction, Vector};
 use crate::Position;
 
-/// The closest surface point, as seen from the HIP.
+/// Direction and depth of the closest surface point, as seen from the HIP.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearest<N: Spatial> {
     /// The direction out of the object.
     pub normal: Direction<N>,
-    /// How deep the HIP is below it, positive inside.
+    /// Depth of the HIP below the surface point, positive inside.
     pub depth: Position<N>,
 }
 
-/// A virtual object.
+/// The surface of a virtual object.
 pub trait Surface<N: Spatial> {
     /// The closest surface point. `side` is the outward direction of the last tick.
     fn nearest(&self, at: Vector<Position<N>>, side: &Direction<N>) -> Nearest<N>;
 
-    /// From inside: how far it is to the surface in a direction; `None` where that leads nowhere out.
+    /// Distance from a point inside to the surface in a direction; `None` where that direction does not lead out.
     fn exit(
         &self,
         at: Vector<Position<N>>,
@@ -47,17 +47,17 @@ pub trait Surface<N: Spatial> {
         side: &Direction<N>,
     ) -> Option<Position<N>>;
 
-    /// The directions in which surface points can be closest, apart from that of the closest one.
+    /// Calls `visit` with the directions in which surface points can be closest, except that of the closest one.
     fn ways(&self, visit: &mut dyn FnMut(Direction<N>));
 
-    /// Whether from everywhere inside the way out is the shorter the nearer it lies to that to the closest point: then the only way
-    /// to ask for is the one towards it.
+    /// Whether from any point inside, directions nearer to that of the closest point always lead to a shorter way out. Then only
+    /// the direction towards the closest point needs to be tried.
     fn is_round(&self) -> bool {
         false
     }
 }
 
-/// `length / cosine`; `None` where the direction does not lead out.
+/// Distance along a slanted direction, `length / cosine`; `None` where the direction does not lead out.
 fn slanted<N: Spatial>(length: Position<N>, cosine: N::Signal) -> Option<Position<N>> {
     (Position::<N>(cosine) > Position::zero()).then(|| Position(N::share(length.0, N::ONE, cosine)))
 }
@@ -75,9 +75,9 @@ pub enum Shape<N: Spatial> {
     Cylinder(Cylinder<N>),
     /// A thin plate.
     Plate(Plate<N>),
-    /// What lies below two planes.
+    /// The body below both of two planes.
     Edge(Edge<N>),
-    /// What lies below one of two planes or the other.
+    /// The body below at least one of two planes.
     Corner(Corner<N>),
 }
 

@@ -5,7 +5,8 @@ use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// What lies below a plane. The depth is within a quantum, and exact where the normal is an axis.
+/// The half-space below a plane. The depth that it reports is right within one step of the format, and exact where the normal is an
+/// axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane<N: Spatial> {
     /// The direction out of the object.
@@ -15,13 +16,13 @@ pub struct Plane<N: Spatial> {
 }
 
 impl<N: Spatial> Plane<N> {
-    /// How far above the plane, negative below.
+    /// Height of a point above the plane, negative below.
     #[inline(always)]
     #[must_use]
     pub fn above(&self, at: Vector<Position<N>>) -> Position<N> {
         self.normal.component(at) - self.height
     }
-    /// Same plane with the opposite normal.
+    /// The same plane with the opposite normal.
     #[must_use]
     pub fn flipped(&self) -> Self {
         Self {

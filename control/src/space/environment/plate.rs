@@ -1,22 +1,22 @@
-//! A thin plate, thinner than a press is deep.
+//! A thin plate, thinner than the depth of a press.
 
 use super::{Cuboid, Nearest, Surface, slanted};
 use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// A plate across an axis that keeps the HIP on the side from which it came, however deep it is pressed or how far it moves in a
-/// tick. Around its rim, and only there, the HIP comes to the other side.
+/// A plate across an axis that keeps the HIP on the side from which it came, for any depth of a press and any displacement per
+/// tick. The HIP reaches the other side only around the plate's rim.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plate<N: Spatial> {
     /// The body of the plate.
     pub body: Cuboid<N>,
-    /// The axis across which it lies, 0 to 2; others are z.
+    /// The axis perpendicular to the plate, 0 to 2; other numbers mean z.
     pub axis: usize,
 }
 
 impl<N: Spatial> Plate<N> {
-    /// The side from which the HIP came, while it is over the plate: the depth below that face, and its normal.
+    /// While the HIP is over the plate: depth below the face from which the HIP came, and that face's normal. Else `None`.
     fn kept(&self, at: Vector<Position<N>>, side: &Direction<N>) -> Option<Nearest<N>> {
         let from = at - self.body.centre;
         let axes = from.0.into_iter().zip(self.body.half.0).zip(side.0);

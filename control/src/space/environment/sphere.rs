@@ -5,7 +5,7 @@ use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 use crate::{Energy, Force, Position};
 
-/// A ball. The depth is less than a quantum too large.
+/// A ball. The depth of the HIP that it reports is too large by less than one step of the number format.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere<N: Spatial> {
     /// Centre of the sphere.
@@ -37,7 +37,7 @@ impl<N: Spatial> Surface<N> for Sphere<N> {
     }
 }
 
-/// At the centre all points are as close: the one that was, and up where there was none yet, so that a direction is never without length.
+/// The direction at the centre, where all surface points are equally close: that of the last tick, or up if there was none.
 #[cold]
 fn at_centre<N: Spatial>(side: &Direction<N>) -> Direction<N> {
     if side.0 == [N::Signal::default(); 3] {
@@ -47,8 +47,8 @@ fn at_centre<N: Spatial>(side: &Direction<N>) -> Direction<N> {
     }
 }
 
-/// From inside a circle or a ball, at a place seen from its centre: how far it is to the surface in a direction,
-/// `sqrt(b² + R² - |v|²) - b` with the part `b` of the place along it.
+/// Distance from a point inside a circle or ball to its surface along a direction, with the point given from the centre: `sqrt(b² +
+/// R² - |v|²) - b`, where `b` is the point's component along the direction.
 pub(super) fn chord<N: Spatial>(
     radius: Position<N>,
     from: Vector<Position<N>>,

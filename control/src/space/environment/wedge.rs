@@ -1,23 +1,23 @@
-//! Two planes: an edge, where both bound the object, and a corner, where either does.
+//! Objects of two planes: an edge, which lies below both planes, and a corner, which lies below at least one.
 
 use super::{Nearest, Plane, Surface, slanted};
 use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// What lies below both of two planes.
+/// A convex edge: the body that lies below both of two planes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edge<N: Spatial> {
     planes: [Plane<N>; 2],
-    /// Cosine: `n₁·n₂`.
+    /// Cosine of the angle between the planes' normals: `n₁·n₂`.
     cosine: N::Signal,
-    /// Sine squared: `1 - (n₁·n₂)²`.
+    /// Square of the sine of the angle between the planes' normals: `1 - (n₁·n₂)²`.
     sine_squared: N::Signal,
 }
 
 impl<N: Spatial> Edge<N> {
-    /// The edge of two planes. The flatter the angle between them, the less exact are depths around the edge: a few
-    /// quanta over the square of the angle's sine.
+    /// The edge of two planes. The smaller the angle between them, the larger is the error of depths around the edge: a few quanta
+    /// divided by the square of the angle's sine.
     #[must_use]
     pub fn new(planes: [Plane<N>; 2]) -> Self {
         let [one, other] = &planes;
@@ -29,7 +29,7 @@ impl<N: Spatial> Edge<N> {
         }
     }
 
-    /// The height over one plane that is left after going some way to the other.
+    /// The height over one plane that is left after a distance towards the other plane.
     fn beyond(&self, height: Position<N>, way: Position<N>) -> Position<N> {
         height - Position(N::times(self.cosine, way.0))
     }
@@ -91,16 +91,16 @@ impl<N: Spatial> Surface<N> for Edge<N> {
     }
 }
 
-/// What lies below one of two planes or the other: a concave corner. Pressed into it, the HIP is held on the crease, and the
-/// force lies in the plane of both normals.
+/// A concave corner: the body that lies below at least one of two planes. If the HIP is pressed into it, it is held on the crease,
+/// and the force lies in the plane of both normals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Corner<N: Spatial> {
-    /// The free space above both planes, as an object.
+    /// The free space above both planes, treated as an object of its own.
     free: Edge<N>,
 }
 
 impl<N: Spatial> Corner<N> {
-    /// The corner of two planes; as exact as [`Edge`].
+    /// The corner of two planes. Its error is that of [`Edge`].
     #[must_use]
     pub fn new(planes: [Plane<N>; 2]) -> Self {
         Self {

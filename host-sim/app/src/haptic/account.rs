@@ -1,4 +1,4 @@
-//! Summary of a run on a haptic device: on the terminal, or as JSON, however the run ended.
+//! Summary of a run on a haptic device, on the terminal or as JSON. It is printed even if the run ended with an error.
 
 use crate::out::{json, print, say, tell};
 use touchstone_control::Choice;
@@ -14,9 +14,9 @@ use touchstone_sim::error::Result;
 pub struct Account<'a> {
     pub sheet: &'a DataSheet,
     pub settings: &'a WallSettings,
-    /// Where law and stiffness come from.
+    /// Source of control law and stiffness, in words.
     pub source: &'a str,
-    /// Limits that the wall is known not to keep.
+    /// Passivity or device limits that the wall is known to exceed; `None` if there are none.
     pub caution: Option<&'a str>,
     pub wall: &'a DeviceWall<'a>,
     pub limits: &'a ServoLimits,
@@ -45,7 +45,7 @@ impl Account<'_> {
         self.report.release.as_ref().err().map(ToString::to_string)
     }
 
-    /// JSON for programs.
+    /// The summary as JSON for programs.
     pub fn value(&self) -> serde_json::Value {
         let report = self.report;
         let classes = report
@@ -81,7 +81,7 @@ impl Account<'_> {
         })
     }
 
-    /// Lines for a page: the run itself, and how late its ticks were.
+    /// Section of a report page: the run itself, and how late its ticks (control periods) began.
     pub fn section(&self) -> Section {
         let report = self.report;
         let row = |name: &str, value: String| vec![name.to_owned(), value];
@@ -192,12 +192,12 @@ impl Account<'_> {
     }
 }
 
-/// The end of a class of the histogram.
+/// Upper limit of a histogram class, as text.
 fn end(up_to_us: Option<f64>) -> String {
     up_to_us.map_or("longer".to_owned(), |us| format!("{us} µs"))
 }
 
-/// How late ticks began: a line a class, up to the last that has any.
+/// Prints a histogram of how late ticks began: one line per class, up to the last class with an entry.
 fn histogram(report: &ServoReport, limits: &ServoLimits) -> Result<()> {
     let classes: Vec<_> = report.lateness.classes().collect();
     let last = classes

@@ -1,4 +1,4 @@
-//! The choice of a haptic device, and how it is opened.
+//! Chooses a haptic device and opens it.
 
 use clap::ValueEnum;
 use std::path::PathBuf;
@@ -40,7 +40,7 @@ impl HapticKind {
         matches!(self, Self::Simulated | Self::SimulatedDelta)
     }
 
-    /// The default rate of a simulated device, Hz.
+    /// Default control rate of a simulated device, Hz.
     pub fn own_rate_hz(self) -> u32 {
         match self {
             Self::SimulatedDelta => FALCON_RATE_HZ,
@@ -66,17 +66,17 @@ pub struct WhichDevice {
     twin: Option<PathBuf>,
 }
 
-/// The place that errors of the library name.
+/// Name of the library in error messages.
 const LIBRARY: &str = "Force Dimension's library";
 
-/// The library, or what to do to have it.
+/// Loads Force Dimension's library; the error says how to install it.
 pub fn library(file: Option<&std::path::Path>) -> Result<Dhd> {
     LibrarySearch::new(file)
         .load()
         .map_err(|missing| Error::device(LIBRARY, missing.to_string(), missing.fix()))
 }
 
-/// The library for people.
+/// Description of the library for users.
 pub fn described(library: &Dhd) -> String {
     let version = library
         .version()
@@ -87,18 +87,18 @@ pub fn described(library: &Dhd) -> String {
 /// Motion of a simulated hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SimulatedHand {
-    /// No hand; at this rate, Hz.
+    /// No hand; the device runs at this control rate, Hz.
     Nobody(u32),
     /// The hand holds still above the centre.
     Still,
-    /// The hand moves around an object, over and over; at this rate, Hz.
+    /// The hand moves around an object repeatedly, at this control rate, Hz.
     Moves(Object, u32),
     /// The hand goes to the place of an object that is probed, and does the actions of a scorecard.
     InTurn(Object, DeedsInTurn),
 }
 
 impl SimulatedHand {
-    /// The hand itself.
+    /// The simulated hand's mechanical values; `None` without a hand.
     fn hand(self) -> Option<Hand> {
         match self {
             Self::Nobody(_) => None,
@@ -139,7 +139,7 @@ fn delta(hand: SimulatedHand) -> Result<SimulatedDelta> {
 }
 
 impl WhichDevice {
-    /// The kind that is to be used, if one was named.
+    /// The type of device that an option names; `None` if no option names one.
     pub fn model(&self) -> Option<HapticKind> {
         // A survey can only be simulated, and only an Inverse3 has a service.
         let service = self.haply.as_ref().map(|_| HapticKind::Inverse3);
@@ -169,7 +169,7 @@ impl WhichDevice {
         }
     }
 
-    /// All kinds of devices, each with the device that was found, or why none was.
+    /// All types of devices, each with a description of the device found, or the reason why none was found.
     pub fn all(&self) -> Vec<(HapticKind, Result<String>)> {
         let wanted = |model: &&HapticKind| self.model().is_none_or(|only| only == **model);
         let models = [
@@ -200,7 +200,7 @@ impl WhichDevice {
             .collect()
     }
 
-    /// Opens it, with its motors off.
+    /// Opens the chosen device, with its motors off.
     pub fn open(&self, hand: SimulatedHand) -> Result<Box<dyn HapticDevice>> {
         self.check()?;
         match self.model() {
@@ -212,7 +212,7 @@ impl WhichDevice {
         }
     }
 
-    /// The first real one: the omega.3 where its library is, else the Inverse3 where its service is.
+    /// Opens the first real device: the omega.3 if its library is installed, else the Inverse3 if its service runs.
     fn first(&self) -> Result<Box<dyn HapticDevice>> {
         let missing = match self.omega3() {
             Ok((omega, _)) => return Ok(Box::new(omega)),
@@ -241,7 +241,7 @@ impl WhichDevice {
         Inverse3::connect(service).map_err(|fault| fault.at("Inverse3"))
     }
 
-    /// The omega.3, with its motors off.
+    /// Opens the omega.3, with its motors off.
     pub fn omega3(&self) -> Result<(Omega3, Arc<Dhd>)> {
         let library = Arc::new(library(self.library.as_deref())?);
         let omega = Omega3::open(Arc::clone(&library)).map_err(|fault| fault.at("omega.3"))?;

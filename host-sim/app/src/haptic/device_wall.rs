@@ -1,4 +1,4 @@
-//! Which wall `touchstone device run` plays: tuned for the device, the thesis', or one of a file.
+//! Chooses the wall that `touchstone device run` renders: tuned for the device, with the thesis' settings, or from a file.
 
 use crate::number;
 use clap::ValueEnum;
@@ -57,7 +57,7 @@ pub struct WallOptions {
     pub no_guard: bool,
 }
 
-/// The law of a known word.
+/// The control law with this name, which must exist.
 fn law(word: &str) -> LawKind {
     let same = |kind: &&LawKind| kind.word() == word;
     LawKind::ALL.iter().find(same).copied().unwrap_or_default()
@@ -67,14 +67,14 @@ fn law(word: &str) -> LawKind {
 const THESIS_N_PER_MM: f64 = 5.0;
 const UNKNOWN_N_PER_MM: f64 = 1.0;
 
-/// The chosen wall: rate, longest force, settings, and what to say before it begins.
+/// The chosen wall: control rate, largest force, settings, and notes to print before the run.
 pub struct ChosenWall {
     pub rate_hz: u32,
     pub force_n: f64,
     pub settings: WallSettings,
-    /// Where law and stiffness come from, in words.
+    /// Source of control law and stiffness, in words.
     pub source: String,
-    /// Limits that the wall is known not to keep, and why.
+    /// Limits that the wall is known to exceed, and why; `None` if there are none.
     pub caution: Option<String>,
 }
 
@@ -86,7 +86,8 @@ struct ChosenLaw {
     caution: Option<String>,
 }
 
-/// The guard's settings for a device, SI, from its least damping; from the thesis' (§5.2) where it was never measured.
+/// Energy guard's settings for a device, in SI units, from the device's least damping. A device without a measured damping gets
+/// that of the thesis (§5.2).
 pub fn guard(damping_n_s_per_m: f64, delay_s: f64, rate_hz: u32) -> GuardSettings {
     let si = Si::saturating_from_num::<f64>;
     // Rounded down, as the guard's own range is.
@@ -101,10 +102,10 @@ pub fn guard(damping_n_s_per_m: f64, delay_s: f64, rate_hz: u32) -> GuardSetting
 }
 
 impl WallOptions {
-    /// The wall for a device.
+    /// Chooses the wall for a device.
     ///
     /// # Errors
-    /// A rate that it does not have, a file that cannot be taken, a preset that it does not have.
+    /// A control rate or preset that the device does not have; a settings file that cannot be read or used.
     pub fn chosen(&self, sheet: &DataSheet) -> Result<ChosenWall> {
         let rate_hz = self.rate_hz.unwrap_or(sheet.rates_hz.1);
         let (slowest, fastest) = sheet.rates_hz;
@@ -170,7 +171,7 @@ impl WallOptions {
         }
     }
 
-    /// The thesis' settings.
+    /// Law and estimators with the thesis' settings.
     fn thesis(&self, sheet: &DataSheet, rate_hz: u32, untuned: bool) -> ChosenLaw {
         let kind = self.law.unwrap_or_default();
         let unknown = sheet.axes.is_none() && self.preset.is_none();

@@ -1,4 +1,4 @@
-//! `touchstone device identify`: mass, damping and friction of each axis, from small motions.
+//! `touchstone device identify`: measures mass, damping and friction of each axis by small motions.
 
 use super::choice::{HapticKind, SimulatedHand, WhichDevice};
 use crate::out::{self, say, tell};
@@ -46,9 +46,9 @@ pub struct Options {
     fast: bool,
 }
 
-/// Further than this from where it was, m, and it is no small motion.
+/// Largest displacement from the start that still counts as a small motion, m.
 const FURTHEST_M: f64 = 0.03;
-/// Beyond the push, for what holds the device in its place, N.
+/// Force allowed in addition to the push, to hold the device in place, N.
 const HOLD_N: f64 = 3.0;
 
 /// Moves the device, identifies it, prints the result.

@@ -1,4 +1,4 @@
-//! `touchstone device list`, `info`, `run`, `identify` and `survey`: haptic devices that have no law of their own.
+//! `touchstone device list`, `info`, `run`, `identify` and `survey`: haptic devices whose control law runs in this program.
 
 mod account;
 mod choice;
@@ -36,7 +36,7 @@ pub enum Action {
     Survey(survey::Options),
 }
 
-/// Runs the job.
+/// Runs the chosen action.
 pub fn main(action: &Action) -> Result<ExitCode> {
     let done = match action {
         Action::Run(options) => return run::main(options),
@@ -48,7 +48,7 @@ pub fn main(action: &Action) -> Result<ExitCode> {
     done.map(|()| ExitCode::SUCCESS)
 }
 
-/// Lists the devices that are there; of the others, why not.
+/// Lists the devices found, and for each other type the reason why none was found.
 fn list(which: &WhichDevice) -> Result<()> {
     let found = which.all();
     let boards = ports();

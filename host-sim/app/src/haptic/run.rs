@@ -93,7 +93,7 @@ pub struct Options {
 }
 
 impl Scenery {
-    /// The object around which a simulated hand moves: a mesh is probed from above, like a floor.
+    /// Object around which a simulated hand moves. For a mesh the hand moves as for a floor: it touches from above.
     fn object(&self) -> Object {
         match self {
             Self::Known(_, object) => *object,

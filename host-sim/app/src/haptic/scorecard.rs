@@ -1,4 +1,4 @@
-//! The scorecard of `touchstone device run`: the figures of the simulator's, of a run on a device.
+//! Scorecard of `touchstone device run`: the measures of a simulated run, computed for a run on a device.
 
 use super::account::Account;
 use crate::report_options::program;
@@ -72,7 +72,7 @@ pub struct ScoreOptions {
 }
 
 impl ScoreOptions {
-    /// Refuses what cannot be.
+    /// Refuses options that contradict each other or the device.
     pub fn check(&self, simulated: bool, seconds: Option<f64>) -> Result<()> {
         let wrong = |option: &str, problem: &str, fix: &str| {
             Err(Error::Option {
@@ -107,12 +107,12 @@ impl ScoreOptions {
     }
 }
 
-/// Share of the longest force with which a hand touches before it presses.
+/// Fraction of the largest force with which a hand touches before it presses.
 const TOUCH_SHARE: f64 = 2.0 / 15.0;
-/// Time at which a programme begins, after the force has faded in, s.
+/// Time at which the hand's programme begins, after the force has faded in, s.
 const BEGIN_S: f64 = 1.2;
 
-/// A stiffness, and how well a depth is known along a direction.
+/// Requested stiffness, and the resolution of the depth along a direction.
 fn stiffness(sheet: &DataSheet, settings: &WallSettings, normal: [f64; 3]) -> DesiredStiffness {
     let across: f64 = normal.iter().map(|n| n.abs()).sum();
     DesiredStiffness {
@@ -122,7 +122,7 @@ fn stiffness(sheet: &DataSheet, settings: &WallSettings, normal: [f64; 3]) -> De
     }
 }
 
-/// The scorecard's programme at an object.
+/// The scorecard's sequence of hand motions at an object.
 pub fn turn(
     sheet: &DataSheet,
     settings: &WallSettings,
@@ -144,7 +144,7 @@ pub fn turn(
     DeedsInTurn::new(approach, grip.hand(), first)
 }
 
-/// The run to be judged.
+/// The finished run that the scorecard judges.
 pub struct PlayedOnDevice<'a> {
     pub sheet: &'a DataSheet,
     pub settings: &'a WallSettings,
@@ -153,7 +153,7 @@ pub struct PlayedOnDevice<'a> {
 }
 
 impl PlayedOnDevice<'_> {
-    /// The scorecard of all ticks.
+    /// Computes the scorecard from all ticks of the run.
     pub fn card(&self, ticks: &[ServoTick], obstacle: &Obstacle<'_>) -> DeviceCard {
         let mut side = Direction::default();
         let touched: Vec<TouchedTick> = ticks
@@ -187,7 +187,7 @@ impl PlayedOnDevice<'_> {
     }
 }
 
-/// Writes page and results.
+/// Writes the report page and the results file.
 pub fn write(
     account: &Account,
     card: &DeviceCard,

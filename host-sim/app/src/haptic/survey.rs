@@ -1,4 +1,4 @@
-//! `touchstone device survey`: a device's mechanics, as its library knows them.
+//! `touchstone device survey`: records a device's mechanics (inertia, Jacobian, ranges) as its library reports them.
 
 use super::choice::{HapticKind, WhichDevice};
 use crate::out::{self, tell};
@@ -26,10 +26,10 @@ pub struct Options {
     seconds: f64,
 }
 
-/// Between two poses: fast enough for a hand, and few enough for a file that people read.
+/// Time between two recorded poses: short enough for a hand's motion, long enough for a file that people can read.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// Surveys. The motors are never switched on.
+/// Runs the survey. The motors are never switched on.
 pub fn main(options: &Options) -> Result<()> {
     let model = options.which.model();
     if let Some(other) = model.filter(|kind| *kind != HapticKind::Omega3) {

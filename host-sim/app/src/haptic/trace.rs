@@ -1,11 +1,12 @@
-//! Every tick of a run on a haptic device, kept in memory that was there before the motors were on, and written after they are off.
+//! Records every tick of a run on a haptic device. Memory is reserved before the motors are on; the file is written after they are
+//! off.
 
 use crate::whole::Named;
 use touchstone_device::servo::ServoTick;
 use touchstone_lab::report::csv::decimal;
 use touchstone_sim::error::Result;
 
-/// Places and forces along the three axes.
+/// Column names: time, positions and forces along the three axes.
 const COLUMNS: [&str; 7] = [
     "time_s",
     "position_x_m",
@@ -22,14 +23,14 @@ pub struct DeviceTrace {
 }
 
 impl DeviceTrace {
-    /// A trace with room for this many ticks; further ticks are not kept.
+    /// Reserves room for `most` ticks; further ticks are not recorded.
     pub fn for_ticks(most: u64) -> Self {
         Self {
             ticks: Vec::with_capacity(usize::try_from(most).unwrap_or(0)),
         }
     }
 
-    /// Keeps a tick. Nothing is allocated.
+    /// Records a tick, without allocating memory.
     pub fn keep(&mut self, tick: &ServoTick) {
         if self.ticks.len() < self.ticks.capacity() {
             self.ticks.push(*tick);
@@ -41,7 +42,7 @@ impl DeviceTrace {
         &self.ticks
     }
 
-    /// Writes the trace. Missed ticks are left out, but time goes on: neighbouring rows are then further apart.
+    /// Writes the trace as CSV. Missed ticks have no row, so the times of neighbouring rows are then further apart.
     pub fn write(&self, place: &Named<'_>, rate_hz: u32) -> Result<()> {
         let wrong = |error: csv::Error| place.error(&error.into());
         let mut file = csv::Writer::from_writer(Vec::new());

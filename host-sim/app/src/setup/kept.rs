@@ -1,4 +1,4 @@
-//! Progress of a setup, in its folder: an interruption loses only the step in which it happens.
+//! Progress of `touchstone setup`, kept in its folder. An interruption loses only the step during which it happens.
 
 use crate::device::eccentricity;
 use serde_json::{Map, Value, json};
@@ -11,10 +11,10 @@ use touchstone_sim::output;
 
 /// Name of the progress file.
 const NAME: &str = "setup.json";
-/// What a setup writes beside it.
+/// Files that a setup writes in addition to its progress file.
 const FILES: [&str; 3] = [super::BEFORE, "knob.toml", "law.toml"];
 
-/// The finished steps.
+/// The finished steps of a setup, with their results.
 pub struct Kept {
     file: PathBuf,
     done: Map<String, Value>,
@@ -50,7 +50,7 @@ pub fn values(motor: &MeasuredMotor) -> [Estimate; 7] {
     ]
 }
 
-/// Refuses a folder that has a file of a setup's names, and is no setup's.
+/// Refuses a folder that contains a file with the name of a setup's file, but no progress file of a setup.
 fn untouched(folder: &Path) -> Result<()> {
     let taken = FILES
         .into_iter()
@@ -66,7 +66,7 @@ fn untouched(folder: &Path) -> Result<()> {
 }
 
 impl Kept {
-    /// Reads the folder's progress; makes the folder if needed.
+    /// Reads the progress from the folder; creates the folder if it does not exist.
     pub fn open(folder: &Path) -> Result<Self> {
         let file = folder.join(NAME);
         std::fs::create_dir_all(folder).map_err(|error| io(folder, &error))?;
@@ -86,23 +86,23 @@ impl Kept {
         Ok(Self { file, done })
     }
 
-    /// The number of the device that it is about.
+    /// Serial number of the device that is set up.
     pub fn device(&self) -> Option<&str> {
         self.done.get("device")?.as_str()
     }
 
-    /// Notes the device that this setup is for.
+    /// Records the device that is set up.
     pub fn begin(&mut self, device: &str) -> Result<()> {
         self.done.insert("device".into(), device.into());
         self.write()
     }
 
-    /// Forgets all but the device.
+    /// Discards all results, but keeps the device.
     pub fn again(&mut self) {
         self.done.retain(|key, _| key == "device");
     }
 
-    /// The measured motor.
+    /// The measured motor; `None` before the measurement.
     pub fn measured(&self) -> Option<MeasuredMotor> {
         let all = self.done.get("measured")?;
         let number = |name: &str, what: &str| all.get(name)?.get(what)?.as_f64();
@@ -127,12 +127,12 @@ impl Kept {
         })
     }
 
-    /// The encoder's eccentricity, if it was found.
+    /// The encoder's measured eccentricity; `None` if it was not measured.
     pub fn encoder(&self) -> Option<Eccentricity> {
         eccentricity::from_json(self.done.get("encoder")?)
     }
 
-    /// The motor is measured, and perhaps its encoder.
+    /// Records the measured motor and, if measured, the eccentricity of its encoder.
     pub fn keep_measured(
         &mut self,
         motor: &MeasuredMotor,
@@ -143,18 +143,18 @@ impl Kept {
         self.write()
     }
 
-    /// The use for which the last wall was tuned.
+    /// Text of the scene for which the last wall was tuned; `None` before tuning.
     pub fn tuned_for(&self) -> Option<&str> {
         self.done.get("tuned_for")?.as_str()
     }
 
-    /// A wall is tuned, for this scene.
+    /// Records that a wall was tuned for this scene.
     pub fn keep_tuned_for(&mut self, scene: &str) -> Result<()> {
         self.done.insert("tuned_for".into(), scene.into());
         self.write()
     }
 
-    /// Writes the progress all at once or not at all: a cut of power leaves the state before.
+    /// Writes the progress file in one step: after a power cut, the file has the earlier state.
     fn write(&self) -> Result<()> {
         let text = format!("{:#}\n", Value::Object(self.done.clone()));
         output::write(&self.file, text).map_err(|error| io(&self.file, &error))
@@ -176,7 +176,7 @@ pub fn as_json(motor: &MeasuredMotor) -> Value {
     all.into()
 }
 
-/// A file of the setup that cannot be had.
+/// Error for a file of the setup that cannot be read or written.
 pub fn io(path: &Path, error: &std::io::Error) -> Error {
     Error::Io {
         path: path.to_owned(),

@@ -1,4 +1,4 @@
-//! A scene of a measured knob: the simulator runs it, `tune` makes its wall.
+//! Writes a scene file for a measured knob, which the simulator runs and `tune` uses to tune the wall.
 
 use std::fmt::Write;
 use touchstone_control::Choice as _;
@@ -10,14 +10,15 @@ use touchstone_protocol::DeviceSettings;
 /// Time from a reading to its command at the motor, PWM periods: half a one in the mean until the current loop takes the command, one until the
 /// compare values act in the middle.
 const DELAY_PERIODS: f64 = 1.5;
-/// Share of the measured damping that the guard may count on: its bound holds only if there is no less.
+/// Fraction of the measured damping that the energy guard may assume. The guard's bound holds only if the real damping is at least
+/// that.
 const GUARD_SHARE: f64 = 0.8;
-/// The guard also counts on no more than the damping less this many standard uncertainties.
+/// The guard's damping is also at most the measured damping less this many standard uncertainties.
 const GUARD_UNCERTAINTIES: f64 = 2.0;
-/// A press takes this share of the motor's torque, at most the thesis' 0.1 N·m.
+/// Fraction of the motor's torque at its largest allowed current with which the simulated hand presses, up to the thesis' 0.1 N·m.
 const PRESS_SHARE: f64 = 0.6;
 
-/// The damping that the guard counts on, N·m·s/rad.
+/// Damping that the energy guard may assume, N·m·s/rad.
 pub fn sure_damping(motor: &MeasuredMotor) -> f64 {
     let it = &motor.mechanics.damping_n_m_s_per_rad;
     (GUARD_SHARE * it.value)
@@ -25,7 +26,7 @@ pub fn sure_damping(motor: &MeasuredMotor) -> f64 {
         .max(0.0)
 }
 
-/// The scene's text.
+/// Text of the scene file.
 pub fn text(
     motor: &MeasuredMotor,
     settings: &DeviceSettings,

@@ -1,4 +1,4 @@
-//! The measured knob for people: as lines, and as a page with the resulting settings.
+//! Prints the measured knob for users: as lines of text, and as a page with the resulting settings.
 
 use super::super::device::cogging::Tried;
 use super::super::device::eccentricity;
@@ -14,7 +14,7 @@ use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::settings::fields::FIELDS;
 use touchstone_sim::error::Result;
 
-/// What each is called, and its unit.
+/// Name and unit of each measured value.
 const NAMES: [(&str, &str); VALUES.len()] = [
     ("resistance of a phase, with the bridge's", "Ω"),
     ("inductance of a phase", "H"),
@@ -36,7 +36,7 @@ fn rows(motor: &MeasuredMotor) -> impl Iterator<Item = [String; 3]> {
     })
 }
 
-/// A line of text for each figure.
+/// One line of text for each measured value.
 pub fn lines(motor: &MeasuredMotor) -> Vec<String> {
     rows(motor)
         .map(|[name, value, uncertainty]| format!("{name:<41} {value} ± {uncertainty}"))
@@ -61,7 +61,7 @@ fn of_encoder(encoder: &Eccentricity, pole_pairs: f64) -> Block {
     }
 }
 
-/// Writes the page into a folder of its own; returns its path.
+/// Writes the page into a folder; returns the page's path.
 pub fn write(
     motor: &MeasuredMotor,
     encoder: Option<&Eccentricity>,

@@ -24,7 +24,7 @@ use touchstone_sim::error::{Error, Result};
 
 /// Time that a measurement takes in addition to the calibration: two currents, four pushes, coasts and brakes.
 const MEASUREMENT_LONGEST: Duration = Duration::from_secs(45);
-/// The device switches off this long after its cable is pulled.
+/// Time after which the device switches its motor off if the host is silent (such as a pulled cable), s.
 const HOST_SILENCE_S: Si = Si::ONE;
 
 /// Result of a measurement.

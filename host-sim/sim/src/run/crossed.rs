@@ -1,4 +1,5 @@
-//! Between a torque and the plant: delay, jitter, the hand's own unsteadiness; and the plant's parts of a scene.
+//! What lies between the motor's torque command and the plant: delay, jitter and the unsteadiness of the hand. Also builds the
+//! plant's device and hand from a scene.
 
 use super::chain::{
     Channel, Crossing, Delayed, Handled, Irregular, Lateness, PARTS, Prompt, Reflex, Stream, Tremor,
@@ -9,7 +10,7 @@ use crate::scene::{self, Scene};
 use touchstone_control::ChangeOfForce;
 use touchstone_world::plant::{self, Kinematics as _, Stepper};
 
-/// Device of a scene, for the plant.
+/// Converts the device of a scene to the device settings of the plant.
 #[must_use]
 pub fn device(scene: &Scene) -> plant::Device {
     plant::Device {
@@ -26,7 +27,7 @@ pub fn device(scene: &Scene) -> plant::Device {
     }
 }
 
-/// Hand of a scene, for the plant.
+/// Converts the hand of a scene to the hand settings of the plant.
 #[must_use]
 pub fn hand(scene: &Scene) -> Option<plant::Hand> {
     scene.operator.hand().map(|hand| plant::Hand {
@@ -38,7 +39,8 @@ pub fn hand(scene: &Scene) -> Option<plant::Hand> {
     })
 }
 
-/// A plant with what lies between it and the torque. Without anything the loop is compiled for the plant.
+/// Puts the effects between torque and plant (delay, jitter) around a plant. Without such effects the loop is compiled for the
+/// plant itself.
 pub(super) fn crossed<S>(
     scene: &Scene,
     plant: impl Fn(f64) -> std::result::Result<S, plant::Invalid>,
@@ -56,7 +58,7 @@ where
     crossed_apart(scene, plant, state)
 }
 
-/// Same as [`crossed`], always behind an indirect call: one loop serves all plants of one kind of state.
+/// Same as [`crossed`], but always behind an indirect call: one compiled loop serves all plants with one type of state.
 pub(super) fn crossed_apart<S>(
     scene: &Scene,
     plant: impl Fn(f64) -> std::result::Result<S, plant::Invalid>,
@@ -114,7 +116,7 @@ where
     Ok(Box::new(Moving { crossing, state }))
 }
 
-/// In how many parts a tick is crossed, at most.
+/// Largest number of parts into which one tick (control period) is split while the plant is computed.
 pub(super) fn parts(scene: &Scene) -> u64 {
     if is_irregular(scene) {
         // Until the command comes, and after it.
@@ -123,7 +125,7 @@ pub(super) fn parts(scene: &Scene) -> u64 {
     1 + u64::from(scene.timing.computational_delay_s > 0.0)
 }
 
-/// Whether ticks or commands come late by chance.
+/// Whether samples or commands come late by a random time (jitter, latency spread).
 fn is_irregular(scene: &Scene) -> bool {
     let timing = &scene.timing;
     [timing.jitter_s, timing.latency_spread_s]
@@ -146,7 +148,7 @@ fn reflex(scene: &Scene) -> Option<&scene::HandReflex> {
     reflex.filter(|reflex| reflex.muscle_stiffness_n_m_per_rad > 0.0)
 }
 
-/// A plant's refusal, at its place in the scene.
+/// Converts an error of the plant's settings to an error that names the field of the scene.
 pub(super) fn refused(scene: &Scene, invalid: &plant::Invalid) -> Error {
     // The plant speaks of positions and forces of any kind, the scene of angles and torques.
     let path = match invalid.field {
@@ -178,7 +180,7 @@ pub(super) fn refused(scene: &Scene, invalid: &plant::Invalid) -> Error {
     scene.error(path, problem, format!("give {}", invalid.needs))
 }
 
-/// The random numbers of a scene for a purpose.
+/// Independent random-number sequence of a scene for one purpose, made from the scene's seed.
 pub(super) fn stream(scene: &Scene, channel: Channel) -> Stream {
     Stream::new(scene.seed.unwrap_or(1), channel)
 }

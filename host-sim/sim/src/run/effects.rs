@@ -1,6 +1,8 @@
-//! Every effect that a scene can name: where it stands in the loop, how large it typically is, and who says so.
+//! Every effect (friction, noise, delay, …) that a scene can name: its place in the control loop, its typical magnitude and the
+//! source of that magnitude.
 //!
-//! The cost ladder, the tests that absence is free, `touchstone plan` and the table of `docs/effects.md` all read this one table.
+//! The cost measurement, the tests that an absent effect costs nothing, `touchstone plan` and the table of `docs/effects.md` all
+//! read the list of this module.
 
 mod all;
 mod place;
@@ -14,28 +16,28 @@ use crate::scene::{
     Imbalance, PeriodicError, Scene, SensorNoise, Transmission,
 };
 
-/// An effect.
+/// One effect of the simulation, such as friction or sensor noise.
 #[derive(Debug, Clone, Copy)]
 pub struct Effect {
     /// The effect's name.
     pub name: &'static str,
     /// Place of the effect in the loop.
     pub place: Place,
-    /// The field or table that names it.
+    /// Field or table of the scene file that adds the effect.
     pub field: &'static str,
-    /// A typical magnitude, with its unit.
+    /// Typical magnitude of the effect, with its unit.
     pub typical: &'static str,
-    /// Source of the statement.
+    /// Source of the typical magnitude: a publication, a data sheet or an estimate.
     pub source: &'static str,
-    /// Whether it is about the hand.
+    /// Whether the effect belongs to the hand.
     pub of_hand: bool,
-    /// Whether a scene names it.
+    /// Whether a given scene has the effect.
     pub is_named: fn(&Scene) -> bool,
-    /// Names it at its typical magnitude.
+    /// Adds the effect to a scene, at its typical magnitude.
     pub add: fn(&mut Scene),
-    /// Removes the effect, and effects that need it.
+    /// Removes the effect from a scene, and the effects that need it.
     pub remove: fn(&mut Scene),
-    /// Sets its amplitude to zero, if it has one; the effect then changes nothing.
+    /// Sets the amplitude of the effect to zero, so that it changes nothing; `None` for an effect without an amplitude.
     pub silence: Option<fn(&mut Scene)>,
 }
 
@@ -58,7 +60,7 @@ fn back_emf(scene: &Scene) -> Option<f64> {
     Some(current.back_emf_n_m_s_per_rad)
 }
 
-/// A transmission of which the first mode is at 150 Hz.
+/// A flexible transmission whose first mode is at 150 Hz.
 fn transmission(scene: &Scene) -> Transmission {
     let given = Transmission::default();
     let share = given.knob_share;
@@ -72,7 +74,7 @@ fn transmission(scene: &Scene) -> Transmission {
     }
 }
 
-/// Effects of the world around law and wall, from the sensor to the hand.
+/// Effects of sensor, timing, device and hand: everything outside the control law and the walls.
 const WORLD: &[Effect] = &[
     Effect {
         name: "encoder",

@@ -1,4 +1,4 @@
-//! The values that a run is judged by, gathered tick by tick, and the verdict.
+//! Gathers the values by which a run is judged, tick by tick, and gives the verdict.
 
 use super::measure::{
     ContactRise, DynamicStiffness, PeakPenetration, RateHardness, Release, Response, Ripple,
@@ -10,7 +10,7 @@ use super::tick::{Recorder, Tick};
 use super::verdict::{NotJudged, Verdict};
 use super::wall::InsideGuard;
 
-/// Collects the values of each tick.
+/// Collects the values of each tick (control period) for the verdict and the measures of a run.
 #[derive(Debug, Clone)]
 pub struct Judge {
     terms: Terms,
@@ -21,7 +21,7 @@ pub struct Judge {
     energy_true_min: f64,
     energy_user_min: f64,
     energy_observed_min: f64,
-    /// Sums over the press' second half: force, penetration.
+    /// Sums over the second half of the press: force in N·m, penetration in rad. Their quotient is the displayed stiffness.
     shown: (f64, f64),
     felt: Felt,
     guard: Option<GuardWatch>,
@@ -32,14 +32,14 @@ pub struct Judge {
     finite: bool,
 }
 
-/// Actions of the energy guard in a run.
+/// How often and how far the energy guard intervened in a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GuardWatch {
-    /// Lowest account, J.
+    /// Lowest value of the guard's energy account, J.
     pub account_min_j: f64,
-    /// Ticks in which it gave less than the law wanted.
+    /// Number of ticks in which the guard passed less force than the control law requested.
     pub limited_ticks: u64,
-    /// The tick from which it gave nothing, after overspeed.
+    /// Tick from which the guard held the force at zero after a shut-down (such as overspeed); `None` if it did not shut down.
     pub tripped_tick: Option<u64>,
 }
 
@@ -58,7 +58,7 @@ impl GuardWatch {
     }
 }
 
-/// Measures of what a hand feels.
+/// Measures of the wall's haptic quality, such as stiffness, hardness and ripple.
 #[derive(Debug, Clone)]
 struct Felt {
     peak: PeakPenetration,
@@ -68,7 +68,7 @@ struct Felt {
     release: Option<Release>,
     hardness: RateHardness,
     rise: ContactRise,
-    /// Kinetic energy of the device at the start, J.
+    /// Kinetic energy of the device in the first tick, J.
     kinetic_start_j: Option<f64>,
     /// Energy stored in springs, gravity and magnets of the device since the start, J.
     stored_j: f64,
@@ -96,7 +96,8 @@ impl Felt {
         }
     }
 
-    /// Takes a tick, with the energies of the wall's port and of the device's losses at its end, J.
+    /// Adds one tick to the measures. `wall_j` and `loss_j` are the energies absorbed by the wall's port and lost in the device up
+    /// to the end of the tick, J.
     fn record(&mut self, tick: &Tick, terms: &Terms, wall_j: f64, loss_j: f64) {
         let e = tick.angle_rad - terms.surface_rad;
         let force = tick.motor_force_n_m;
@@ -128,61 +129,61 @@ impl Felt {
     }
 }
 
-/// The judgement of a whole run.
+/// Verdict and measures of a whole run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Judgement {
     /// How the run ended.
     pub verdict: Verdict,
-    /// Why it is not judged.
+    /// Why the run could not be judged; `None` if it was judged.
     pub not_judged: Option<NotJudged>,
-    /// Displayed stiffness, N·m/rad.
+    /// Displayed stiffness: mean force over mean penetration at the end of the press, N·m/rad.
     pub k_displayed: Option<f64>,
-    /// Rate hardness, N·m/rad.
+    /// Rate-hardness of the first contact: slope of the force after contact over the speed of the touch, N·m/rad.
     pub rate_hardness: Option<f64>,
-    /// Extended rate hardness, N·m/rad.
+    /// Extended rate-hardness of the first contact: largest rise of the force within 1 ms over the largest speed, N·m/rad.
     pub extended_rate_hardness: Option<f64>,
-    /// Touch torque, N·m.
+    /// Largest motor torque in the first 5 ms of the first contact, N·m.
     pub touch_torque_n_m: Option<f64>,
-    /// Deepest penetration over `F/k_de`.
+    /// Deepest penetration over that of an ideal spring, `F/k_de`; 1 is ideal.
     pub peak_penetration_ratio: Option<f64>,
-    /// `F/x` of a moving hand.
+    /// Ratio of force to penetration, `F/x`, while the hand moves rhythmically inside the wall.
     pub dynamic_stiffness: Option<DynamicStiffness>,
-    /// RMS ripple of the force, N·m.
+    /// Ripple of the motor's torque from tick to tick, rms, N·m.
     pub ripple_rms_n_m: Option<f64>,
-    /// Ripple above 50 hz rms, N·m.
+    /// Ripple of the motor's torque above 50 Hz, rms, N·m.
     pub ripple_above_50_hz_rms_n_m: Option<f64>,
-    /// Release speed, rad/s.
+    /// Largest outward speed after the hand begins to let go, rad/s.
     pub release_speed_rad_per_s: Option<f64>,
-    /// Release excursion, rad.
+    /// Largest distance of the device outside the wall's surface after the hand begins to let go, rad.
     pub release_excursion_rad: Option<f64>,
-    /// Limit cycle, peak to peak, rad.
+    /// Largest peak-to-peak motion of the device at the end of a hold, rad.
     pub limit_cycle_peak_to_peak: Option<f64>,
-    /// Lowest energy at the port, from true positions, J.
+    /// Lowest energy of the wall's port, computed from true positions, J; negative where the wall gave energy away.
     pub energy_true_min: f64,
-    /// Lowest energy at the port of the user, J.
+    /// Lowest energy of the user's port, J: that of the wall's port plus what the device dissipated.
     pub energy_user_min: f64,
-    /// J, beyond the rounding of the sums; 0 or more.
+    /// Most energy that the user's port gave beyond what it had taken, J; 0 within the rounding of the sums.
     pub energy_out: f64,
-    /// Lowest energy that the law observed, J.
+    /// Lowest energy that the law's own observer reported, J; `None` for a law without an observer.
     pub energy_observed_min: Option<f64>,
-    /// Most that the hand's port gave in any window of time, J.
+    /// Most energy that the hand got out of the device in any window of time, J.
     pub energy_out_worst_window_j: f64,
-    /// Most that the wall's port gave in any window of time, J.
+    /// Most energy that the wall gave out in any window of time, J.
     pub energy_out_wall_worst_window_j: f64,
-    /// Actions of the guard, if there is one.
+    /// Interventions of the energy guard; `None` for a scene without a guard.
     pub guard: Option<GuardWatch>,
-    /// Ticks until the press had settled.
+    /// Time until the press had settled, in ticks.
     pub settled: Option<Settled>,
     /// Largest penetration, rad.
     pub penetration_max: f64,
     /// Largest force, N·m.
     pub force_max: f64,
-    /// Ticks with a force.
+    /// Number of ticks with a force from the wall.
     pub contact_ticks: u64,
 }
 
 impl Judge {
-    /// Starts the judgement.
+    /// Starts to judge a run by the criteria of `terms`.
     #[must_use]
     pub fn new(terms: Terms) -> Self {
         Self {
@@ -205,7 +206,7 @@ impl Judge {
         }
     }
 
-    /// True energy of the wall's port so far, J.
+    /// Energy that the wall's port absorbed so far, J, from true positions.
     #[must_use]
     pub fn energy_true_j(&self) -> f64 {
         self.energy_true
@@ -227,7 +228,7 @@ impl Judge {
         }
     }
 
-    /// The result of the judgement.
+    /// Returns verdict and measures of all ticks so far.
     #[must_use]
     pub fn finish(&self) -> Judgement {
         let held = !self.terms.holds.is_empty();

@@ -1,4 +1,4 @@
-//! A run without an end, whose hand is moved from outside: one rest point a tick.
+//! A run without an end, whose hand is moved from outside the simulation: the caller gives one rest point of the hand per tick.
 
 use super::chain::Control;
 use super::mechanics::{Mechanics, Standing};
@@ -8,8 +8,8 @@ use crate::error::Result;
 use crate::scene::{MotionSpec, Recorded, RestPath, Scene};
 use std::path::Path;
 
-/// The loop of a scene, tick by tick. It is the loop of [`super::simulate`], so that the rest points which it was fed, replayed as
-/// an exact recording, give the same forces bit for bit.
+/// Runs the loop of a scene tick by tick. The loop is that of [`super::simulate`]: the rest points given here, replayed as an exact
+/// recording, give the same forces bit for bit.
 pub struct Live {
     scene: Scene,
     control: Box<dyn Control>,
@@ -20,35 +20,36 @@ pub struct Live {
     stored_j: f64,
 }
 
-/// Energies so far, J. All except kinetic energy are sums over ticks.
+/// Energies of a run up to now, J. All except `motion_j` are sums over the ticks.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Energies {
-    /// Absorbed by the wall's port, true under the zero-order hold.
+    /// Energy that the wall's port absorbed, J, exact for a force held over each tick.
     pub wall_j: f64,
-    /// Dissipated in the device.
+    /// Energy dissipated in the device, J.
     pub device_loss_j: f64,
-    /// Energy of the device's motion, and of springs, gravity and magnets in it.
+    /// Kinetic energy of the device, and the energy stored in its springs, gravity and magnets, J.
     pub motion_j: f64,
 }
 
 impl Energies {
-    /// Energy that the hand put into the device: wall, losses and motion; negative where it got more out.
+    /// Energy that the hand put into the device, J: wall, losses and motion. Negative where the hand got more energy out than it
+    /// put in.
     #[must_use]
     pub fn hand_j(&self) -> f64 {
         self.wall_j + self.device_loss_j + self.motion_j
     }
 }
 
-/// A tick, and the energies up to its sample; what moves in the tick itself comes after it.
+/// One tick, and the energies up to the sample with which the tick starts.
 #[derive(Debug, Clone, Copy)]
 pub struct Moment {
-    /// The tick.
+    /// The tick that was run.
     pub tick: Tick,
-    /// The energies before it.
+    /// Energies at the start of the tick.
     pub energies: Energies,
 }
 
-/// Takes the one tick.
+/// Recorder that keeps only the last tick.
 struct Last(Option<Tick>);
 
 impl Recorder for Last {
@@ -58,10 +59,10 @@ impl Recorder for Last {
 }
 
 impl Live {
-    /// A scene's loop at its start. Its motion and its duration are of no account.
+    /// Starts the loop of a scene. The hand's motion and the duration in the scene have no influence.
     ///
     /// # Errors
-    /// Settings that the law or its number format cannot take; a plant that cannot be built.
+    /// Settings that the control law or its number format cannot represent; a plant that cannot be built.
     pub fn new(scene: &Scene) -> Result<Self> {
         // The hand waits where it would without a motion, so a recording is not looked for.
         let mut still = scene.clone();
@@ -82,8 +83,8 @@ impl Live {
         })
     }
 
-    /// Another scene's loop from where device and hand of this one are: a law without a memory, no command on its way, accounts
-    /// and time from 0.
+    /// Starts the loop of another scene from the present position and velocity of device and hand. The law starts without memory,
+    /// no command is on its way, and energies and time start from 0.
     ///
     /// # Errors
     /// Same as [`Live::new`].
@@ -93,25 +94,25 @@ impl Live {
         Self::from(still, self.mechanics.standing())
     }
 
-    /// The scene that is running, without a motion.
+    /// The running scene, without the motion of its hand.
     #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// Angle of the device now, rad.
+    /// Present angle of the device, rad.
     #[must_use]
     pub fn angle_rad(&self) -> f64 {
         self.mechanics.angle_rad()
     }
 
-    /// Ticks done.
+    /// Number of ticks run so far.
     #[must_use]
     pub fn ticks(&self) -> u64 {
         self.next
     }
 
-    /// Runs one tick with the hand's rest point here, rad.
+    /// Runs one tick with the hand's rest point at `rest_rad`.
     pub fn tick(&mut self, rest_rad: f64) -> Moment {
         let mut last = Last(None);
         self.mechanics.advance(
@@ -135,9 +136,9 @@ impl Live {
         Moment { tick, energies }
     }
 
-    /// The scene that repeats these ticks from a file of their rest points (columns `time_s` and `rest_rad`, and `force_n_m` as in
-    /// all files of this program). A loop that was [changed](Live::changed) started from a hand and a device
-    /// apart, which no scene can say: start anew before a recording.
+    /// Scene that repeats this loop's ticks from a file of the rest points (columns `time_s`, `rest_rad` and `force_n_m`). A
+    /// [changed](Live::changed) loop cannot be replayed exactly: it may start with the hand apart from the device, which a scene
+    /// cannot express. Start a new loop before a recording.
     #[must_use]
     pub fn replay(&self, file: &Path) -> Scene {
         let mut scene = self.scene.clone();

@@ -1,4 +1,4 @@
-//! Device and hand at one instant, and the loop that carries them on.
+//! Position and velocity of device and hand, and the loop that advances them in time.
 
 use super::chain::{Control, Crossing};
 use super::tick::Recorder;
@@ -7,9 +7,9 @@ use crate::scene::RestPath;
 use std::ops::Range;
 use touchstone_world::plant::Kinematics as _;
 
-/// The mechanical half of a run, whatever plant it is.
+/// The mechanical half of a run (device and hand), independent of the type of plant.
 pub trait Mechanics {
-    /// Runs the loop over these ticks, and passes each to the recorder, if there is one.
+    /// Runs the loop over the given ticks, and passes each tick to the recorder, if there is one.
     fn advance(
         &mut self,
         control: &mut dyn Control,
@@ -22,11 +22,11 @@ pub trait Mechanics {
     /// True angle of the device, rad.
     fn angle_rad(&self) -> f64;
 
-    /// Where device and hand are, and how fast they move.
+    /// Position and velocity of device and hand.
     fn standing(&self) -> Standing;
 }
 
-/// Device and hand at one instant; without a hand, its values are the device's own.
+/// Position and velocity of device and hand at one instant. Without a hand, the hand's values are those of the device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Standing {
     /// Angle of the device, rad.
@@ -40,7 +40,7 @@ pub struct Standing {
 }
 
 impl Standing {
-    /// Device and hand as one, at this angle and velocity.
+    /// Device and hand at the same angle and velocity.
     #[must_use]
     pub fn together(angle_rad: f64, velocity_rad_per_s: f64) -> Self {
         Self {
@@ -52,11 +52,12 @@ impl Standing {
     }
 }
 
-/// A plant behind its crossing, with its state. The loop is compiled once for each.
+/// A plant with its state, behind its crossing (delay and jitter of the torque command). The loop is compiled once for each type of
+/// crossing.
 pub struct Moving<C: Crossing> {
-    /// What lies between torque and plant, and the plant.
+    /// The plant, and what lies between the torque command and it.
     pub crossing: C,
-    /// Place of the effect in the loop.
+    /// Present state of the plant.
     pub state: C::State,
 }
 

@@ -39,7 +39,8 @@ use work::Work;
 
 pub use tick::{Recorder, Tick};
 
-/// The loop itself: these ticks from where the plant stands; gives where it ends. Time is an integer; nothing drifts.
+/// The control loop: runs the given ticks from the plant's present state and returns the state at their end. Time is an integer
+/// number of ticks, so it does not drift.
 // Inlined, the state stays in registers; behind a call it would be written back in every tick.
 #[inline(always)]
 pub fn cycle<C: Crossing>(
@@ -61,7 +62,7 @@ pub fn cycle<C: Crossing>(
     state
 }
 
-/// Same loop, bit for bit, for runs with a recorder.
+/// Same loop as the one without a recorder, bit for bit, for runs with a recorder.
 pub fn cycle_recorded<C: Crossing>(
     crossing: &mut C,
     mut state: C::State,
@@ -101,11 +102,11 @@ pub fn cycle_recorded<C: Crossing>(
     state
 }
 
-/// Runs a scene.
+/// Runs a scene and returns its measures, with a trace of all ticks if `with_trace`.
 ///
 /// # Errors
-/// Settings that the law or its number format cannot take, at their place in the scene; a plant or recording that the scene
-/// describes but that cannot be.
+/// Settings that the law or its number format cannot represent, named by their field of the scene; a plant or recording that cannot
+/// be built or read.
 pub fn run(scene: &Scene, with_trace: bool) -> Result<Run> {
     let judge = Judge::new(Terms::of(scene));
     let (judge, trace) = if with_trace {
@@ -116,10 +117,10 @@ pub fn run(scene: &Scene, with_trace: bool) -> Result<Run> {
     Ok(run_of(scene, &judge, trace))
 }
 
-/// The same run, and how many of its ticks are done is told every few thousand of them: for one that takes long.
+/// Same as [`run()`], for runs that take long: calls `done` with the number of finished ticks every few thousand ticks.
 ///
 /// # Errors
-/// As [`run()`].
+/// Same as [`run()`].
 pub fn run_told(scene: &Scene, with_trace: bool, done: &mut dyn FnMut(u64)) -> Result<Run> {
     let judge = Judge::new(Terms::of(scene));
     let (judge, trace) = if with_trace {
@@ -147,7 +148,7 @@ pub fn watch<R: Recorder>(scene: &Scene, mut recorder: R) -> Result<R> {
     Ok(recorder)
 }
 
-/// Runs a scene, with a recorder or without: then nothing is computed that only a record needs.
+/// Runs a scene, with or without a recorder. Without one, values that only a record needs are not computed.
 ///
 /// # Errors
 /// Same as [`run()`].
@@ -164,10 +165,10 @@ pub fn simulate(scene: &Scene, recorder: Option<&mut dyn Recorder>) -> Result<()
     Ok(())
 }
 
-/// The passivity bounds that the scene's settings violate, each as a one-line message at its place.
+/// The passivity bounds that the scene's settings violate, each with a one-line message that names the field.
 ///
 /// # Errors
-/// Settings that cannot be represented, at their place in the scene.
+/// Settings that the control crate cannot represent, named by their field of the scene.
 pub fn warnings(scene: &Scene) -> Result<Vec<(Warning, Error)>> {
     let settings: Settings = scene.settings()?;
     Ok(settings
@@ -176,8 +177,8 @@ pub fn warnings(scene: &Scene) -> Result<Vec<(Warning, Error)>> {
         .collect())
 }
 
-/// Those of the [`warnings`] that are shown without `--strict-passive`. Left out are bounds that the energy guard
-/// covers, and the credit, which is a documented default; the results name both.
+/// The [`warnings`] that are printed without `--strict-passive`. Bounds that the energy guard covers are left out, and so is the
+/// energy credit, which is a documented default. Results files name all of them.
 ///
 /// # Errors
 /// Same as [`warnings`].

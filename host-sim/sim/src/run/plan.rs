@@ -1,6 +1,6 @@
-//! Scene to plan: the law's side with the effects that the scene names, and the mechanics with theirs.
+//! Turns a scene into a runnable plan: the controller side and the mechanics, each with the effects that the scene names.
 //!
-//! An effect that the scene does not name is not a branch that is never taken: it is not there.
+//! An effect that the scene does not name is not built at all, so it costs no branch in the loop.
 
 use super::chain::{
     Channel, Control, Counts, CurrentError, Eccentric, ExactAngle, Limited, Lossy, Noisy, Sampled,
@@ -21,21 +21,21 @@ use touchstone_world::integrator::{
 };
 use touchstone_world::plant::{BareCoulomb, BareLinear, Biased, HeldCoulomb, HeldLinear, State};
 
-/// A scene, ready to run.
+/// A scene that is ready to run.
 pub struct Plan {
     /// The controller side: from the true angle to the motor's torque.
     pub control: Box<dyn Control>,
-    /// Device and hand, at their start.
+    /// Device and hand in their initial state.
     pub mechanics: Box<dyn Mechanics>,
     /// The hand's rest point over time.
     pub motion: RestPath,
 }
 
 impl Plan {
-    /// Plans a scene.
+    /// Builds the plan of a scene.
     ///
     /// # Errors
-    /// Settings that the law or its number format cannot take; a recording that cannot be read; a plant that cannot be built.
+    /// Settings that the law or its number format cannot represent; a recording that cannot be read; a plant that cannot be built.
     pub fn of(scene: &Scene) -> Result<Self> {
         let control = control(scene)?;
         let motion = RestPath::from_scene(scene)?;
@@ -47,10 +47,10 @@ impl Plan {
     }
 }
 
-/// The law's side of a scene: from the true angle to the motor's torque.
+/// Builds the controller side of a scene: everything from the true angle to the motor's torque.
 ///
 /// # Errors
-/// Settings that the law or its number format cannot take, at their place in the scene.
+/// Settings that the law or its number format cannot represent, named by their field of the scene.
 pub fn control(scene: &Scene) -> Result<Box<dyn Control>> {
     let mut control = match scene.law.number {
         Number::Fixed32 => sampled::<Fixed32>(scene),
@@ -101,7 +101,7 @@ pub fn control(scene: &Scene) -> Result<Box<dyn Control>> {
     Ok(control)
 }
 
-/// The law with its sensor.
+/// Builds the control law with its position sensor.
 fn sampled<N: Reported + 'static>(scene: &Scene) -> Result<Box<dyn Control>> {
     if let Some(named) = scene.environment.as_ref()
         && named.is_more_than_the_wall()
@@ -146,7 +146,7 @@ fn count_scale(scene: &Scene) -> Result<CountScale> {
         })
 }
 
-/// Where device and hand of a scene start.
+/// Initial position and velocity of device and hand of a scene.
 #[must_use]
 pub fn start(scene: &Scene, motion: &RestPath) -> Standing {
     Standing::together(
@@ -155,10 +155,10 @@ pub fn start(scene: &Scene, motion: &RestPath) -> Standing {
     )
 }
 
-/// Device and hand of a scene, from where they are.
+/// Builds device and hand of a scene, starting from `from`.
 ///
 /// # Errors
-/// A plant that cannot be built, at its place in the scene.
+/// A plant that cannot be built, named by its field of the scene.
 pub fn mechanics(scene: &Scene, from: Standing) -> Result<Box<dyn Mechanics>> {
     if let Some(train) = Train::of(scene) {
         return train.mechanics(scene, from);
@@ -217,13 +217,13 @@ pub fn mechanics(scene: &Scene, from: Standing) -> Result<Box<dyn Mechanics>> {
     }
 }
 
-/// Asymmetry of the dry friction, N·m, where it has any.
+/// Asymmetry of the dry friction, N·m; `None` if friction is the same in both directions.
 fn asymmetry(scene: &Scene) -> Option<f64> {
     let friction = scene.device.friction.as_ref()?;
     friction.asymmetry_n_m.filter(|bias| *bias != 0.0)
 }
 
-/// A plant that a method steps over, in the place of the exact one.
+/// Builds a plant that a numerical integration method advances instead of the exact step.
 fn stepped<const N: usize>(
     scene: &Scene,
     plant: &scene::Plant,

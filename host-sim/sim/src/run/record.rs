@@ -7,21 +7,21 @@ use crate::scene::Scene;
 use serde::Serialize;
 use touchstone_control::{Choice as _, LawKind};
 
-/// One run in numbers, all SI. `None` stands for "does not apply", e.g. no hold in the scene.
+/// Measures of one run, all in SI units. `None` means that the measure does not apply, for example where the scene has no hold.
 #[derive(Debug, Clone, Serialize)]
 pub struct Summary {
-    /// Scene name.
+    /// Name of the scene.
     pub scene: String,
-    /// Law.
+    /// Control law of the scene.
     #[serde(serialize_with = "crate::scene::word")]
     pub law: LawKind,
-    /// Name in tables and figures in place of the law's own, where a report compares two settings of one law.
-    /// [`Summary::word`] has it in results.
+    /// Name in tables and figures instead of the law's own name, for a report that compares two settings of one law. In results
+    /// files the name comes from [`Summary::word`].
     #[serde(skip)]
     pub shown_as: Option<&'static str>,
     /// Number format of the law: `fixed32`, `fixed16`, `f32` or `f64`.
     pub number: String,
-    /// Desired stiffness `k_de`, N·m/rad.
+    /// Requested stiffness `k_de` of the wall, N·m/rad.
     pub k_desired: f64,
     /// Grip: `none`, `light`, `medium`, `firm` or `custom`.
     pub grip: String,
@@ -31,7 +31,7 @@ pub struct Summary {
     pub rate_hz: u32,
     /// How the run ended.
     pub verdict: Verdict,
-    /// Why it is not judged; `None` where it is.
+    /// Why the run could not be judged; `None` if it was judged.
     pub not_judged: Option<String>,
     /// Stiffness displayed at the end of the hold, mean force over mean penetration, N·m/rad.
     pub k_displayed: Option<f64>,
@@ -43,7 +43,8 @@ pub struct Summary {
     pub touch_torque_n_m: Option<f64>,
     /// Deepest penetration over `F/k_de`, with `F` the largest static torque that the motion aims at; 1 is ideal.
     pub peak_penetration_ratio: Option<f64>,
-    /// `F/x` for a hand that moves in a rhythm inside the wall; empty where it does not, or leaves the wall.
+    /// Ratio of force to penetration, `F/x`, while the hand moves rhythmically inside the wall. Empty if the hand does not, or
+    /// leaves the wall.
     pub dynamic_stiffness: Vec<DynamicStiffness>,
     /// Ripple of the motor's torque from tick to tick, rms, while the hand moves or presses steadily, N·m.
     pub ripple_rms_n_m: Option<f64>,
@@ -51,7 +52,7 @@ pub struct Summary {
     pub ripple_above_50_hz_rms_n_m: Option<f64>,
     /// Largest outward speed from the moment at which the hand begins to let go, rad/s.
     pub release_speed_rad_per_s: Option<f64>,
-    /// Largest distance outside the surface from then on, rad.
+    /// Largest distance outside the wall's surface from the moment at which the hand begins to let go, rad.
     pub release_excursion_rad: Option<f64>,
     /// Largest peak-to-peak motion of the HIP at the end of the hold, rad.
     pub limit_cycle_peak_to_peak: Option<f64>,
@@ -59,37 +60,41 @@ pub struct Summary {
     pub energy_true_min: f64,
     /// Lowest true energy of the user's port: the wall's plus what the device dissipated, J.
     pub energy_user_min: f64,
-    /// Most that the user's port ever gave beyond what it had taken, J, 0 or more: what [`energy_user_min`](Self::energy_user_min)
-    /// lies below zero by, where that is more than the rounding of its sums.
+    /// Most energy that the user's port gave beyond what it had taken, J; 0 or more. It is
+    /// [`energy_user_min`](Self::energy_user_min) with the sign changed, or 0 within the rounding of the sums.
     pub energy_out: f64,
     /// Lowest energy that the law's own observer reported, J; `None` for laws without one.
     pub energy_observed_min: Option<f64>,
-    /// Most energy that the hand got out of the device in any window of time, J: wall, device's losses and device's motion.
+    /// Most energy that the hand got out of the device in any window of time, J, counting the wall, the device's losses and the
+    /// device's motion.
     pub energy_out_worst_window_j: f64,
     /// Most energy that the wall's port gave in any window of time, J.
     pub energy_out_wall_worst_window_j: f64,
-    /// Lowest account of the energy guard, J (negative after overspeed); `None` without one.
+    /// Lowest value of the guard's energy account, J (negative after overspeed); `None` without a guard.
     pub guard_account_min_j: Option<f64>,
-    /// Ticks in which the guard gave less force than the law wanted; `None` without one.
+    /// Ticks in which the guard passed less force than the control law requested; `None` without a guard.
     pub guard_limited_ticks: Option<u64>,
-    /// When the guard switched the force off, for overspeed or where positions end, s; `None` if it did not, or without one.
+    /// Time at which the guard switched the force off, for overspeed or at the end of the range of positions, s. `None` if it did
+    /// not, or without a guard.
     pub guard_tripped_s: Option<f64>,
-    /// From the first touch until force over penetration stays within 5 % of the desired stiffness, s; `None` if it does not.
+    /// Time from the first touch until force over penetration stays within 5 % of the requested stiffness, s; `None` if it never
+    /// does.
     pub settle_time: Option<f64>,
-    /// Settling time from the end of the press' ramp, s; 0 if it had settled before.
+    /// Time from the end of the press' ramp until the force has settled, s; 0 if it had settled before.
     pub settle_from_ramp_end_s: Option<f64>,
-    /// Deepest true penetration of the wall, rad, 0 if it was never reached; infinite for a run that left all numbers.
+    /// Deepest true penetration of the wall, rad; 0 if the wall was never reached, infinite if the simulation diverged.
     pub penetration_max: f64,
     /// Largest force command, N·m.
     pub force_max: f64,
-    /// Ticks simulated.
+    /// Number of ticks simulated.
     pub ticks: u64,
-    /// Ticks with a force from the wall.
+    /// Number of ticks with a force from the wall.
     pub contact_ticks: u64,
 }
 
 impl Summary {
-    /// The run's name in results and file names: its law's word, or the name that a report gives it, in lower case.
+    /// Name of the run in results and file names: the law's name in commands, or the name that a report gives the run, in lower
+    /// case.
     #[must_use]
     pub fn word(&self) -> String {
         match self.shown_as {
@@ -98,13 +103,13 @@ impl Summary {
         }
     }
 
-    /// The run's verdict by its name.
+    /// Name of the run's verdict.
     #[must_use]
     pub const fn verdict_name(&self) -> &'static str {
         self.verdict.name()
     }
 
-    /// The verdict's name, with why where the run is not judged.
+    /// Name of the verdict, followed by the reason if the run could not be judged.
     #[must_use]
     pub fn verdict_and_why(&self) -> String {
         match &self.not_judged {
@@ -113,7 +118,7 @@ impl Summary {
         }
     }
 
-    /// The numbers of a judged run.
+    /// Collects the measures of a run from its judge.
     #[must_use]
     pub fn of(scene: &Scene, judge: &Judge) -> Self {
         let judged = judge.finish();
@@ -162,7 +167,7 @@ impl Summary {
     }
 }
 
-/// The columns of a run, one entry a tick. All vectors have the same length.
+/// Columns of the recorded run, one entry per tick. All vectors have the same length.
 #[derive(Debug, Clone, Default)]
 pub struct Trace {
     /// Time of the sample, s.
@@ -177,13 +182,14 @@ pub struct Trace {
     pub hand_rad: Vec<f64>,
     /// The hand's moving rest point, rad.
     pub rest_rad: Vec<f64>,
-    /// Force of the law, pushing out of the wall, N·m, after its limit.
+    /// Force of the control law after its limit, N·m, positive out of the wall.
     pub force_n_m: Vec<f64>,
-    /// Undeformed wall surface `x_s`, rad.
+    /// Position `x_s` of the undeformed wall surface, rad.
     pub surface_rad: Vec<f64>,
-    /// Shifted surface `x_s - O` (the offset deforms the virtual spring further), rad.
+    /// Position `x_s - O` of the shifted surface, rad. The law moves the surface by the offset `O` to deform the virtual spring
+    /// further.
     pub surface_shifted_rad: Vec<f64>,
-    /// Position of the virtual filter mass where the law has one and it is in use, else the HIP, rad.
+    /// Position of the law's virtual filter mass, rad; the device's angle for a law that has none or does not use it in the tick.
     pub mass_rad: Vec<f64>,
     /// Energy that the law's own observer reports, J (NaN: the law has none).
     pub energy_observed_j: Vec<f64>,
@@ -191,12 +197,12 @@ pub struct Trace {
     pub energy_true_j: Vec<f64>,
     /// Energy that the device dissipated so far (viscous and dry friction), J.
     pub energy_device_loss_j: Vec<f64>,
-    /// Energy that the guard's account would still pay the hand, J (NaN: the scene has no guard).
+    /// Energy that the guard may still let the wall give the hand, J (NaN: the scene has no guard).
     pub guard_account_j: Vec<f64>,
 }
 
 impl Trace {
-    /// Every column, in the order of the fields.
+    /// All columns, in the order of the fields.
     #[must_use]
     pub fn columns(&self) -> [&[f64]; 14] {
         // No `..` here: a field that is forgotten does not compile.

@@ -1,22 +1,22 @@
-//! Whether the device rests while the hand does: examined in the last quarter of every hold.
+//! Decides whether the device rests while the hand rests. The last quarter of every hold is examined.
 //!
-//! A press says when it holds. The holds of a recording are found while it is played: spans in which the hand's rest point stays
-//! within the threshold of a limit cycle. Where the hand never rests, its own motion is no fault of the wall.
+//! A press defines its holds. In a recording, a hold is a span in which the hand's rest point moves less than the threshold of a
+//! limit cycle. If the hand never rests, the device's motion is not attributed to the wall.
 
 use super::terms::Terms;
 use super::tick::Tick;
 use super::verdict::NotJudged;
 
-/// Least time for which the device is examined, s: a period of 50 Hz, which most limit cycles are above.
+/// Least time for which the device is examined, s: one period of 50 Hz. Most limit cycles are faster.
 const LEAST_S: f64 = 0.02;
-/// Shortest span that counts as rest of a recorded hand, s; in three quarters of it the earlier motion may die away.
+/// Shortest span that counts as rest of a recorded hand, s. Earlier motion may die away in its first three quarters.
 const LEAST_STILL_S: f64 = 0.8;
-/// A span is taken down in pieces of this length, s.
+/// A span of rest is recorded in pieces of this length, s.
 const PIECE_S: f64 = 0.05;
-/// A device that moves by more than this factor times the hand's motion is moved by the wall.
+/// If the device moves by more than this factor times the hand's motion, the wall is taken to move it.
 const BEYOND_HAND: f64 = 2.0;
 
-/// Range of a series of numbers.
+/// Smallest and largest value of a series of numbers.
 #[derive(Debug, Clone, Copy)]
 struct Span {
     low: f64,
@@ -46,14 +46,14 @@ impl Span {
     }
 }
 
-/// What happened in a stretch of time.
+/// Motion, exits from the wall and torque limits in a stretch of time.
 #[derive(Debug, Clone, Copy)]
 struct Seen {
     motion: Span,
     hand: Span,
     exits: u32,
     at_limit: bool,
-    /// Whether the wall was touched at all; a device that coasts outside is not judged by its motion.
+    /// Whether the device touched the wall. A device that coasts outside the wall is not judged by its motion.
     touched: bool,
     ticks: u64,
 }
@@ -89,7 +89,7 @@ impl Seen {
     }
 }
 
-/// The last quarter of a hold that the scene names, or that stands for one.
+/// The last quarter of a hold, in which the device is examined.
 #[derive(Debug, Clone)]
 struct Hold {
     from: u64,
@@ -97,7 +97,7 @@ struct Hold {
     seen: Seen,
 }
 
-/// The span since which a recorded hand rests, in pieces.
+/// The present span in which a recorded hand rests, kept in pieces.
 #[derive(Debug, Clone)]
 struct Still {
     hand: Span,
@@ -121,27 +121,27 @@ impl Still {
     }
 }
 
-/// Collects the values of each tick.
+/// Examines every tick for rest of device and hand.
 #[derive(Debug, Clone)]
 pub(super) struct Rest {
     holds: Vec<Hold>,
     current: usize,
-    /// Ends of the spans that were found in a recording.
+    /// Values at the ends of the spans in which a recorded hand rested.
     found: Vec<Seen>,
     still: Still,
     piece_ticks: u64,
 }
 
-/// Findings on a run's holds.
+/// Whether the device rested in the holds of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rested {
     /// Largest motion of the device in contact, peak to peak, rad.
     pub peak_to_peak: Option<f64>,
-    /// The device moves, and by more than its hand.
+    /// Whether the device keeps moving, by more than its hand.
     pub oscillates: bool,
-    /// The device moves on and leaves the wall, is at its torque limit, or has gone far.
+    /// Whether the device keeps moving and leaves the wall, is at its torque limit or has moved far.
     pub lost: bool,
-    /// Why it cannot be said whether it rests.
+    /// Why the run does not show whether the device rests; `None` if it does.
     pub not_judged: Option<NotJudged>,
 }
 
@@ -171,7 +171,7 @@ impl Rest {
         }
     }
 
-    /// Takes a tick; `left`: the device left the wall in it.
+    /// Examines one tick; `left` says that the device left the wall in it.
     pub fn record(&mut self, tick: &Tick, left: bool, terms: &Terms) {
         let at_limit = tick.force_n_m >= terms.force_limit_n_m;
         if let Some(hold) = self.holds.get_mut(self.current) {
@@ -186,7 +186,7 @@ impl Rest {
         }
     }
 
-    /// Looks for the spans in which a recorded hand rests.
+    /// Extends or ends the present span in which a recorded hand rests.
     fn follow(&mut self, tick: &Tick, left: bool, at_limit: bool, terms: &Terms) {
         let mut hand = self.still.hand;
         hand.add(tick.rest_rad);

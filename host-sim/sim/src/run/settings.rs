@@ -1,10 +1,10 @@
-//! The control crate's errors and warnings on a scene's settings, at their places in the scene.
+//! Converts the control crate's errors and warnings about settings to errors that name the field of the scene.
 
 use crate::error::Error;
 use crate::scene::Scene;
 use touchstone_control::{SettingsError, Si, Warning};
 
-/// The error of the control crate, at its place in the scene.
+/// Converts an error of the control crate to an error that names the field of the scene.
 pub fn refused(scene: &Scene, error: &SettingsError) -> Error {
     match error {
         SettingsError::OutOfRange {
@@ -55,13 +55,13 @@ pub fn refused(scene: &Scene, error: &SettingsError) -> Error {
     }
 }
 
-/// A value as a person would write it: the control crate's exact format has more digits than the scene did.
+/// Rounds a value for messages: the control crate's exact format has more digits than the scene file.
 fn short(value: Si) -> f64 {
     let value = value.to_num::<f64>();
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-/// A warning at its place in the scene: bound, value, what is lost.
+/// Message of a warning, with the field of the scene, the bound, the value and the consequence.
 pub fn warned(scene: &Scene, warning: &Warning) -> Error {
     let (problem, fix) = match *warning {
         Warning::SoftAboveCritical { k_soft, k_critical } => (

@@ -1,4 +1,4 @@
-//! Several walls and detents in the loop: the environment of a scene, in whatever number format.
+//! Several walls and detents in the loop: the environment of a scene, in any number format.
 
 use super::chain::{Control, Counts, ExactPlace, Sampled};
 use super::settings;
@@ -11,24 +11,24 @@ use touchstone_control::environment::{
 };
 use touchstone_control::{CountScale, Field, Force, Position, Reported, Si};
 
-/// An environment with its encoder's scale. It gets places instead of penetrations, since each of its walls has its
-/// own surface.
+/// An environment with the scale of its encoder. It receives positions instead of penetrations, since each of its walls has its own
+/// surface.
 #[derive(Debug, Clone, Copy)]
 struct Surroundings<N: Reported> {
     environment: Environment<N>,
     scale: CountScale,
-    /// Where the torque changed since the last tick, if that is measured.
+    /// Position at which the torque changed since the last tick; `None` if it is not measured.
     changed: Option<Changed>,
 }
 
-/// Where the torque changed.
+/// Position at which the torque changed.
 #[derive(Debug, Clone, Copy)]
 enum Changed {
     At(i64),
     AtPlace(f64),
 }
 
-/// A place that no encoder counts.
+/// A position in rad, for scenes without an encoder.
 #[derive(Debug, Clone, Copy)]
 struct Placed(f64);
 
@@ -100,7 +100,7 @@ impl<N: Reported> Wall for Surroundings<N> {
     }
 }
 
-/// The law's side of a scene with an environment.
+/// Builds the controller side of a scene with an environment.
 pub(super) fn surrounded<N: Reported + 'static>(
     scene: &Scene,
     named: &crate::scene::Environment,
@@ -158,7 +158,7 @@ pub(super) fn surrounded<N: Reported + 'static>(
     })
 }
 
-/// The faces of all walls, each with the name of the field that sets its stiffness.
+/// The settings of all walls, each with the name of the field that sets its stiffness.
 fn faces(
     scene: &Scene,
     named: &crate::scene::Environment,
@@ -228,7 +228,7 @@ fn si(scene: &Scene, path: &str, value: f64) -> Result<Si> {
         .ok_or_else(|| scene.error(path, "too large", "give a value below 2e9"))
 }
 
-/// An error of the control crate, at its place in the scene.
+/// Converts an error of the control crate to an error that names the field of the scene.
 fn told(scene: &Scene, faces: &[(&'static str, WallSettings)], refused: &Refused) -> Error {
     match refused {
         Refused::Wall(place, error) => {

@@ -1,64 +1,64 @@
-//! The terms of the judgement, taken from the scene once, before the first tick.
+//! The criteria by which a run is judged, computed from the scene before the first tick.
 
 use super::measure::Wiggle;
 use crate::scene::{MotionSpec, Scene};
 
-/// Largest hold motion that is still called a limit cycle, rad: beyond a quarter radian the wall is lost.
+/// Largest motion in a hold that still counts as a limit cycle, rad. Beyond it the device is taken to have lost the wall.
 const UNSTABLE_RAD: f64 = 0.25;
-/// Counts a revolution that the limit cycle's threshold assumes without an encoder.
+/// Encoder counts per turn that set the threshold of a limit cycle for a scene without an encoder.
 const ASSUMED_COUNTS: f64 = 40_000.0;
-/// Least time from the start of a rhythm to where it is measured, s: the press before it has died away.
+/// Least time from the start of a rhythmic motion to its measurement, s, so that the press before it has died away.
 const SETTLING_S: f64 = 0.5;
 
 /// The criteria of a run's judgement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Terms {
-    /// Whether there is the wall of `[wall]`, which the measures of a wall are about.
+    /// Whether the wall of `[wall]` acts. The measures of a wall need it.
     pub has_wall: bool,
-    /// `x_s`, rad.
+    /// Position `x_s` of the wall's surface, rad.
     pub surface_rad: f64,
-    /// `k_de`, N·m/rad.
+    /// Requested stiffness `k_de` of the wall, N·m/rad.
     pub k_desired: f64,
     /// Inertia of the device, kg·m².
     pub inertia_kg_m2: f64,
-    /// Period of the ticks, s.
+    /// Control period, s.
     pub period_s: f64,
     /// Smallest motion that counts as a limit cycle, rad: four encoder counts.
     pub limit_cycle_rad: f64,
-    /// Largest motion inside a hold that still is one and not the loss of the wall, rad.
+    /// Largest motion in a hold that counts as a limit cycle, rad; a larger one counts as unstable.
     pub unstable_rad: f64,
-    /// Whether the hand's motion is a recording, so that its holds have to be found while it is played.
+    /// Whether the hand's motion is a recording, whose holds must be detected while it runs.
     pub recorded: bool,
-    /// Motion that the hand's tremor adds to its rest point, peak to peak, rad.
+    /// Peak-to-peak motion that the hand's tremor adds to its rest point, rad.
     pub tremor_rad: f64,
-    /// Torque limit of device or law, N·m.
+    /// Torque limit of the device or the law, N·m.
     pub force_limit_n_m: f64,
-    /// Quiet holds in ticks, first and past the last; the last one is the press.
+    /// Quiet holds, each from its first tick to the tick after its last. The last hold is the press.
     pub holds: Vec<(u64, u64)>,
-    /// The press, where the motion is one.
+    /// The press of the hand; `None` for a motion without a press.
     pub press: Option<Press>,
-    /// The rhythm in which the hand moves inside the wall, where it lasts long enough to be measured.
+    /// The hand's rhythmic motion inside the wall; `None` if it is too short to be measured.
     pub wiggle: Option<Wiggle>,
-    /// Ticks over which the torque's ripple is measured, from the first to past the last: those of the rhythm if
-    /// there is one, else of the second half of the press, else all.
+    /// First tick, and tick after the last, of the measurement of torque ripple. It covers the rhythmic motion if there is one,
+    /// else the second half of the press, else all ticks.
     pub ripple: (u64, u64),
     /// Ticks of the run.
     pub ticks: u64,
 }
 
-/// A press, in the terms of its rest point.
+/// A press of the hand into the wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Press {
-    /// Largest static torque that the hand aims at, N·m, a rhythm's amplitude included.
+    /// Largest static torque at which the hand aims, N·m, including the amplitude of a rhythmic motion.
     pub push_n_m: f64,
-    /// Tick with which the ramp ends.
+    /// Tick at which the ramp of the press ends.
     pub ramp_end: u64,
-    /// Tick with which the hand begins to let go.
+    /// Tick at which the hand begins to let go.
     pub release: u64,
 }
 
 impl Terms {
-    /// The terms of a scene.
+    /// Computes the criteria for a scene.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let rate = f64::from(scene.timing.rate_hz);

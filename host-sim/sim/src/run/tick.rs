@@ -2,10 +2,11 @@
 
 use super::wall::Inside;
 
-/// One tick as the loop saw it. Angles and velocities are true, and those of the sample unless they say otherwise.
+/// One tick of the loop. Angles and velocities are true values at the sample with which the tick starts, unless a field says
+/// otherwise.
 #[derive(Debug, Clone, Copy)]
 pub struct Tick {
-    /// Index from 0.
+    /// Number of the tick, from 0.
     pub index: u64,
     /// Time of the sample, s.
     pub time_s: f64,
@@ -21,32 +22,33 @@ pub struct Tick {
     pub hand_rad: f64,
     /// The hand's rest point, rad.
     pub rest_rad: f64,
-    /// Penetration that the law got, rad.
+    /// Penetration that the law received from the sensor, rad.
     pub told_rad: f64,
-    /// Force of the law, pushing out, N·m.
+    /// Force of the law, N·m, positive out of the wall.
     pub force_n_m: f64,
-    /// Force of the motor, pushing out, its mean over the tick, N·m: after limits, steps and delay.
+    /// Mean force of the motor over the tick, after limits, steps and delay, N·m, positive out of the wall.
     pub motor_force_n_m: f64,
-    /// Work of the wall's port in this tick, J, positive = absorbed.
+    /// Energy that the wall's port absorbed in this tick, J; negative where it gave energy.
     pub absorbed_j: f64,
-    /// Dissipated in the device in this tick, J.
+    /// Energy dissipated in the device in this tick, J.
     pub device_loss_j: f64,
-    /// Gained by the device in this tick otherwise than by the motion of its whole inertia, J: by springs, gravity, magnets.
+    /// Energy that springs, gravity and magnets of the device gained in this tick, J; the kinetic energy of the whole inertia is
+    /// not included.
     pub stored_j: f64,
-    /// The law's inside after the tick.
+    /// Internal values of the law after the tick.
     pub inside: Inside,
 }
 
 /// A recorder, which gets every tick.
 pub trait Recorder {
-    /// Takes down a tick; they come in order.
+    /// Records one tick. The ticks come in order.
     fn record(&mut self, tick: &Tick);
 }
 
-/// Ticks between two words of how far a run is.
+/// Ticks between two progress messages.
 const TOLD_EVERY: u64 = 1024;
 
-/// A recorder beside which somebody is told how many ticks are done.
+/// A recorder that also reports the number of finished ticks as progress.
 pub(super) struct Told<'a, R> {
     pub inner: R,
     pub done: &'a mut dyn FnMut(u64),

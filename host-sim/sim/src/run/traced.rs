@@ -15,10 +15,10 @@ pub(super) struct Traced {
 }
 
 impl Traced {
-    /// A trace of a scene.
+    /// Prepares a trace of a scene.
     ///
     /// # Errors
-    /// One that memory would not hold.
+    /// A trace that is too long for memory.
     pub fn of(scene: &Scene, judge: Judge) -> Result<Self> {
         Work::of(scene).check_trace(scene)?;
         Ok(Self {

@@ -1,4 +1,4 @@
-//! The drive train of a scene: whether it needs one, in how many substeps, and why.
+//! The drive train of a scene: whether the scene needs one, how many substeps it takes per tick, and why.
 
 use touchstone_world::plant::train::{
     Current, DriveTrain, Friction, Harmonic, Links, LuGre, Shaft, Sliding, TrainState, Transmission,
@@ -9,22 +9,22 @@ use super::mechanics::{Mechanics, Standing};
 use crate::error::Result;
 use crate::scene::{Integrator, Scene};
 
-/// Everything at the shaft and beyond that the plants without a train do not have.
+/// Everything at the motor's shaft and beyond that plants without a drive train do not have.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Train {
-    /// The linear part.
+    /// Linear part of the drive train.
     pub links: Links,
-    /// The part that is not linear.
+    /// Nonlinear part of the drive train, such as friction, cogging and play.
     pub shaft: Shaft,
-    /// Substeps of a period.
+    /// Substeps per control period.
     pub substeps: u32,
-    /// Reasons for this number of substeps, one a line; empty where one is enough.
+    /// Reasons for this number of substeps, one per line; empty where one substep is enough.
     pub reasons: Vec<String>,
-    /// Field of the scene that asks for so many.
+    /// Field of the scene that requires this number of substeps.
     pub cause: Option<&'static str>,
 }
 
-/// How many substeps something asks for.
+/// Number of substeps that one effect requires.
 struct Wish {
     count: f64,
     path: &'static str,
@@ -33,11 +33,11 @@ struct Wish {
 
 /// Fastest motion for which cogging is resolved, rad/s: faster than a hand turns a knob.
 const FAST_RAD_PER_S: f64 = 10.0;
-/// Most substeps that a scene gets unasked.
+/// Most substeps per tick that a scene gets without setting `plant.substeps`.
 const MOST: f64 = 4096.0;
 
 impl Train {
-    /// The train of a scene; `None` where a plant without one is enough.
+    /// The drive train of a scene; `None` where a plant without a drive train is enough.
     #[must_use]
     pub fn of(scene: &Scene) -> Option<Self> {
         let device = &scene.device;
@@ -72,10 +72,10 @@ impl Train {
         })
     }
 
-    /// The train as the mechanics of a run.
+    /// Builds the mechanics of a run from the drive train.
     ///
     /// # Errors
-    /// A plant that cannot be built, at its place in the scene; an integrator that steps over no train.
+    /// A plant that cannot be built, named by its field of the scene; an integration method that cannot advance a drive train.
     pub fn mechanics(&self, scene: &Scene, from: Standing) -> Result<Box<dyn Mechanics>> {
         if let Some(plant) = &scene.plant
             && plant.integrator != Integrator::Exact
@@ -184,7 +184,7 @@ fn friction(scene: &Scene) -> Friction {
     }
 }
 
-/// How many substeps, why, and which field asks for them.
+/// Number of substeps, the reasons for it, and the field of the scene that requires it.
 fn substeps(
     scene: &Scene,
     links: &Links,

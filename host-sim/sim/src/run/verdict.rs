@@ -1,4 +1,4 @@
-//! How a run ended, and the words for it: names in options and results, and their meanings, in one place.
+//! How a run ended: names of the verdicts in options and results, and their meanings.
 
 use serde::Serialize;
 
@@ -6,27 +6,27 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// Came to rest; the user never got more energy out of the device than was put in.
+    /// The device came to rest, and the user never got more energy out of it than was put in.
     Passive,
-    /// Came to rest, but at some time the device had given the user more energy than it had got.
+    /// The device came to rest, but at some time it had given the user more energy than it had received.
     Active,
-    /// Keeps oscillating without growing beyond the wall's neighbourhood.
+    /// The device keeps oscillating near the wall's surface.
     LimitCycle,
-    /// Leaves the wall again and again, hits the torque limit, or grows without bound.
+    /// The device leaves the wall repeatedly, hits the torque limit, or its motion grows without bound.
     Unstable,
-    /// The hand's motion hides whether the wall lets the device rest; [`NotJudged`] has the reason.
+    /// The hand's motion hides whether the wall lets the device rest; [`NotJudged`] gives the reason.
     NotJudged,
-    /// The wall was never touched: nothing was shown, good or bad. Last, so that it does not pass for a wall that holds.
+    /// The device never touched the wall, so the run says nothing about it. Last in the order, so that it never counts as good.
     NoContact,
 }
 
-/// Name of a run in which the wall never pushed: nothing is known of the wall then, least of all that it is passive.
+/// Name of the verdict on a run in which the wall never pushed.
 pub const NO_CONTACT: &str = "no-contact";
 
-/// Name of a run that does not show whether the wall lets the device rest.
+/// Name of the verdict on a run that does not show whether the wall lets the device rest.
 pub const NOT_JUDGED: &str = "not-judged";
 
-/// Every name with its meaning, from good to bad, then those that say nothing of the wall.
+/// Name and meaning of every verdict, from good to bad; last those that say nothing about the wall.
 pub const WORDS: [(&str, &str); 6] = [
     (
         "passive",
@@ -66,13 +66,13 @@ impl Verdict {
         }
     }
 
-    /// Name in options and results.
+    /// Name of the verdict in options and results.
     #[must_use]
     pub const fn name(self) -> &'static str {
         WORDS[self.place()].0
     }
 
-    /// The meaning in words.
+    /// Meaning of the verdict in words.
     #[must_use]
     pub const fn meaning(self) -> &'static str {
         WORDS[self.place()].1
@@ -86,10 +86,10 @@ pub enum NotJudged {
     HandMoves {
         /// Motion of the hand's rest point, peak to peak, rad.
         hand_rad: f64,
-        /// Motion of the device in that time, peak to peak, rad.
+        /// Motion of the device in the same time, peak to peak, rad.
         device_rad: f64,
     },
-    /// The run ends before the hand has held still for long enough.
+    /// The run ended before the hand had held still for long enough.
     TooShort {
         /// Time for which the device was examined, s.
         seen_s: f64,

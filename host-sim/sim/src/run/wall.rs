@@ -1,45 +1,45 @@
-//! The wall that the loop meets once a tick: encoder reading in, force out, whatever law and number format is behind it.
+//! The wall, which the loop calls once a tick: encoder reading in, force out, for every control law and number format.
 
 use touchstone_control::law::View;
 use touchstone_control::{
     Controller, CountScale, Energy, Force, Guarded, Position, Reported, Settings, SettingsError,
 };
 
-/// A law's inner values after a tick, in SI.
+/// Internal values of a control law after a tick, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inside {
-    /// The law's observed energy, J; NaN if it observes none.
+    /// Energy that the law's own observer reports, J; NaN for a law without an observer.
     pub energy_j: f64,
-    /// Offset `O`, rad.
+    /// Offset `O` by which the law has moved the wall's surface, rad.
     pub offset_rad: f64,
-    /// Penetration of the virtual mass, rad, while it is in use.
+    /// Penetration of the law's virtual mass, rad; `None` while the mass is not in use.
     pub mass_rad: Option<f64>,
-    /// The guard after the law; `None` without one.
+    /// Internal values of the energy guard after the law; `None` without a guard.
     pub guard: Option<InsideGuard>,
 }
 
-/// The guard's inner values after a tick.
+/// Internal values of the energy guard after a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InsideGuard {
     /// Energy that the hand may still get out, J.
     pub account_j: f64,
-    /// Whether it gave the law less than it wanted.
+    /// Whether the guard passed less force than the control law requested.
     pub limited: bool,
-    /// Whether it has switched the force off, for overspeed or where positions end.
+    /// Whether the guard has switched the force off, for overspeed or at the end of the range of positions.
     pub tripped: bool,
 }
 
-/// A law at a surface. One call of either `at_…` a tick.
+/// A control law at the surface of a wall. The loop calls one of the two `at_…` methods once a tick.
 pub trait Wall {
     /// Force (pushing out of the wall, N·m) for an encoder count.
     fn at_count(&mut self, count: i64) -> f64;
     /// Force for an exact penetration, rad; for scenes without an encoder.
     fn at_penetration(&mut self, penetration_rad: f64) -> f64;
-    /// What became of the last force, N·m, where an effect changed it.
+    /// Reports the force that was really commanded, N·m, after an effect (such as a limit) changed the last force of the law.
     fn commanded(&mut self, force_n_m: f64);
-    /// The count at which the motor's torque changed since the last tick.
+    /// Reports the encoder count at which the motor's torque changed since the last tick.
     fn changed_at_count(&mut self, count: i64);
-    /// Same as `changed_at`, for scenes without an encoder, rad.
+    /// Same as `changed_at_count`, as a penetration in rad, for scenes without an encoder.
     fn changed_at_penetration(&mut self, penetration_rad: f64);
     /// The law's internal values after the last tick.
     fn inside(&self) -> Inside;
@@ -50,12 +50,12 @@ pub trait Wall {
 pub struct Controlled<N: Reported> {
     controller: Controller<N>,
     scale: CountScale,
-    /// Where the torque changed since the last tick, if that is measured.
+    /// Penetration at which the torque changed since the last tick; `None` if that is not measured.
     at_change: Option<Position<N>>,
 }
 
 impl<N: Reported> Controlled<N> {
-    /// A law with its encoder's scale.
+    /// Builds a law from its settings and the scale of its encoder.
     ///
     /// # Errors
     /// Same as [`Controller::new`].
@@ -69,7 +69,7 @@ impl<N: Reported> Controlled<N> {
 }
 
 impl<N: Reported> Controlled<N> {
-    /// The controller's tick, whatever the sensor: the one place where a law's code stands in the program.
+    /// Runs one tick of the controller at a penetration. Both sensors call this method, so that the law is compiled only once.
     #[inline(never)]
     fn force(&mut self, e: Position<N>) -> Force<N> {
         self.controller.tick_with_change(e, self.at_change)
@@ -107,7 +107,7 @@ impl<N: Reported> Wall for Controlled<N> {
     }
 }
 
-/// A law's and a guard's inside in SI; without a law there is nothing to see of one.
+/// Internal values of a law and a guard in SI units; without a law its energy is NaN, its offset 0.
 pub(super) fn inside<N: Reported>(view: Option<&View<N>>, guard: Option<&Guarded<N>>) -> Inside {
     let energy = view.and_then(|view| view.energy);
     Inside {

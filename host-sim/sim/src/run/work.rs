@@ -1,4 +1,4 @@
-//! What a run will cost, before it runs: ticks, steps of the plant in each, and which setting asks for so many.
+//! Estimates the cost of a run before it starts: ticks, plant steps per tick, and the setting that causes them.
 
 use super::crossed;
 use super::train::Train;
@@ -6,36 +6,36 @@ use crate::error::Result;
 use crate::scene::{Integrator, Scene};
 use touchstone_world::plant::HeldCoulomb;
 
-/// Nominal time of a tick beside its plant, s: sensor, law, record; of a slow machine.
+/// Time on a slow machine for one tick without its plant, s: sensor, law and record.
 const TICK_S: f64 = 0.5e-6;
-/// Of a substep of a train or of an integrator, s: 1/7 of it on a fast machine, and most of it where angles are huge.
+/// Time on a slow machine for one substep of a drive train or an integration method, s. A fast machine needs a seventh.
 const SUBSTEP_S: f64 = 0.35e-6;
-/// Of a power series between two stops of a device with friction in a hand, s.
+/// Time on a slow machine for one power series, s. A device with friction in a hand needs one between two stops.
 const SERIES_S: f64 = 2.0e-6;
-/// A run that may take longer than this is said before it runs, s.
+/// A run that may take longer than this prints a note before it starts, s.
 pub const LONG_S: f64 = 1.0;
-/// One that may take longer is refused, s: a day.
+/// A run that may take longer than this is refused, s: one day.
 pub const MOST_S: f64 = 86_400.0;
-/// Longest trace that is kept, ticks: its fourteen columns take 2.2 GB.
+/// Longest trace that is kept, in ticks. Its fourteen columns take 2.2 GB.
 pub const MOST_OF_TRACE: u64 = 20_000_000;
 
-/// The work of a run.
+/// Estimated cost of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Work {
     /// Ticks of the run.
     pub ticks: u64,
-    /// Steps of the plant in a tick, at most.
+    /// Largest number of plant steps per tick.
     pub steps: u64,
-    /// What it takes on a slow machine, s. A fast one needs a third.
+    /// Estimated time on a slow machine, s. A fast machine needs a third of it.
     pub seconds: f64,
-    /// Field of the scene that asks for so much.
+    /// Field of the scene that causes most of the cost.
     path: &'static str,
-    /// Why it does.
+    /// Why the field causes the cost.
     reason: Option<String>,
 }
 
 impl Work {
-    /// The work of a scene.
+    /// Estimates the cost of running a scene.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let (steps, step_s, cause) = steps(scene);
@@ -55,13 +55,13 @@ impl Work {
         }
     }
 
-    /// Whether it is said before it is done.
+    /// Whether the run may take so long that a note is printed before it starts.
     #[must_use]
     pub fn is_long(&self) -> bool {
         self.seconds > LONG_S
     }
 
-    /// How long it takes, and what asks for it, where it is [long](Self::is_long).
+    /// Note with the estimated time and its cause, for a run that [takes long](Self::is_long); else `None`.
     #[must_use]
     pub fn note(&self) -> Option<String> {
         self.is_long().then(|| {
@@ -78,10 +78,10 @@ impl Work {
         })
     }
 
-    /// Refuses what would take longer than [`MOST_S`].
+    /// Refuses a run that may take longer than [`MOST_S`].
     ///
     /// # Errors
-    /// The field that asks for it, how much it is, and what takes less.
+    /// The field of the scene that causes the cost, the estimated time, and a remedy.
     pub fn check(&self, scene: &Scene) -> Result<()> {
         if self.seconds <= MOST_S {
             return Ok(());
@@ -104,10 +104,10 @@ impl Work {
         Err(scene.error(self.path, problem, fix))
     }
 
-    /// Refuses a trace beyond [`MOST_OF_TRACE`], which memory would not hold.
+    /// Refuses a trace of more than [`MOST_OF_TRACE`] ticks, which memory would not hold.
     ///
     /// # Errors
-    /// How long it is, and how long it may be.
+    /// The length of the trace and the longest that is allowed.
     pub fn check_trace(&self, scene: &Scene) -> Result<()> {
         if self.ticks <= MOST_OF_TRACE {
             return Ok(());
@@ -129,7 +129,7 @@ impl Work {
     }
 }
 
-/// A time in words, to two digits.
+/// Time in words, rounded to two digits.
 fn spoken(seconds: f64) -> String {
     let (number, unit) = match seconds {
         s if s < 100.0 => (s, "s"),
@@ -143,7 +143,7 @@ fn spoken(seconds: f64) -> String {
     }
 }
 
-/// Steps of a tick at most, what one takes, and what asks for more than one.
+/// Largest number of plant steps per tick, the time of one step in s, and the field and reason if there is more than one step.
 fn steps(scene: &Scene) -> (u64, f64, Option<(&'static str, String)>) {
     let parts = crossed::parts(scene);
     if let Some(train) = Train::of(scene) {

@@ -1,4 +1,4 @@
-//! What must hold between the fields of a scene.
+//! Checks that depend on several fields of a scene at once.
 
 use super::experiment::Scene;
 use super::motion::tap;
@@ -7,7 +7,7 @@ use super::problem::Problem;
 use super::schema::MOTION_KIND;
 use super::units::tidy;
 
-/// The first contradiction in a scene whose fields are all in range by themselves.
+/// Finds the first contradiction between fields of a scene, each of which is in its own range.
 pub(crate) fn scene(scene: &Scene) -> Option<Problem> {
     friction(scene)
         .or_else(|| shaft(scene))
@@ -68,7 +68,7 @@ fn profile(scene: &Scene) -> Option<Problem> {
     )
 }
 
-/// A strength above the largest torque of the law.
+/// Reports a strength (of detents or a profile) above the largest torque of the law.
 fn within_limit(scene: &Scene, path: &'static str, strength: f64) -> Option<Problem> {
     let limit = scene.law.force_limit_n_m;
     (strength > limit).then(|| {

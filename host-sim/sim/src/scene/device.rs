@@ -1,4 +1,4 @@
-//! The parts of a scene apart from the law and the hand: device, encoder, timing, wall.
+//! The parts of a scene other than control law and hand: device, encoder, timing, wall.
 
 use serde::{Deserialize, Serialize};
 
@@ -30,16 +30,16 @@ pub struct DeviceSpec {
     /// Cogging of the motor; absent means none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cogging: Option<Cogging>,
-    /// A weight out of the axis. Absent: none.
+    /// Torque of an eccentric weight. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub imbalance: Option<Imbalance>,
     /// Errors of the current sensor. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub current_sensor: Option<CurrentSensor>,
-    /// A torque that lags. Absent: the torque is the command.
+    /// Lag of the motor's torque behind its command. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub current_loop: Option<CurrentLoop>,
-    /// A transmission that gives. Absent: motor and knob are one.
+    /// A flexible transmission between motor and knob. Absent: motor and knob are rigidly connected.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transmission: Option<Transmission>,
 }
@@ -76,14 +76,15 @@ pub struct Friction {
     /// Torque that a resting device bears before it slides, N·m, at least the kinetic one. Absent: equal to it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub static_n_m: Option<f64>,
-    /// By how much friction is greater against positive motion and smaller against negative, N·m, at most the kinetic one. Absent: 0.
+    /// Difference of friction from its kinetic value: added in the positive direction, subtracted in the negative one, N·m, at most
+    /// the kinetic one. Absent: 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub asymmetry_n_m: Option<f64>,
     /// Velocity at which friction has come down from its static to its kinetic value (Stribeck), rad/s, above 0. Absent: it is kinetic as
     /// soon as the device moves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stribeck_rad_per_s: Option<f64>,
-    /// Stiffness of the bristles by which surfaces hold each other (LuGre), N·m/rad, above 0. Absent: they hold rigidly.
+    /// Stiffness of the surfaces' bristles in the LuGre friction model, N·m/rad, above 0. Absent: rigid bristles.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bristle_stiffness_n_m_per_rad: Option<f64>,
     /// Damping of the bristles, N·m·s/rad, 0 or more. Absent: the root of their stiffness times the inertia.
@@ -121,7 +122,7 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// One step, rad.
+    /// Width of one encoder step, rad.
     pub fn step_rad(&self) -> f64 {
         std::f64::consts::TAU / self.counts_per_rev
     }
@@ -163,7 +164,7 @@ pub struct Plant {
         deserialize_with = "super::law::of_word"
     )]
     pub integrator: Integrator,
-    /// Substeps a tick, 1 to 100,000; the exact step has none, but where an effect needs some. Default 16.
+    /// Substeps per control period, 1 to 100,000. The exact step uses them only for effects that need substeps. Default 16.
     pub substeps: u32,
 }
 
@@ -188,13 +189,14 @@ pub struct Timing {
     /// Time from a sample to its command on the motor, s, 0 to 1; it may be a fraction of a period or several.
     /// Default 0.
     pub computational_delay_s: f64,
-    /// Largest lateness of a tick, s, 0 to a period; each is late by a random part of it. Absent: every tick is in time.
+    /// Largest lateness of a sample, s, 0 to one control period; each sample is late by a random time up to it. Absent: none is
+    /// late.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jitter_s: Option<f64>,
-    /// Largest further time from a sample to its command, s, 0 to 1; each takes a random part of it. Absent: every command takes as long.
+    /// Largest additional time from a sample to its command, s, 0 to 1; each command takes a random time up to it. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub latency_spread_s: Option<f64>,
-    /// Share of the ticks that are lost, 0 to 0.9: the motor keeps its torque. Absent: none.
+    /// Fraction of control periods that are lost, 0 to 0.9; the motor then keeps its torque. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost_share: Option<f64>,
 }
@@ -227,13 +229,13 @@ impl Default for Timing {
     }
 }
 
-/// The virtual wall: everything beyond the surface is inside.
+/// The virtual wall: all angles beyond its surface are inside it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Wall {
     /// Undeformed surface `x_s`, rad. Default 0.5.
     pub surface_rad: f64,
-    /// Stiffness to display, `k_de`, N·m/rad, 0 to 500,000. Default 5.
+    /// Requested stiffness `k_de`, N·m/rad, 0 to 500,000. Default 5.
     pub k_desired_n_m_per_rad: f64,
 }
 

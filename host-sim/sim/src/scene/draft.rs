@@ -1,5 +1,4 @@
-//! From text to scene: a flat list of fields that knows where each was written, overrides upon it, and one check of
-//! all.
+//! Reads a scene from text: a list of fields with the line of each, changed by overrides, then checked as a whole.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -18,20 +17,20 @@ use super::unknown::{explain, join, list, nearest};
 use super::value::{choices, leaf_value, shown, wrong_type, wrong_value};
 use crate::error::{Error, Result};
 
-/// The top-level key of a text that names the scene below it. A scene itself has none: it is whole.
+/// Top-level key of a scene file that names the shipped scene on which the file builds. A scene that has been read has no such key.
 const BASE: &str = "base";
 
-/// A scene before its check: fields by their dotted paths.
+/// A scene before its check: values by the dotted paths of their fields.
 #[derive(Debug, Clone)]
 pub(crate) struct Draft {
     pub fields: BTreeMap<String, Value>,
-    /// Tables in the text, empty ones too: `[encoder]` alone adds an encoder.
+    /// Tables in the text, including empty ones: `[encoder]` alone adds an encoder.
     pub tables: BTreeSet<String>,
     pub origin: Origin,
 }
 
 impl Draft {
-    /// Reads TOML text. Only its form is checked here.
+    /// Reads TOML text. Only the syntax is checked here.
     pub fn from_toml(text: &str, file: &Path) -> Result<Self> {
         let table = DeTable::parse(text).map_err(|error| syntax_error(text, file, &error))?;
         let mut draft = Draft {
@@ -65,7 +64,7 @@ impl Draft {
         Ok(draft)
     }
 
-    /// What is not written here is that of the shipped scene that `base` names.
+    /// Fills in fields that the text does not give, from the shipped scene that its key `base` names.
     fn take_base(&mut self) -> Result<()> {
         let Some(base) = self.fields.remove(BASE) else {
             return Ok(());
@@ -105,7 +104,7 @@ impl Draft {
         Ok(())
     }
 
-    /// The fields of a scene, each with the place it came from.
+    /// Lists the fields of a scene, each with the place where it was written.
     pub fn from_scene(scene: &Scene) -> Self {
         let mut draft = Draft {
             fields: BTreeMap::new(),
@@ -118,7 +117,7 @@ impl Draft {
         draft
     }
 
-    /// Gives every field that is another than in `before` its own value as its place: it was written in no file.
+    /// Makes errors quote the new value, not a line, for every field that differs from `before`: no file has that value.
     pub fn changed_since(mut self, before: &Draft) -> Self {
         for (path, value) in &self.fields {
             if before.fields.get(path) != Some(value) {
@@ -160,7 +159,7 @@ impl Draft {
         }
     }
 
-    /// Whether the table was written, by its heading or through a field in it.
+    /// Whether the text has the table, by its heading or by a field in it.
     pub fn has_table(&self, table: &str) -> bool {
         let inside = |path: &String| {
             path.strip_prefix(table)
@@ -169,7 +168,7 @@ impl Draft {
         self.tables.contains(table) || self.fields.keys().any(inside)
     }
 
-    /// Takes the table and all its fields away.
+    /// Removes the table and all its fields.
     pub fn remove_table(&mut self, table: &str) {
         let inside = |path: &String| {
             path == table
@@ -181,7 +180,7 @@ impl Draft {
         self.fields.retain(|path, _| !inside(path));
     }
 
-    /// Gives the hand the values of the present grip, so that one of them can be changed.
+    /// Writes the present grip's values into `[operator.hand]`, so that one of them can be changed.
     pub fn spell_out_hand(&mut self) {
         let grip = self
             .fields
@@ -200,7 +199,7 @@ impl Draft {
         );
     }
 
-    /// The motion's kind as it was written, known or not; a scene without a motion has `none`.
+    /// The kind of motion in the text, valid or not; `none` for a scene without a motion.
     pub fn motion(&self) -> Option<&str> {
         match self.fields.get(MOTION_KIND) {
             Some(Value::String(kind)) => Some(kind),
@@ -209,7 +208,7 @@ impl Draft {
         }
     }
 
-    /// Checks everything and makes the scene. Of several problems the one that stands first is reported.
+    /// Checks all fields and builds the scene. Of several problems, the one earliest in the file is reported.
     pub fn build(mut self) -> Result<Scene> {
         let mut problems = self.problems();
         // Overrides first, then line by line; on one line the outermost.
@@ -244,7 +243,7 @@ impl Draft {
         }
     }
 
-    /// All problems of single fields.
+    /// Lists all problems of single fields.
     fn problems(&self) -> Vec<Problem> {
         // A motion of unknown kind is reported itself; which fields it should have is then unknown too.
         let motion = self
@@ -298,7 +297,7 @@ impl Draft {
         problems
     }
 
-    /// The fields as nested tables.
+    /// Converts the fields to nested TOML tables.
     fn nested(&self) -> toml::Table {
         let mut top = toml::Table::new();
         for table in &self.tables {
@@ -312,7 +311,7 @@ impl Draft {
     }
 }
 
-/// The table at a dotted path, made where it is missing.
+/// The table at a dotted path; creates it if it does not exist.
 fn inner<'a>(top: &'a mut toml::Table, path: &str) -> &'a mut toml::Table {
     path.split('.')
         .filter(|part| !part.is_empty())
@@ -326,7 +325,7 @@ fn inner<'a>(top: &'a mut toml::Table, path: &str) -> &'a mut toml::Table {
         })
 }
 
-/// Line of a byte offset, from 1.
+/// Line number of a byte offset in the text, from 1.
 fn line_of(text: &str, offset: usize) -> usize {
     1 + text.as_bytes()[..offset.min(text.len())]
         .iter()
@@ -334,7 +333,7 @@ fn line_of(text: &str, offset: usize) -> usize {
         .count()
 }
 
-/// An error of the TOML itself.
+/// Converts a TOML syntax error to an error with file and line.
 fn syntax_error(text: &str, file: &Path, error: &toml::de::Error) -> Error {
     let offset = error.span().map_or(0, |span| span.start);
     let line = line_of(text, offset);

@@ -1,27 +1,27 @@
-//! Effects beyond a first model of a device, its sensors and its hand, each absent unless a scene names it.
+//! Effects that refine the basic model of device, sensors and hand. Each is absent unless a scene names it.
 //!
-//! A table alone asks for its effect at a typical magnitude: what a default is taken from stands in
-//! [`crate::run::effects::EFFECTS`].
+//! A table without fields adds its effect at a typical magnitude; [`crate::run::effects::EFFECTS`] gives the source of each
+//! default.
 
 use serde::{Deserialize, Serialize};
 
-/// Errors of the position sensor, beside its counts.
+/// Errors of the position sensor in addition to its steps.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SensorErrors {
     /// White noise. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<SensorNoise>,
-    /// An error that comes back every turn. Absent: none.
+    /// An error that repeats every turn. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub periodic: Option<PeriodicError>,
 }
 
-/// White noise of the position sensor, before its value is counted.
+/// White noise of the position sensor, added before the encoder counts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SensorNoise {
-    /// Root of its mean square, rad, 0 or more. Default 5.2e-4.
+    /// Root mean square of the noise, rad, 0 or more. Default 5.2e-4.
     pub rms_rad: f64,
 }
 
@@ -41,7 +41,7 @@ pub struct PeriodicError {
     pub periods_per_rev: u32,
     /// Phase at angle 0, rad. Default 0.
     pub phase_rad: f64,
-    /// Amplitude of its second part, of twice as many periods, rad, 0 or more. Default 0.
+    /// Amplitude of the second component, which has twice as many periods, rad, 0 or more. Default 0.
     pub second_amplitude_rad: f64,
     /// Phase of the second component at angle 0, rad. Default 0.
     pub second_phase_rad: f64,
@@ -59,7 +59,7 @@ impl Default for PeriodicError {
     }
 }
 
-/// Cogging: magnets that prefer some angles, a torque `-A sin(n x + phase)`.
+/// Cogging torque of the motor's magnets, `-A sin(n x + phase)`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Cogging {
@@ -82,7 +82,7 @@ impl Default for Cogging {
     }
 }
 
-/// A knob whose weight is out of its axis, or one that gravity pulls: a torque `-A sin(x + phase)`.
+/// Torque of gravity on a knob with an eccentric weight, `-A sin(x + phase)`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Imbalance {
@@ -101,13 +101,13 @@ impl Default for Imbalance {
     }
 }
 
-/// Errors of the current sensor, which a current loop hands on to the torque; both times the torque constant.
+/// Errors of the current sensor, which a current loop turns into torque errors. Given as torque: current times torque constant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CurrentSensor {
-    /// Root of the noise's mean square, N·m, 0 or more. Default 8.7e-4.
+    /// Root mean square of the noise, N·m, 0 or more. Default 8.7e-4.
     pub noise_rms_n_m: f64,
-    /// The converter's step, N·m, 0 or more. Default 8.7e-4.
+    /// Step of the current sensor's converter, N·m, 0 or more. Default 8.7e-4.
     pub step_n_m: f64,
 }
 
@@ -120,14 +120,14 @@ impl Default for CurrentSensor {
     }
 }
 
-/// A torque that follows its command with one pole: a current loop, or windings at a voltage.
+/// First-order lag of the torque behind its command: a current loop, or windings driven by a voltage.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CurrentLoop {
-    /// Bandwidth, Hz, above 0; of windings at a voltage `R/(2π L)`. Default 600.
+    /// Bandwidth, Hz, above 0. For windings driven by a voltage it is `R/(2π L)`. Default 600.
     pub bandwidth_hz: f64,
-    /// Damping by the motor's own voltage, N·m·s/rad, 0 or more: of windings at a voltage `k_t²/R`, of three phases
-    /// with `k_t` for an amplitude of 1 A `k_t²/(3/2 R)`; 0 with a current loop. Default 0.
+    /// Damping by the motor's back-EMF, N·m·s/rad, 0 or more. Windings driven by a voltage have `k_t²/R`; three phases, with `k_t`
+    /// for an amplitude of 1 A, have `k_t²/(3/2 R)`. A current loop has 0. Default 0.
     pub back_emf_n_m_s_per_rad: f64,
 }
 
@@ -141,7 +141,7 @@ impl Default for CurrentLoop {
     }
 }
 
-/// A transmission that gives, between the motor, at which the encoder sits, and the knob.
+/// A flexible transmission between the motor, which has the encoder, and the knob.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Transmission {
@@ -149,9 +149,9 @@ pub struct Transmission {
     pub spring_n_m_per_rad: f64,
     /// Damping, N·m·s/rad, 0 or more. Default 1e-3.
     pub damper_n_m_s_per_rad: f64,
-    /// Share of the device's inertia that is the knob's, 0.001 to 0.999. Default 0.3.
+    /// The knob's fraction of the device's inertia, 0.001 to 0.999. Default 0.3.
     pub knob_share: f64,
-    /// Play in all, rad, 0 or more. Default 0.
+    /// Total play, rad, 0 or more. Default 0.
     pub play_rad: f64,
 }
 
@@ -166,11 +166,11 @@ impl Default for Transmission {
     }
 }
 
-/// A hand that trembles: its rest point swings.
+/// Tremor of the hand: its rest point moves as a sine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HandTremor {
-    /// Amplitude of the rest point, rad, 0 or more. Default 0.02.
+    /// Amplitude of the rest point's motion, rad, 0 or more. Default 0.02.
     pub amplitude_rad: f64,
     /// Frequency, Hz, above 0, at most 30. Default 9.
     pub frequency_hz: f64,
@@ -185,13 +185,13 @@ impl Default for HandTremor {
     }
 }
 
-/// Muscles that answer a stretch late.
+/// Reflex of the hand: muscles that answer a stretch after a delay.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HandReflex {
-    /// From stretch to torque, s, 0 to 1; rounded to ticks. Default 0.05.
+    /// Delay from stretch to torque, s, 0 to 1; rounded to control periods. Default 0.05.
     pub delay_s: f64,
-    /// Torque by stretch, N·m/rad, 0 or more. Default 0.0225.
+    /// Torque of the muscles per stretch, N·m/rad, 0 or more. Default 0.0225.
     pub muscle_stiffness_n_m_per_rad: f64,
 }
 

@@ -1,9 +1,9 @@
-//! Things to touch in addition to the wall: further walls, endstops, detents, a profile.
+//! Walls, end stops, detents and torque profiles in addition to the main wall of a scene.
 
 use serde::{Deserialize, Serialize};
 use touchstone_control::environment::{Refused, Shape, Side, WHOLE};
 
-/// The environment on the knob's axis beside `[wall]`; all of it is behind the law's one guard.
+/// The environment on the knob's axis in addition to `[wall]`. One energy guard bounds the sum of all torques.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Environment {
@@ -18,13 +18,13 @@ pub struct Environment {
     /// A fourth wall. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wall4: Option<FurtherWall>,
-    /// Both ends of the travel. Absent: none.
+    /// Walls at both ends of the travel. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub endstops: Option<Endstops>,
-    /// Places that the knob is drawn to. Absent: none.
+    /// Detents: angles to which the knob is pulled. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub detents: Option<DetentRing>,
-    /// A torque drawn over the angle. Absent: none.
+    /// A torque given as a curve over the angle. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile: Option<TorqueProfile>,
 }
@@ -43,7 +43,7 @@ impl Default for Environment {
     }
 }
 
-/// A further wall, with its own law.
+/// A further wall, with a control law of its own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FurtherWall {
@@ -55,7 +55,7 @@ pub struct FurtherWall {
         deserialize_with = "super::law::of_word"
     )]
     pub solid: Side,
-    /// The wall's `k_de`, N·m/rad, 0 to 500,000. Absent: that of `[wall]`.
+    /// Requested stiffness of the wall, N·m/rad, 0 to 500,000. Absent: that of `[wall]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffness_n_m_per_rad: Option<f64>,
 }
@@ -79,7 +79,7 @@ pub struct Endstops {
     pub lower_rad: f64,
     /// The upper end, rad: solid above it. Default 1.
     pub upper_rad: f64,
-    /// Their `k_de`, N·m/rad, 0 to 500,000. Absent: that of `[wall]`.
+    /// Requested stiffness of both end stops, N·m/rad, 0 to 500,000. Absent: that of `[wall]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffness_n_m_per_rad: Option<f64>,
 }
@@ -98,11 +98,11 @@ impl Default for Endstops {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DetentRing {
-    /// How many in one turn, 1 to 6283; 0: `pitch_rad` apart. Default 24.
+    /// Number of detents in one turn, 1 to 6283; 0: detents are `pitch_rad` apart. Default 24.
     pub per_rev: u32,
     /// Distance between two detents where `per_rev` is 0, rad, 0.001 to 6.2831853072. Default 0.2.
     pub pitch_rad: f64,
-    /// The largest torque, a quarter of the way to the next, N·m, from 0 to the law's force limit. Default 0.02.
+    /// Largest torque of a detent, a quarter of the way to the next, N·m, from 0 to the law's force limit. Default 0.02.
     pub strength_n_m: f64,
     /// Position of one of the detents, rad. Default 0.
     pub centre_rad: f64,
@@ -119,7 +119,7 @@ impl Default for DetentRing {
     }
 }
 
-/// A torque drawn over the angle: points at equal distances with straight lines between them.
+/// A torque given as a curve over the angle: points at equal distances, joined by straight lines.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TorqueProfile {
@@ -130,7 +130,7 @@ pub struct TorqueProfile {
     pub start_rad: f64,
     /// Position of the last point where `per_rev` is 0, rad. Default 1.
     pub end_rad: f64,
-    /// The torque of a point of 1, N·m, from 0 to the law's force limit. Default 0.02.
+    /// Torque at a point of value 1, N·m, from 0 to the law's force limit. Default 0.02.
     pub strength_n_m: f64,
     /// The points, 2 to 96, each from -1 to 1 and rounded to 0.0001. A positive one pushes towards larger angles. Default: a magnetic
     /// detent, which draws from an eighth of the distance to the next detent on either side and leaves the rest free.
@@ -150,10 +150,10 @@ impl Default for TorqueProfile {
 }
 
 impl TorqueProfile {
-    /// The points as the control law takes them.
+    /// Converts the points to the control law's format.
     ///
     /// # Errors
-    /// There are fewer than 2 points or more than 96, or one is beyond -1 to 1.
+    /// There are fewer than 2 points or more than 96, or one is outside -1 to 1.
     pub fn points(&self) -> std::result::Result<Shape, Refused> {
         let points: Vec<i16> = (self.shape.iter())
             .map(|point| (point * f64::from(WHOLE)).round() as i16)
@@ -161,7 +161,7 @@ impl TorqueProfile {
         Shape::new(&points)
     }
 
-    /// The points of a control law's shape, for a scene.
+    /// Converts the points of the control law's format to those of a scene.
     #[must_use]
     pub fn of_points(shape: &Shape) -> Vec<f64> {
         (shape.points().iter())
@@ -171,7 +171,7 @@ impl TorqueProfile {
 }
 
 impl Environment {
-    /// Whether there is anything that the wall alone is not.
+    /// Whether the environment differs from `[wall]` alone.
     #[must_use]
     pub fn is_more_than_the_wall(&self) -> bool {
         let detents = self.detents.as_ref();
@@ -188,7 +188,7 @@ impl Environment {
         self.profile.as_ref().filter(|it| it.strength_n_m > 0.0)
     }
 
-    /// The walls that are named, with their tables.
+    /// Further walls of the scene, each with the name of its table.
     pub fn further(&self) -> impl Iterator<Item = (&'static str, &FurtherWall)> {
         [
             ("environment.wall2", &self.wall2),

@@ -1,4 +1,4 @@
-//! The values of a scene.
+//! A scene: all values that describe one simulation.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +10,7 @@ use super::operator::Operator;
 use super::origin::Origin;
 use crate::error::Error;
 
-/// One experiment: a device, a wall, a law and a person.
+/// One experiment: device, wall, control law and hand.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Scene {
@@ -18,7 +18,7 @@ pub struct Scene {
     pub name: String,
     /// Description of the scene in words. Default: empty.
     pub description: String,
-    /// Where everything random begins; 0 to 4,294,967,295. Absent: 1.
+    /// Seed of all random numbers, 0 to 4,294,967,295. Absent: 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u32>,
     /// The device that the hand moves.
@@ -28,10 +28,10 @@ pub struct Scene {
     pub encoder: Option<Encoder>,
     /// Errors of the position sensor. Default: none.
     pub sensor: SensorErrors,
-    /// How the plant crosses a tick. Absent: by the exact step.
+    /// Integration method of device and hand over a control period. Absent: the exact step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plant: Option<Plant>,
-    /// Rate, duration, delay.
+    /// Control rate, duration and delay.
     pub timing: Timing,
     /// The virtual wall.
     pub wall: Wall,
@@ -40,15 +40,15 @@ pub struct Scene {
     pub environment: Option<Environment>,
     /// The law and its parameters.
     pub law: Law,
-    /// The person.
+    /// The person at the knob: grip and intended motion.
     pub operator: Operator,
-    /// Where each value was written. No part of the scene's meaning.
+    /// Place in the file or command line where each value was written, for messages only.
     #[serde(skip)]
     pub origin: Origin,
 }
 
 impl Scene {
-    /// The error for a field of this scene, by its dotted path (`law.k_soft_n_m_per_rad`), with the place where it was
+    /// Error for the field with the dotted path `path` (such as `law.k_soft_n_m_per_rad`). It names the place where the field was
     /// written.
     pub fn error(&self, path: &str, problem: impl Into<String>, fix: impl Into<String>) -> Error {
         self.origin.error(path, problem, fix)

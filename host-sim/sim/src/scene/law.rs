@@ -104,12 +104,12 @@ impl Law {
     }
 }
 
-/// How a parameter stands in a scene's text.
+/// Reads and writes one parameter of the law in a scene's text.
 trait Leaf: Sized {
     type Text: Serialize + DeserializeOwned;
     fn text(&self) -> Self::Text;
     fn of_text(text: Self::Text) -> Option<Self>;
-    /// Whether the scene does not write the setting.
+    /// Whether the parameter is left out when the scene is written.
     fn is_absent(&self) -> bool {
         false
     }
@@ -166,7 +166,7 @@ impl<'de> Deserialize<'de> for Number {
     }
 }
 
-/// A choice from its word, for `#[serde(deserialize_with)]`.
+/// Reads a choice from its name, for `#[serde(deserialize_with)]`.
 pub(crate) fn of_word<'de, T: Choice, D: Deserializer<'de>>(
     from: D,
 ) -> std::result::Result<T, D::Error> {
@@ -174,7 +174,7 @@ pub(crate) fn of_word<'de, T: Choice, D: Deserializer<'de>>(
     T::of_word(&text).ok_or_else(|| D::Error::custom("unknown word"))
 }
 
-/// A choice as its word, for `#[serde(serialize_with)]`.
+/// Writes a choice as its name, for `#[serde(serialize_with)]`.
 pub(crate) fn word<T: Choice, S: Serializer>(
     choice: &T,
     to: S,

@@ -1,4 +1,4 @@
-//! Where scenes come from: shipped ones, files, text, and other scenes that are changed.
+//! Loads scenes: shipped scenes, files, text, and changed copies of other scenes.
 
 use std::path::{Path, PathBuf};
 
@@ -62,16 +62,16 @@ impl Scene {
         Draft::from_toml(text, file)?.build()
     }
 
-    /// Checks a scene that was made or changed in code as one that is read from a file.
+    /// Checks a scene made or changed in code by the same rules as one read from a file.
     ///
     /// # Errors
-    /// Same as [`Scene::parse`]; a field that was never written is reported as [`Error::Option`] under its dotted path.
+    /// Same as [`Scene::parse`]; a field that no file has is reported as [`Error::Option`] under its dotted path.
     pub fn check(&self) -> Result<()> {
         Draft::from_scene(self).build().map(drop)
     }
 
-    /// What contradicts itself in a scene of which every single field is known to be in its range: the part of [`Scene::check`] that
-    /// depends on several fields at once.
+    /// Finds a contradiction between fields of a scene whose single fields are all in range: the part of [`Scene::check`] that
+    /// depends on several fields.
     pub fn contradiction(&self) -> Option<Error> {
         super::check::scene(self).map(|found| self.error(&found.path, found.problem, found.fix))
     }

@@ -14,14 +14,14 @@ pub(crate) enum Place {
     Line(usize),
 }
 
-/// The file that a scene came from and the place of every field in it.
+/// The file from which a scene was read, and the place of every field in it.
 #[derive(Debug, Clone, Default)]
 pub struct Origin {
     file: Option<PathBuf>,
     places: BTreeMap<String, Place>,
 }
 
-/// Origins do not count in a comparison of scenes: any two are equal.
+/// Any two origins are equal, so that a comparison of scenes compares values only.
 impl PartialEq for Origin {
     fn eq(&self, _: &Self) -> bool {
         true
@@ -29,7 +29,7 @@ impl PartialEq for Origin {
 }
 
 impl Origin {
-    /// Origins for this file, none recorded yet.
+    /// Origin of a scene from `file`, with no field recorded yet.
     pub(crate) fn of_file(file: &Path) -> Self {
         Origin {
             file: Some(file.to_owned()),
@@ -42,17 +42,17 @@ impl Origin {
         self.file.as_deref()
     }
 
-    /// Records where `path` was written. A field on the command line is looked up by its own path, not by its table.
+    /// Records where the field `path` was written. A field from the command line is looked up by its own path, not by its table.
     pub(crate) fn put(&mut self, path: &str, place: Place) {
         self.places.insert(path.to_owned(), place);
     }
 
-    /// Whether the field itself was written anywhere.
+    /// Whether the file or an option gives the field itself.
     pub(crate) fn is_written(&self, path: &str) -> bool {
         self.places.contains_key(path)
     }
 
-    /// Place of the field or of the innermost table around it that was written; the first line where nothing was.
+    /// Place of the field, or of the innermost table around it that was written; else the first line of the file.
     pub(crate) fn place(&self, path: &str) -> Place {
         let mut path = path;
         loop {
@@ -66,7 +66,7 @@ impl Origin {
         }
     }
 
-    /// The error for a field, by its dotted path: names file and line, or the option that set the field.
+    /// Error for a field with the dotted path `path`. It names file and line, or the option that set the field.
     pub fn error(&self, path: &str, problem: impl Into<String>, fix: impl Into<String>) -> Error {
         let (problem, fix) = (problem.into(), fix.into());
         match (self.place(path), &self.file) {

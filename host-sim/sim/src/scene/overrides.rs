@@ -1,4 +1,4 @@
-//! `--set key=value`: one field changed from the command line.
+//! Overrides: fields of a scene changed from the command line by `--set key=value`.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use super::schema::{self, Field, Kind, MOTION_KIND};
 use super::unknown::{explain, list, nearest, was_renamed, wrong_unit};
 use crate::error::{Error, Result};
 
-/// Word that takes an optional field or table away: `--set encoder=none`.
+/// Value that removes an optional field or table: `--set encoder=none`.
 const NOTHING: &str = "none";
 
 impl Scene {
@@ -56,10 +56,10 @@ impl Scene {
     }
 }
 
-/// Tables of which a file of settings may have fields.
+/// Tables of a scene whose fields a settings file may contain.
 const SETTINGS: [&str; 3] = ["timing", "wall", "law"];
 
-/// Line of a mistake in a file's form, from 1.
+/// Line of a TOML syntax error, from 1.
 fn line_of(text: &str, error: &toml::de::Error) -> usize {
     let end = error.span().map_or(0, |span| span.start);
     1 + text.get(..end).unwrap_or(text).matches('\n').count()
@@ -109,7 +109,7 @@ impl Scene {
     }
 }
 
-/// Every value of a table with its path.
+/// Lists every value of a table with its dotted path.
 fn flatten<'v>(name: &str, table: &'v toml::Table, leaves: &mut Vec<(String, &'v Value)>) {
     for (key, value) in table {
         let path = match name {
@@ -123,7 +123,7 @@ fn flatten<'v>(name: &str, table: &'v toml::Table, leaves: &mut Vec<(String, &'v
     }
 }
 
-/// Full path of the field or table that the key of a `--set` names, if it names one.
+/// Full path of the field or table that a key of `--set` names; `None` if there is no such field.
 pub fn path_of(key: &str) -> Option<String> {
     candidates(key).ok()
 }
@@ -175,7 +175,7 @@ fn apply(draft: &mut Draft, key: &str, value: &str, option: String) -> Result<()
     Ok(())
 }
 
-/// The full path of a key, or problem and fix.
+/// Full path of a key, or a pair of problem and remedy.
 fn resolve(draft: &Draft, key: &str, value: &str) -> std::result::Result<String, (String, String)> {
     candidates(key).map_err(|several| match several[..] {
         [] => unknown(draft, key, value),
@@ -186,7 +186,7 @@ fn resolve(draft: &Draft, key: &str, value: &str) -> std::result::Result<String,
     })
 }
 
-/// The full path of a key: itself, or the only path that ends so; otherwise all that do.
+/// Full path of a key: the key itself, or the only path that ends with it. Error: all paths that end with it.
 fn candidates(key: &str) -> std::result::Result<String, Vec<&'static str>> {
     if schema::at(key).is_some() || schema::is_table(key) {
         return Ok(key.to_owned());
@@ -211,7 +211,7 @@ fn candidates(key: &str) -> std::result::Result<String, Vec<&'static str>> {
     }
 }
 
-/// Problem and fix for a key that fits no field.
+/// Problem and remedy for a key that names no field.
 fn unknown(draft: &Draft, key: &str, value: &str) -> (String, String) {
     let value = value.parse::<f64>().ok().map(Value::Float);
     if key
@@ -237,7 +237,7 @@ fn unknown(draft: &Draft, key: &str, value: &str) -> (String, String) {
     ("unknown field".into(), fix)
 }
 
-/// The value as TOML; for text and words, as it stands.
+/// Converts the text after `=` to a TOML value. Text fields need no quotes.
 fn parse(field: &Field, text: &str) -> Value {
     let toml = text.parse::<Value>().ok();
     match (field.kind, toml) {

@@ -1,4 +1,4 @@
-//! Sets of the law's parameters that belong together.
+//! Named sets of the law's parameters.
 
 use super::experiment::Scene;
 use super::origin::Place;
@@ -16,7 +16,7 @@ macro_rules! rows {
 }
 
 touchstone_control::choice! {
-    /// A named set of the law's parameters, for those that a scene does not write.
+    /// A named set of the law's parameters. It fills in parameters that a scene does not give.
     Preset {
         /// The law as this project ships it: tuned, on estimated states, behind the energy guard. The fields' defaults.
         #[default]

@@ -1,4 +1,4 @@
-//! A scene as TOML with every value filled in.
+//! Prints a scene as TOML with every value filled in.
 
 use std::fmt::Write;
 
@@ -46,7 +46,7 @@ fn line(text: &mut String, line: &str) {
     text.write_str(line).expect("a string takes everything");
 }
 
-/// One field with its comment.
+/// Formats one field with its comment.
 fn entry(scene: &Scene, field: &Field, value: Option<&Value>) -> String {
     let name = field.name();
     let Some(value) = value else {
@@ -76,7 +76,7 @@ fn entry(scene: &Scene, field: &Field, value: Option<&Value>) -> String {
     line + "\n"
 }
 
-/// The values of a grip.
+/// Formats the hand's values of a grip.
 fn grip_values(grip: Grip) -> String {
     match grip.hand() {
         Some(hand) => format!(

@@ -1,13 +1,13 @@
-//! Problems of a scene before their place in the file is known.
+//! Problems of a scene, before the line in the file is known.
 
 /// A problem with one field or table.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Problem {
-    /// Field or table, dotted.
+    /// Dotted path of the field or table.
     pub path: String,
-    /// The problem.
+    /// What is wrong, in words.
     pub problem: String,
-    /// How to mend it.
+    /// Remedy, in words.
     pub fix: String,
 }
 

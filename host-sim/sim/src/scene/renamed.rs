@@ -1,8 +1,8 @@
-//! Names that a setting once had, in scenes and on devices.
+//! Former names of settings, in scenes and on devices.
 
 use touchstone_control::Field;
 
-/// Old path, new path.
+/// Pairs of former and present path of a setting.
 const RENAMED: &[(&str, &str)] = &[
     ("law.k_v_n_m_per_rad", "law.k_soft_n_m_per_rad"),
     ("law.c_i_n_m_s_per_rad", "law.device_damping_n_m_s_per_rad"),
@@ -26,7 +26,7 @@ const RENAMED: &[(&str, &str)] = &[
     ("control.rate_hz", "timing.rate_hz"),
 ];
 
-/// The present path of a setting that once had this path, or this end of one.
+/// Present path of a setting, given its former path or the end of it.
 pub fn renamed(old: &str) -> Option<&'static str> {
     // The law's settings lay in the wall's table on a device.
     let moved = |path: &&'static str| {

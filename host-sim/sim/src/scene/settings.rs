@@ -1,4 +1,4 @@
-//! A scene's law and wall as the control crate's settings: exact, and checked there.
+//! Converts a scene's law and wall to the control crate's settings, which are exact numbers that the crate checks.
 
 use touchstone_control::{PositionSettings, Settings, Si, setting_path};
 
@@ -31,10 +31,10 @@ macro_rules! settings {
         })+
     ) => {
         impl Scene {
-            /// The settings of the scene's law.
+            /// Settings of the scene's law for the control crate.
             ///
             /// # Errors
-            /// A value that the control crate cannot hold.
+            /// A value that the control crate cannot represent.
             pub fn settings(&self) -> Result<Settings> {
                 let (wall, law) = (&self.wall, &self.law);
                 Ok(Settings {
@@ -53,7 +53,7 @@ macro_rules! settings {
 touchstone_control::law_settings!(settings);
 
 impl Scene {
-    /// The encoder's resolution; the default without an encoder.
+    /// Resolution of the scene's encoder; the default resolution for a scene without one.
     fn position_settings(&self) -> PositionSettings {
         let count = self
             .encoder
@@ -70,7 +70,7 @@ impl Scene {
     }
 }
 
-/// An SI value of a scene in the control crate's exact format.
+/// Converts an SI value of a scene to the control crate's exact format.
 fn si(scene: &Scene, path: &str, value: f64) -> Result<Si> {
     Si::checked_from_num(value).ok_or_else(|| {
         scene.error(

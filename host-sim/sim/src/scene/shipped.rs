@@ -36,7 +36,8 @@ const SHIPPED: &[(&str, &str)] = &[
     ("identify", include_str!("../../../../scenes/identify.toml")),
 ];
 
-/// Name and text of every feel: what a knob can be like under a hand, each a short scene on top of another.
+/// Name and text of every shipped haptic effect of a knob (detents, switches, end stops). Each is a short scene that builds on
+/// another.
 const FEELS: &[(&str, &str)] = &[
     (
         "smooth",
@@ -101,17 +102,17 @@ pub fn names() -> Vec<&'static str> {
     SHIPPED.iter().map(|(name, _)| *name).collect()
 }
 
-/// Names of the shipped feels. They are scenes as well.
+/// Names of the shipped haptic effects of a knob (feels). Each is also a scene.
 pub fn feels() -> Vec<&'static str> {
     FEELS.iter().map(|(name, _)| *name).collect()
 }
 
-/// Whether a name is that of a shipped scene or feel.
+/// Whether a name is that of a shipped scene or haptic effect.
 pub fn is_shipped(name: &str) -> bool {
     text(name).is_some()
 }
 
-/// The text of a shipped scene or feel, and where it is kept.
+/// Text of a shipped scene or haptic effect, and the path of its file in the repository.
 pub(super) fn text(name: &str) -> Option<(&'static str, PathBuf)> {
     let of = |list: &[(&str, &'static str)]| {
         list.iter()

@@ -1,4 +1,4 @@
-//! Units as they stand in names of scene fields and of CSV columns: `inertia_kg_m2`, `angle_deg`.
+//! Units at the end of names of scene fields and CSV columns, such as `inertia_kg_m2` and `angle_deg`.
 
 /// Quantity that a unit measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,9 +18,9 @@ pub(crate) enum Dimension {
 /// One way to write a unit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Unit {
-    /// The unit as the end of a name.
+    /// The unit as it ends a name, such as `kg_m2`.
     pub suffix: &'static str,
-    /// The unit as people read it.
+    /// The unit as printed for people, such as kg·m².
     pub shown: &'static str,
     /// The dimension that the unit measures.
     pub dimension: Dimension,
@@ -40,7 +40,7 @@ const fn unit(dimension: Dimension, suffix: &'static str, shown: &'static str, s
 const TAU: f64 = std::f64::consts::TAU;
 const DEGREE: f64 = TAU / 360.0;
 
-/// All units that are understood. The SI unit of each dimension comes first.
+/// All units that can be read. The SI unit of each dimension comes first.
 pub(crate) const UNITS: &[Unit] = &[
     unit(Dimension::Angle, "rad", "rad", 1.0),
     unit(Dimension::Angle, "mrad", "mrad", 1e-3),
@@ -90,14 +90,14 @@ pub(crate) const UNITS: &[Unit] = &[
     unit(Dimension::Frequency, "khz", "kHz", 1e3),
 ];
 
-/// The unit with this very suffix.
+/// Finds the unit with exactly this suffix.
 pub(crate) fn by_suffix(suffix: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|unit| unit.suffix == suffix)
 }
 
-/// The unit that ends `name`, which may be nothing but the unit; the longest that fits.
+/// The longest unit that ends `name`; `name` may consist of the unit alone.
 ///
-/// `None` too where a rate (`…_per_s2`) or the like ends in what looks like a plain unit.
+/// `None` also if the name only seems to end in a plain unit, such as a rate (`…_per_s2`).
 pub(crate) fn at_end_of(name: &str) -> Option<&'static Unit> {
     let ends = |suffix: &str| {
         name.strip_suffix(suffix)
@@ -122,8 +122,7 @@ pub(crate) fn looks_like_unit(end: &str) -> bool {
     end.split('_').all(|word| WORDS.contains(&word))
 }
 
-/// `value` as the shortest number that TOML reads back, after taking off the rounding of a unit's factor (12 digits
-/// are kept).
+/// Shortest number that TOML reads back as `value`, rounded to 12 digits to remove the rounding of unit conversion.
 pub(crate) fn tidy(value: f64) -> String {
     let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
     format!("{rounded:?}")

@@ -1,4 +1,4 @@
-//! Explains a name that no scene has: a wrong unit, the wrong table, a slip of the keys.
+//! Explains an unknown field name in a scene: a wrong unit, the wrong table or a typing error.
 
 use toml::Value;
 
@@ -55,7 +55,7 @@ pub(crate) fn explain(path: &str, motion: Option<&str>, value: Option<&Value>) -
     }
 }
 
-/// Problem and fix for a setting that has another name today.
+/// Problem and remedy for a setting that has been renamed to `new`.
 pub(crate) fn was_renamed(new: &str) -> (String, String) {
     let fix = if new.ends_with("_per_ms") {
         // What it was a share of each tick.
@@ -66,7 +66,7 @@ pub(crate) fn was_renamed(new: &str) -> (String, String) {
     ("it has another name now".to_owned(), fix)
 }
 
-/// Problem and fix where `name` is one of these fields with another unit, or without any.
+/// Problem and remedy if `name` is one of the given fields with another unit or without a unit.
 pub(crate) fn wrong_unit(
     name: &str,
     fields: &[&Field],
@@ -101,7 +101,7 @@ pub(crate) fn wrong_unit(
     None
 }
 
-/// "write inertia_kg_m2 = 1e-5": the field with the value in its own unit where the given unit is known.
+/// Remedy such as "write inertia_kg_m2 = 1e-5": the value converted to the field's unit, where the given unit is known.
 fn converted(field: &Field, given: &str, value: Option<&Value>) -> String {
     let own = units::by_suffix(field.unit).expect("a field with a stem has a unit");
     let known = units::by_suffix(given).filter(|unit| unit.dimension == own.dimension);
@@ -156,7 +156,7 @@ pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
     (near(best) <= (name.len() / 4).max(1)).then_some(best)
 }
 
-/// The field whose name without the unit is near.
+/// The field whose name without the unit is most similar.
 fn nearest_stem(name: &str, fields: &[&Field]) -> Option<&'static str> {
     let stems: Vec<&str> = fields.iter().filter_map(|field| field.stem()).collect();
     let stem = nearest(name, &stems)?;
@@ -166,7 +166,7 @@ fn nearest_stem(name: &str, fields: &[&Field]) -> Option<&'static str> {
         .map(|field| field.name())
 }
 
-/// `[law.filter]`, or words for the top of the file.
+/// Table heading for messages, such as `[law.filter]`; words for the top level of the file.
 fn heading(table: &str) -> String {
     if table.is_empty() {
         "the top of the scene".to_owned()
@@ -175,7 +175,7 @@ fn heading(table: &str) -> String {
     }
 }
 
-/// Table and name, dotted.
+/// Joins table and name with a dot.
 pub(crate) fn join(table: &str, name: &str) -> String {
     if table.is_empty() {
         name.to_owned()
@@ -184,7 +184,7 @@ pub(crate) fn join(table: &str, name: &str) -> String {
     }
 }
 
-/// "a, b or c".
+/// Joins words to a list such as "a, b or c".
 pub fn list(words: &[&str]) -> String {
     match words {
         [] => "nothing".to_owned(),

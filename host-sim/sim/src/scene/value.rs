@@ -1,4 +1,4 @@
-//! A value checked against its field: type, word, range.
+//! Checks the value of a field: type, allowed words and range.
 
 use toml::Value;
 use toml::de::DeValue;
@@ -7,7 +7,7 @@ use super::problem::Problem;
 use super::schema::{self, Field, Kind};
 use super::unknown::{list, nearest};
 
-/// The words that a field allows, by its dotted path (`law.kind`); empty for a field that takes no word.
+/// Words that the field with this dotted path (such as `law.kind`) accepts; empty for a field that takes no word.
 pub fn choices(path: &str) -> &'static [&'static str] {
     match schema::at(path) {
         Some(Field {
@@ -18,7 +18,7 @@ pub fn choices(path: &str) -> &'static [&'static str] {
     }
 }
 
-/// The problem of a field's value, if it has one.
+/// Problem of a field's value; `None` if the value is valid.
 pub(crate) fn wrong_value(field: &Field, value: &Value) -> Option<Problem> {
     match (field.kind, value) {
         (Kind::Text, Value::String(_)) | (Kind::Flag, Value::Boolean(_)) => None,
@@ -79,7 +79,7 @@ pub(crate) fn wrong_value(field: &Field, value: &Value) -> Option<Problem> {
     }
 }
 
-/// A value of another type than the field's.
+/// Problem of a value whose type is not that of the field.
 pub(crate) fn wrong_type(field: &Field, is: &str) -> Problem {
     let must = match field.kind {
         Kind::Text => "text in quotes".to_owned(),
@@ -96,7 +96,7 @@ pub(crate) fn wrong_type(field: &Field, is: &str) -> Problem {
     )
 }
 
-/// A value as it stands in a message, on one line and not too long.
+/// Formats a value for a message, on one line and shortened.
 pub(crate) fn shown(value: &Value) -> String {
     match value {
         Value::String(text) if text.len() > 40 || text.contains('\n') => "a long text".to_owned(),
@@ -108,7 +108,7 @@ pub(crate) fn shown(value: &Value) -> String {
     }
 }
 
-/// A leaf as a plain value. An integer beyond 64 bits becomes a float, so that the error is about range or type.
+/// Converts a parsed TOML value. An integer beyond 64 bits becomes a float, so that the error is about range or type.
 pub(crate) fn leaf_value(leaf: &DeValue<'_>) -> Value {
     match leaf {
         DeValue::String(text) => Value::String(text.to_string()),

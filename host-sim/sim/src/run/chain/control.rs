@@ -1,34 +1,34 @@
-//! The law's side of the loop: from the true angle to the motor's torque, behind one call.
+//! The controller side of the loop: everything from the true angle to the motor's torque, behind one call.
 
 use super::sensor::Sensor;
 use crate::run::wall::{Inside, Wall};
 
-/// Everything between the true angle and the torque of the motor. One call of either method a tick.
+/// Everything between the true angle and the torque of the motor. The loop calls `torque_n_m` or `answer` once a tick.
 pub trait Control {
-    /// Torque of the motor along `+x`, N·m, at a true angle, rad.
+    /// Torque of the motor along `+x` in N·m, at a true angle in rad.
     fn torque_n_m(&mut self, angle_rad: f64) -> f64;
-    /// Same as `torque`, bit for bit, with the details that a recording needs.
+    /// Same as `torque_n_m`, bit for bit, with the details that a recording needs.
     fn answer(&mut self, angle_rad: f64) -> Answer;
-    /// What became of the last torque, N·m along `+x`, where an effect changed it.
+    /// Reports the torque that was really commanded, N·m along `+x`, after an effect (such as a limit) changed the last torque.
     fn commanded(&mut self, torque_n_m: f64);
-    /// The true angle at which the motor's torque changed since the last sample, rad.
+    /// Reports the true angle at which the motor's torque changed since the last sample, rad.
     fn changed_at(&mut self, angle_rad: f64);
 }
 
-/// A torque, and how the law came to it.
+/// A torque, with the values of the law that led to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Answer {
     /// Torque of the motor along `+x`, N·m.
     pub torque_n_m: f64,
-    /// Force of the law, out of the wall, N·m.
+    /// Force of the law, N·m, positive out of the wall.
     pub force_n_m: f64,
-    /// Penetration that the law got, rad.
+    /// Penetration that the law received from the sensor, rad.
     pub told_rad: f64,
-    /// The law's inside after the tick.
+    /// Internal values of the law after the tick.
     pub inside: Inside,
 }
 
-/// The innermost part: a law that gets the angle from a sensor. An ideal motor plays its force.
+/// Innermost part of the controller side: a law that gets its angle from a sensor, with an ideal motor.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampled<S, W> {
     /// The sensor that gives the law the angle.

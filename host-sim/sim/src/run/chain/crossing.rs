@@ -1,4 +1,4 @@
-//! How a torque command meets the plant over one tick.
+//! How a torque command reaches the plant and acts on it over one tick.
 
 use std::collections::VecDeque;
 use touchstone_world::plant::{Kinematics, Stepper};
@@ -6,28 +6,28 @@ use touchstone_world::plant::{Kinematics, Stepper};
 /// Energies of one tick at the wall's port and in the device.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Flow {
-    /// Torque of the motor along `+x`, its mean over the tick, N·m.
+    /// Mean torque of the motor along `+x` over the tick, N·m.
     pub torque_n_m: f64,
-    /// Work of the motor on the device, J: `Σ u Δx` over the parts of the tick, exact under the zero-order hold.
+    /// Work of the motor on the device, J: `Σ u Δx` over the parts of the tick, exact for a torque held over each part.
     pub motor_j: f64,
-    /// Dissipated in the device, J.
+    /// Energy dissipated in the device, J.
     pub device_loss_j: f64,
-    /// Energy that springs, gravity and magnets in the device stored, J; the motion of its inertia is not included.
+    /// Energy that springs, gravity and magnets in the device stored, J; kinetic energy is not included.
     pub stored_j: f64,
 }
 
-/// Carries a command through whatever lies before the plant, and the plant over one tick.
+/// Carries a torque command through delays to the plant, and advances the plant by one tick.
 pub trait Crossing {
-    /// The state of the plant.
+    /// State of the plant.
     type State: Kinematics;
 
-    /// Crosses one tick.
+    /// Advances plant and commands by one tick.
     fn cross(&mut self, state: &mut Self::State, torque_n_m: f64, rest_rad: f64);
 
-    /// Same as `cross`, bit for bit; returns the energies.
+    /// Same as `cross`, bit for bit; returns the energies of the tick.
     fn cross_with_flow(&mut self, state: &mut Self::State, torque_n_m: f64, rest_rad: f64) -> Flow;
 
-    /// Where the device was when the torque changed in the last tick, rad, if the law's side wants to know.
+    /// Angle of the device at which the torque changed in the last tick, rad; `None` if it is not measured.
     #[inline(always)]
     fn changed_at_rad(&self) -> Option<f64> {
         None
@@ -53,7 +53,7 @@ pub(super) fn step_with_flow<S: Stepper>(
 /// No delay: the command of a tick acts during that tick.
 #[derive(Debug, Clone, Copy)]
 pub struct Prompt<S>(
-    /// The plant over one period.
+    /// Steps the plant by one control period.
     pub S,
 );
 
@@ -92,21 +92,22 @@ impl<S: Kinematics> Crossing for Box<dyn Crossing<State = S>> {
     }
 }
 
-/// A computational delay of whole ticks and a fraction: two plants take turns on one state.
+/// A computational delay of whole ticks and a fraction. Two steppers alternate on one plant state: before and after the command
+/// changes.
 #[derive(Debug, Clone)]
 pub struct Delayed<S> {
-    /// The plant over the fraction, while the older command still acts.
+    /// Steps the plant over the fraction, while the older command still acts.
     before: S,
-    /// The plant over the rest of the period.
+    /// Steps the plant over the rest of the period.
     after: S,
     /// Commands on their way, the oldest first; the first of them acts now.
     queue: VecDeque<f64>,
-    /// Where the device was when the torque changed, rad, if that is measured.
+    /// Angle of the device at which the torque changed, rad; `None` if it is not measured.
     changed_at_rad: Option<f64>,
 }
 
 impl<S: Stepper> Delayed<S> {
-    /// A delay of `whole` periods and the length of `before`.
+    /// Builds a delay of `whole` periods plus the time that `before` steps over.
     pub fn new(before: S, after: S, whole: usize) -> Self {
         // Before the first command arrives the motor is off.
         Self {
@@ -117,7 +118,7 @@ impl<S: Stepper> Delayed<S> {
         }
     }
 
-    /// A crossing that also measures the device's position when the torque changes.
+    /// Same delay, which also measures the device's position when the torque changes.
     #[must_use]
     pub fn measured(self, start_rad: f64) -> Self {
         Self {
@@ -126,7 +127,8 @@ impl<S: Stepper> Delayed<S> {
         }
     }
 
-    /// Takes down where a command of this tick begins to act: after its fraction, or at the end where whole ticks pass first.
+    /// Records the angle at which a command of this tick begins to act: after the fraction, or at the end of the tick if whole
+    /// ticks pass first.
     #[inline(always)]
     fn take_down(&mut self, at_change_rad: f64, at_end_rad: f64) {
         if let Some(changed) = &mut self.changed_at_rad {
@@ -135,7 +137,7 @@ impl<S: Stepper> Delayed<S> {
         }
     }
 
-    /// The commands of the two parts of this tick.
+    /// Torques that act before and after the command changes in this tick, N·m.
     #[inline(always)]
     fn commands(&mut self, torque_n_m: f64) -> (f64, f64) {
         self.queue.push_back(torque_n_m);

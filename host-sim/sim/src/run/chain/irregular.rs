@@ -1,4 +1,4 @@
-//! Ticks and commands that do not come in time.
+//! Samples and commands that come late by random times.
 
 use std::collections::VecDeque;
 
@@ -7,7 +7,7 @@ use touchstone_world::plant::{Kinematics as _, Stepper};
 use super::crossing::{Crossing, Flow, step_with_flow};
 use super::noise::Stream;
 
-/// A period in parts; lateness is rounded to them. A power of two, so that one stepper is a whole period.
+/// Parts of a control period, to which lateness is rounded. A power of two, so that one stepper spans a whole period.
 pub const PARTS: u32 = 1 << DOUBLINGS;
 const DOUBLINGS: u32 = 10;
 
@@ -18,9 +18,9 @@ const DOUBLINGS: u32 = 10;
 /// should have been, and the hand's rest point is that of the same time.
 #[derive(Debug, Clone)]
 pub struct Irregular<S> {
-    /// The plant over 1, 2, 4, … parts.
+    /// Steppers of the plant over 1, 2, 4, … parts of a period.
     steppers: Vec<S>,
-    /// Commands on their way: parts from the present sample, and torque. The oldest first.
+    /// Commands on their way, the oldest first: parts of a period from the present sample, and torque in N·m.
     queue: VecDeque<(u64, f64)>,
     acting_n_m: f64,
     delay: u64,
@@ -28,19 +28,19 @@ pub struct Irregular<S> {
     spread: u64,
     jitters: Stream,
     latencies: Stream,
-    /// How late the present sample is.
+    /// Lateness of the present sample, in parts of a period.
     late: u64,
     changed_at_rad: Option<f64>,
 }
 
-/// Times of an irregular crossing, as parts of a period.
+/// Delay and largest random lateness, in parts of a control period.
 #[derive(Debug, Clone, Copy)]
 pub struct Lateness {
-    /// From sample to command, at least.
+    /// Least time from a sample to its command.
     pub delay: u64,
     /// Largest lateness of a sample.
     pub jitter: u64,
-    /// Largest further lateness of a command.
+    /// Largest additional lateness of a command.
     pub spread: u64,
 }
 
@@ -76,7 +76,7 @@ impl<S: Stepper> Irregular<S> {
         })
     }
 
-    /// A crossing that also measures the device's position when the torque changes.
+    /// Same crossing, which also measures the device's position when the torque changes.
     #[must_use]
     pub fn measured(self, start_rad: f64) -> Self {
         Self {
@@ -90,7 +90,7 @@ impl<S: Stepper> Irregular<S> {
         (stream.uniform() * (most + 1) as f64) as u64
     }
 
-    /// Takes a command; gives the parts until the next sample.
+    /// Queues a command; returns the number of parts until the next sample.
     fn take(&mut self, torque_n_m: f64) -> u64 {
         let after = self.delay + Self::drawn(&mut self.latencies, self.spread);
         let latest = self.queue.back().map_or(0, |&(at, _)| at);
@@ -101,7 +101,7 @@ impl<S: Stepper> Irregular<S> {
         parts
     }
 
-    /// Crosses a tick: `step` is called for every stretch under one torque that one stepper crosses.
+    /// Advances one tick. Calls `step` for every stretch of constant torque that one stepper spans.
     #[inline(always)]
     fn tick(
         &mut self,

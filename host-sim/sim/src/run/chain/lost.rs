@@ -1,10 +1,10 @@
-//! Ticks in which the law's side does not run.
+//! Lost ticks, in which the controller side does not run.
 
 use super::control::{Answer, Control};
 use super::noise::Stream;
 
-/// The law's side, which some ticks never reach: the motor then keeps its torque, and the law knows of nothing. The first tick is
-/// never lost.
+/// A controller side that does not run in some ticks. In a lost tick the motor keeps its torque and the law receives nothing. The
+/// first tick is never lost.
 pub struct Lossy {
     inner: Box<dyn Control>,
     share: f64,
@@ -14,7 +14,7 @@ pub struct Lossy {
 }
 
 impl Lossy {
-    /// Loses a share of the ticks, independently of each other.
+    /// Loses ticks with probability `share` (0 to 1), each independently of the others.
     #[must_use]
     pub fn around(inner: Box<dyn Control>, share: f64, stream: Stream) -> Box<dyn Control> {
         Box::new(Self {

@@ -2,24 +2,24 @@
 
 use super::stage::Stage;
 
-/// A stream of random numbers, by seed and purpose: a stream that a scene does not use takes nothing from the others.
-/// The same on every machine.
+/// An independent random-number sequence, made from a seed and a purpose. Adding a sequence does not change the numbers of the
+/// others. It gives the same numbers on every machine.
 ///
-/// Steele, Lea and Flood's SplitMix64 (OOPSLA 2014): a counter, and a function that mixes its bits.
+/// The generator is SplitMix64 by Steele, Lea and Flood (OOPSLA 2014): a counter, and a function that mixes its bits.
 #[derive(Debug, Clone, Copy)]
 pub struct Stream {
     counter: u64,
     spare: Option<f64>,
 }
 
-/// Purpose of a stream.
+/// Purpose of a random-number sequence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Channel {
     /// Noise of the position sensor.
     Sensor = 1,
     /// Noise of the current sensor.
     Current = 2,
-    /// Lateness of ticks.
+    /// Lateness of samples.
     Jitter = 3,
     /// Lateness of commands.
     Latency = 4,
@@ -36,7 +36,7 @@ fn mixed(x: u64) -> u64 {
 }
 
 impl Stream {
-    /// The stream of a seed for a purpose.
+    /// Random-number sequence for a seed and a purpose.
     #[must_use]
     pub fn new(seed: u32, channel: Channel) -> Self {
         Self {
@@ -52,7 +52,8 @@ impl Stream {
         (mixed(self.counter) >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
     }
 
-    /// Normally distributed, mean 0, variance 1 (Box and Muller): two at a time, the second kept.
+    /// Normally distributed random number of mean 0 and variance 1 (Box and Muller). The method makes two at a time; the second is
+    /// kept for the next call.
     pub fn normal(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;
@@ -65,12 +66,12 @@ impl Stream {
     }
 }
 
-/// White noise on the angle, before it is counted.
+/// White noise that is added to the angle before the encoder counts it.
 #[derive(Debug, Clone, Copy)]
 pub struct Noisy {
     /// Root of the mean square, rad.
     pub rms_rad: f64,
-    /// Where it comes from.
+    /// Random-number sequence of the noise.
     pub stream: Stream,
 }
 
@@ -80,17 +81,16 @@ impl Stage for Noisy {
     }
 }
 
-/// An error that goes with the angle, as a disc or a magnet out of the axis makes it: `A sin(n x + phi)`, and where it is tilted as well
-/// `A2 sin(2n x + phi2)`.
+/// Periodic angle error of a disc or magnet off the axis, `A sin(n x + phi)`. A tilted one adds `A2 sin(2n x + phi2)`.
 #[derive(Debug, Clone, Copy)]
 pub struct Eccentric {
-    /// `A`, rad.
+    /// Amplitude `A`, rad.
     pub amplitude_rad: f64,
-    /// Periods in a turn: `n`.
+    /// Periods `n` per turn.
     pub per_rev: f64,
-    /// `phi`, rad.
+    /// Phase `phi`, rad.
     pub phase_rad: f64,
-    /// `A2` and `phi2`, rad.
+    /// Amplitude `A2` and phase `phi2` of the second component, rad.
     pub second: Option<(f64, f64)>,
 }
 
@@ -107,16 +107,17 @@ impl Stage for Eccentric {
     }
 }
 
-/// A current loop that holds the current at its command as its sensor sees it: the sensor's error is in the torque, and nobody in
-/// the device knows it. Quantisation is an error that is equally likely anywhere within half a step (Widrow, IRE Trans. Circuit
-/// Theory 3(4) 266, 1956), as it is where the loop runs many times a tick and its current ripples by more than a step.
+/// Torque error of a current loop whose current sensor has noise and steps. The controller does not know the error.
+///
+/// Quantisation is modelled as an error uniformly distributed within half a step (Widrow, IRE Trans. Circuit Theory 3(4) 266,
+/// 1956). The model holds where the current loop runs many times a tick and its current ripples by more than a step.
 #[derive(Debug, Clone, Copy)]
 pub struct CurrentError {
     /// Root of the noise's mean square, as torque, N·m.
     pub rms_n_m: f64,
     /// The sensor's step, as torque, N·m.
     pub step_n_m: f64,
-    /// Where both come from.
+    /// Random-number sequence of noise and quantisation error.
     pub stream: Stream,
 }
 

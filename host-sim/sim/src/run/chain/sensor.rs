@@ -1,21 +1,21 @@
-//! How the law comes to know the angle.
+//! How the law gets the device's angle: exactly, or by an encoder.
 
 use crate::run::wall::Wall;
 
 /// Gives the law the device's position.
 pub trait Sensor {
-    /// Lets the wall read the angle; gives its force, N·m out of the wall.
+    /// Passes the angle to the wall, and returns the wall's force, N·m, positive out of the wall.
     fn read<W: Wall>(&self, wall: &mut W, angle_rad: f64) -> f64;
-    /// Gives the wall the angle at which the motor's torque changed.
+    /// Passes on to the wall the angle at which the motor's torque changed.
     fn tell_change<W: Wall>(&self, wall: &mut W, angle_rad: f64);
-    /// The penetration that the wall gets at an angle, rad.
+    /// Penetration that the wall receives at a true angle, rad.
     fn told_rad(&self, angle_rad: f64) -> f64;
 }
 
-/// No encoder: the exact angle.
+/// No encoder: the law receives the exact angle, measured from the wall's surface.
 #[derive(Debug, Clone, Copy)]
 pub struct ExactAngle {
-    /// `x_s`, rad.
+    /// Position `x_s` of the wall's surface, rad.
     pub surface_rad: f64,
 }
 
@@ -35,10 +35,10 @@ impl Sensor for ExactAngle {
     }
 }
 
-/// The exact angle from zero, not from a surface, for scenes with several walls.
+/// No encoder: the exact angle measured from zero, for scenes with several walls.
 #[derive(Debug, Clone, Copy)]
 pub struct ExactPlace {
-    /// `x_s` of the first wall, rad, from which a record counts.
+    /// Position `x_s` of the first wall's surface, rad, from which records measure penetration.
     pub surface_rad: f64,
 }
 
@@ -58,19 +58,19 @@ impl Sensor for ExactPlace {
     }
 }
 
-/// An encoder: the nearest count.
+/// An encoder: the law receives the nearest count.
 #[derive(Debug, Clone, Copy)]
 pub struct Counts {
     /// Counts per radian.
     pub per_rad: f64,
     /// Radians per count.
     pub step_rad: f64,
-    /// `x_s`, rad.
+    /// Position `x_s` of the wall's surface, rad.
     pub surface_rad: f64,
 }
 
 impl Counts {
-    /// A sensor with counts of this width, rad, and a surface.
+    /// Encoder with counts `step_rad` apart, and the position of the wall's surface, rad.
     #[must_use]
     pub fn of(step_rad: f64, surface_rad: f64) -> Self {
         Self {
@@ -80,7 +80,7 @@ impl Counts {
         }
     }
 
-    /// The nearest count.
+    /// Encoder count nearest to an angle in rad.
     #[inline(always)]
     fn count(&self, angle_rad: f64) -> i64 {
         let scaled = angle_rad * self.per_rad;

@@ -1,33 +1,34 @@
-//! Effects on the way of the angle to the law and of the torque to the motor.
+//! Effects on the angle before it reaches the law, and on the torque before it reaches the motor.
 
 use super::control::{Answer, Control};
 
 /// An effect around the law: it changes the angle on its way in, the torque on its way out, or both.
 pub trait Stage {
-    /// Whether the device knows the changed torque: it knows a limit, but not an error of a sensor.
+    /// Whether the law is informed of the changed torque. A torque limit is known to a device, an error of its current sensor is
+    /// not.
     const TOLD: bool = true;
 
-    /// The angle that is passed on to the law's side, rad.
+    /// Returns the angle to pass on to the law, rad.
     #[inline(always)]
     fn angle_rad(&mut self, angle_rad: f64) -> f64 {
         angle_rad
     }
 
-    /// The torque that is passed on to the motor, N·m along `+x`.
+    /// Returns the torque to pass on to the motor, N·m along `+x`.
     #[inline(always)]
     fn torque_n_m(&mut self, torque_n_m: f64) -> f64 {
         torque_n_m
     }
 }
 
-/// A stage around the rest of the law's side. The nearer to the world an effect is, the further outside it stands.
+/// One effect around the rest of the controller side. Effects that are physically nearer to the device are further outside.
 pub struct Staged<S> {
     stage: S,
     inner: Box<dyn Control>,
 }
 
 impl<S: Stage + 'static> Staged<S> {
-    /// Puts a stage around the present loop.
+    /// Puts an effect around the present controller side.
     #[must_use]
     pub fn around(inner: Box<dyn Control>, stage: S) -> Box<dyn Control> {
         Box::new(Self { stage, inner })
@@ -35,7 +36,7 @@ impl<S: Stage + 'static> Staged<S> {
 }
 
 impl<S: Stage> Staged<S> {
-    /// The torque after this stage; if it differs, the inner stages learn of it.
+    /// Torque after this effect, N·m. If it differs from `wanted_n_m`, the inner effects and the law are informed.
     #[inline(always)]
     fn passed_on(&mut self, wanted_n_m: f64) -> f64 {
         let torque_n_m = self.stage.torque_n_m(wanted_n_m);
@@ -46,7 +47,7 @@ impl<S: Stage> Staged<S> {
     }
 }
 
-/// Apart, so that a tick in which the stage changes nothing does not make room for the call.
+/// Informs the law of a changed torque. A separate function, so that ticks without a change do not pay for the call.
 #[cold]
 #[inline(never)]
 fn tell(inner: &mut dyn Control, torque_n_m: f64) {
@@ -76,7 +77,7 @@ impl<S: Stage> Control for Staged<S> {
     }
 }
 
-/// A largest torque.
+/// Limits the torque.
 #[derive(Debug, Clone, Copy)]
 pub struct Limited {
     /// Largest torque, N·m.
@@ -90,7 +91,7 @@ impl Stage for Limited {
     }
 }
 
-/// An amplifier with steps: the torque becomes the nearest step.
+/// An amplifier with discrete steps: rounds the torque to the nearest step.
 #[derive(Debug, Clone, Copy)]
 pub struct Stepped {
     /// Step, N·m.

@@ -1,4 +1,4 @@
-//! A hand that trembles, and one whose muscles answer late.
+//! A hand with tremor, and a hand whose muscles react late (reflex).
 
 use std::collections::VecDeque;
 
@@ -6,20 +6,20 @@ use touchstone_world::plant::Kinematics;
 
 use super::crossing::{Crossing, Flow};
 
-/// A change of the hand's rest point in a tick, before plant and hand cross it.
+/// Changes the hand's rest point in each tick, before plant and hand are advanced.
 pub trait Unsteady<S> {
-    /// The rest point of this tick, rad.
+    /// Returns the changed rest point of this tick, rad.
     fn rest_rad(&mut self, state: &S, rest_rad: f64) -> f64;
 }
 
-/// A crossing with an unsteady hand.
+/// A crossing whose hand has a tremor or a reflex.
 pub struct Handled<S, U> {
     inner: Box<dyn Crossing<State = S>>,
     hand: U,
 }
 
 impl<S: Kinematics + 'static, U: Unsteady<S> + 'static> Handled<S, U> {
-    /// Puts a hand's unsteadiness before the present crossing.
+    /// Adds a tremor or reflex of the hand to the present crossing.
     #[must_use]
     pub fn before(inner: Box<dyn Crossing<State = S>>, hand: U) -> Box<dyn Crossing<State = S>> {
         Box::new(Self { inner, hand })
@@ -44,12 +44,12 @@ impl<S: Kinematics, U: Unsteady<S>> Crossing for Handled<S, U> {
     }
 }
 
-/// Tremor: the rest point swings.
+/// Tremor: a sine that is added to the hand's rest point.
 #[derive(Debug, Clone, Copy)]
 pub struct Tremor {
-    /// Amplitude of the rest point, rad.
+    /// Amplitude of the rest point's motion, rad.
     pub amplitude_rad: f64,
-    /// Radians of the swing in a tick.
+    /// Phase of the sine per tick, rad.
     pub per_tick_rad: f64,
     /// Ticks so far.
     pub tick: u64,
@@ -63,18 +63,18 @@ impl<S> Unsteady<S> for Tremor {
     }
 }
 
-/// A reflex: muscles that answer what stretched them some time ago with a stiffness of their own. The rest point moves so that the
-/// hand's spring gives that torque: `k_h dr = -k_r (x_h - r)`, both of back then.
+/// A reflex: muscles that answer an earlier stretch with a stiffness `k_r` of their own. The rest point moves by `dr` so that the
+/// hand's spring `k_h` gives the muscles' torque: `k_h dr = -k_r (x_h - r)`, with `x_h` and `r` of the earlier time.
 #[derive(Debug, Clone)]
 pub struct Reflex {
     /// Gain: `k_r/k_h`.
     gain: f64,
-    /// Stretches on their way, rad; the oldest first. At the start nothing was stretched.
+    /// Stretches that the muscles have not answered yet, rad, the oldest first; all zero at the start.
     stretches: VecDeque<f64>,
 }
 
 impl Reflex {
-    /// A reaction after this many whole ticks.
+    /// A reflex that reacts after `ticks` whole ticks.
     #[must_use]
     pub fn new(gain: f64, ticks: usize) -> Self {
         let mut stretches = VecDeque::with_capacity(ticks + 1);

@@ -1,4 +1,4 @@
-//! The table of effects, joined from its parts, and searches in it.
+//! The list of all effects, joined from its parts, and functions that search it.
 
 use super::{Effect, WORLD, touch};
 
@@ -16,10 +16,10 @@ const ALL: [Effect; WORLD.len() + touch::ROWS.len()] = {
     all
 };
 
-/// All effects, from the sensor to the hand; then environments, and velocity filters.
+/// All effects: first those from the sensor to the hand, then environments (walls, detents), then velocity filters.
 pub const EFFECTS: &[Effect] = &ALL;
 
-/// The effect of this name.
+/// Finds an effect by its name.
 #[must_use]
 pub fn by_name(name: &str) -> Option<&'static Effect> {
     EFFECTS.iter().find(|effect| effect.name == name)

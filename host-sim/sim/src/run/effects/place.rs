@@ -1,34 +1,34 @@
-//! Where in the loop effects stand.
+//! Places in the control loop at which effects act.
 
-/// Place of an effect in the loop, which also decides its least cost.
+/// Place of an effect in the control loop. It determines the least cost of the effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// The innermost part: the sensor that gives the law the angle.
+    /// The effect is the sensor that gives the law the angle.
     Sensor,
-    /// A stage on the way of the angle to the law.
+    /// The effect changes the angle before it reaches the law.
     Angle,
-    /// A stage on the way of the torque to the motor.
+    /// The effect changes the torque before it reaches the motor.
     Torque,
     /// The effect wraps the whole controller side.
     Law,
-    /// Between torque and plant, and in time.
+    /// The effect acts between torque command and plant, or on the times of samples and commands.
     Crossing,
     /// The effect is part of the plant's exact step.
     Exact,
-    /// A linear state more in the exact step of a drive train.
+    /// The effect adds a linear state to the exact step of a drive train.
     State,
     /// The effect acts at the shaft of a drive train, in substeps.
     Shaft,
-    /// Between a motion and the hand.
+    /// The effect acts between the intended motion and the hand.
     Hand,
     /// The effect acts in addition to the wall, before its guard.
     Environment,
-    /// The effect is in the law: the velocity of its damper.
+    /// The effect is the velocity estimate of the law's damper.
     Velocity,
 }
 
 impl Place {
-    /// The name in words.
+    /// Name of the place in words.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {

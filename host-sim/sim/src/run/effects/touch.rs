@@ -1,4 +1,4 @@
-//! The rows of things to touch in addition to the wall, and of how a damper comes to its velocity.
+//! Entries of the list of effects for further walls, detents and end stops, and for the velocity estimates of a law's damper.
 
 use super::{Effect, Place};
 use crate::scene::{DetentRing, Endstops, Environment, FurtherWall, Scene, TorqueProfile};
@@ -40,7 +40,7 @@ fn as_told(scene: &mut Scene) {
     scene.law.velocity.from = VelocityKind::Told;
 }
 
-/// The row of a velocity filter, which has no magnitude.
+/// Entry for a velocity filter, which has no magnitude.
 const fn velocity(
     name: &'static str,
     typical: &'static str,
@@ -62,7 +62,7 @@ const fn velocity(
     }
 }
 
-/// The rows.
+/// Entries for walls, detents and velocity filters in the list of effects.
 pub const ROWS: [Effect; 8] = [
     Effect {
         name: "second-wall",

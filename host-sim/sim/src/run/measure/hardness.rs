@@ -1,12 +1,12 @@
-//! Rate-hardness, thesis (1.5): rate of change of the force over the velocity of the device in the initial contact.
+//! Rate-hardness, thesis (1.5): rate of change of the force over the velocity of the device at initial contact.
 
-/// Longest initial contact, s: less than a hand needs to react, enough for an encoder to see some counts.
+/// Longest initial contact, s: shorter than a hand's reaction time, long enough for several encoder counts.
 const LONGEST_S: f64 = 0.02;
-/// Fewest ticks that a slope is fitted to.
+/// Least number of ticks to which a slope is fitted.
 const FEWEST: f64 = 3.0;
 
-/// `Ḟ/ẋ` of the initial contact: the least-squares slope of the true force over the true penetration, from the first force to the
-/// first reversal of the motion, at most 20 ms.
+/// Rate-hardness `Ḟ/ẋ` of the initial contact: least-squares slope of true force over true penetration. The contact counts from the
+/// first force to the first reversal of the motion, at most 20 ms.
 #[derive(Debug, Clone, Copy)]
 pub struct RateHardness {
     ticks_left: u64,
@@ -17,12 +17,12 @@ pub struct RateHardness {
     f: f64,
     xx: f64,
     xf: f64,
-    /// Angle of the first contact; sums are taken around it to avoid cancellation.
+    /// Angle of the first contact, rad. Sums are relative to it, to avoid cancellation.
     origin_rad: f64,
 }
 
 impl RateHardness {
-    /// A measure for ticks of this period, s.
+    /// Prepares the measure for a control period in s.
     #[must_use]
     pub fn new(period_s: f64) -> Self {
         Self {
@@ -38,9 +38,10 @@ impl RateHardness {
         }
     }
 
-    /// Takes a tick: true penetration at its sample, rad, and the force that was held over it, N·m out of the wall. In
-    /// a motion that slows down, any lag of the force makes the slope steeper. Pairing sample and held force keeps the
-    /// hold's own lag out of the measure.
+    /// Adds a tick: true penetration at its sample in rad, and the force held over the tick in N·m, positive out of the wall.
+    ///
+    /// While a motion slows down, a lag of the force makes the slope steeper. Pairing the sample with the force held after it keeps
+    /// the lag of the hold itself out of the measure.
     pub fn record(&mut self, penetration_rad: f64, force_n_m: f64) {
         let touched = self.n > 0.0;
         if self.over || (!touched && force_n_m <= 0.0) {
@@ -63,7 +64,7 @@ impl RateHardness {
         self.xf += x * force_n_m;
     }
 
-    /// The slope, N·m/rad; `None` where the contact was shorter than three ticks.
+    /// Slope of the force, N·m/rad; `None` if the contact was shorter than three ticks.
     #[must_use]
     pub fn n_m_per_rad(&self) -> Option<f64> {
         let slope = (self.xf - self.x * self.f / self.n) / (self.xx - self.x * self.x / self.n);

@@ -1,7 +1,7 @@
-//! Measures of what a hand feels of a wall; one measure a file, each fed tick by tick.
+//! Measures of a wall's haptic quality, one per file. Each is updated tick by tick.
 //!
-//! All of them use the true motion and the motor's true force (after limits, steps and delay), never the law's own
-//! input: a measure against that input could not show that the law is wrong.
+//! All measures use the true motion and the motor's true force (after limits, steps and delay), not the law's input. A measure of
+//! the law's input could not show that the law is wrong.
 
 mod hardness;
 mod penetration;

@@ -1,4 +1,4 @@
-//! How deep the wall lets the hand in.
+//! Largest penetration of the device into the wall.
 
 /// The deepest penetration of a press.
 #[derive(Debug, Clone, Copy, Default)]
@@ -7,13 +7,13 @@ pub struct PeakPenetration {
 }
 
 impl PeakPenetration {
-    /// Takes the true penetration of a tick, rad.
+    /// Adds the true penetration of a tick, rad.
     pub fn record(&mut self, penetration_rad: f64) {
         self.peak_rad = self.peak_rad.max(penetration_rad);
     }
 
-    /// Peak penetration over the one that the push would reach at rest in a spring of the desired stiffness, `F/k_de`.
-    /// It is 1 where nothing overshoots and the wall is as stiff as wanted.
+    /// Peak penetration over that of a spring of the requested stiffness at rest, `F/k_de`, under the same push `F`. It is 1 for a
+    /// wall of the requested stiffness without overshoot.
     #[must_use]
     pub fn ratio(&self, push_n_m: f64, k_desired: f64) -> f64 {
         self.peak_rad * k_desired / push_n_m

@@ -1,4 +1,4 @@
-//! The kick that a hand gets when it lets go.
+//! Outward motion of the device after the hand lets go of the wall.
 
 /// Outward motion from the moment at which the hand begins to let go.
 #[derive(Debug, Clone, Copy)]
@@ -9,7 +9,7 @@ pub struct Release {
 }
 
 impl Release {
-    /// Measures from this tick on.
+    /// Starts the measure at tick `from`.
     #[must_use]
     pub fn new(from: u64) -> Self {
         Self {
@@ -19,7 +19,7 @@ impl Release {
         }
     }
 
-    /// Takes a tick: true penetration, rad, and true velocity, rad/s, both positive inwards.
+    /// Adds a tick: true penetration in rad and true velocity in rad/s, positive into the wall.
     pub fn record(&mut self, index: u64, penetration_rad: f64, velocity_rad_per_s: f64) {
         if index >= self.from {
             self.speed_rad_per_s = self.speed_rad_per_s.max(-velocity_rad_per_s);
@@ -33,7 +33,7 @@ impl Release {
         self.speed_rad_per_s
     }
 
-    /// Largest distance outside the surface, rad. It includes the hand's own rest point outside.
+    /// Largest distance of the device outside the wall's surface, rad. It includes the distance to which the hand itself withdraws.
     #[must_use]
     pub fn excursion_rad(&self) -> f64 {
         self.excursion_rad

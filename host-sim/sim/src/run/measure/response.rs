@@ -1,29 +1,29 @@
-//! The stiffness that a moving hand meets: force over penetration at the frequency of its motion.
+//! Stiffness for a moving hand: force over penetration at the frequency of the hand's motion.
 
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// A motion in a steady rhythm.
+/// A rhythmic motion of the hand at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wiggle {
     /// Frequency of the motion, Hz.
     pub frequency_hz: f64,
-    /// First tick and the one past the last of whole periods at full amplitude.
+    /// First tick, and tick after the last, of the whole periods at full amplitude.
     pub window: (u64, u64),
 }
 
-/// `F/x` at one frequency.
+/// Ratio of force to penetration, `F/x`, at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DynamicStiffness {
     /// Frequency, Hz.
     pub frequency_hz: f64,
     /// Amplitude of the force over that of the penetration, N·m/rad.
     pub modulus_n_m_per_rad: f64,
-    /// Lead of the force over the penetration, degrees; a force that lags (below 0) is negative damping.
+    /// Phase by which the force leads the penetration, degrees. A lagging force (below 0) acts as negative damping.
     pub phase_deg: f64,
 }
 
-/// Sums of a signal for a fit of mean, cosine and sine.
+/// Sums of one signal for a least-squares fit of mean, cosine and sine.
 #[derive(Debug, Clone, Copy, Default)]
 struct Signal {
     sum: f64,
@@ -39,8 +39,8 @@ impl Signal {
     }
 }
 
-/// Lock-in on force and penetration: the least-squares sine of each, beside its mean. So the window's ends need not fall on
-/// ticks, and no mean leaks into the sine.
+/// Fits a mean and a sine to force and penetration by least squares (lock-in). The ends of the measured window need not fall on
+/// ticks, and the mean does not distort the sine.
 #[derive(Debug, Clone, Copy)]
 pub struct Response {
     wiggle: Wiggle,
@@ -56,7 +56,7 @@ pub struct Response {
 }
 
 impl Response {
-    /// A measure for a motion and ticks of this period, s.
+    /// Prepares the measure for a motion and a control period in s.
     #[must_use]
     pub fn new(wiggle: Wiggle, period_s: f64) -> Self {
         Self {
@@ -73,7 +73,7 @@ impl Response {
         }
     }
 
-    /// Takes a tick: the mean over it of the true penetration, rad, and of the force out of the wall, N·m.
+    /// Adds a tick: the means over it of the true penetration in rad and of the force in N·m, positive out of the wall.
     pub fn record(&mut self, index: u64, penetration_rad: f64, force_n_m: f64) {
         let (from, to) = self.wiggle.window;
         if index < from || index >= to {
@@ -91,7 +91,7 @@ impl Response {
         self.penetration.add(penetration_rad, (sin, cos));
     }
 
-    /// Amplitudes of cosine and sine.
+    /// Amplitudes of cosine and sine of a signal.
     fn fitted(&self, signal: &Signal) -> (f64, f64) {
         let n = self.ticks;
         let cos_cos = self.cos_cos - self.cos * self.cos / n;
@@ -106,7 +106,7 @@ impl Response {
         )
     }
 
-    /// The stiffness; `None` where the hand left the wall in the window, did not move, or the window has no period.
+    /// Stiffness at the motion's frequency; `None` if the hand left the wall, did not move, or the window has no period.
     #[must_use]
     pub fn stiffness(&self) -> Option<DynamicStiffness> {
         let (force, penetration) = (self.fitted(&self.force), self.fitted(&self.penetration));
@@ -128,7 +128,7 @@ mod tests {
 
     const PERIOD_S: f64 = 1e-3;
 
-    /// 0.02 rad ± 0.006 rad in a wall `F = F_0 + k x + B v` that answers `lag_s` late.
+    /// Measures a wall `F = F_0 + k x + B v` whose force lags by `lag_s`, for a motion of 0.02 rad ± 0.006 rad.
     fn wall(frequency_hz: f64, k: f64, damping: f64, lag_s: f64) -> Option<DynamicStiffness> {
         let periods = (1.0 / frequency_hz / PERIOD_S).round() as u64;
         let window = (300, 300 + 3 * periods);

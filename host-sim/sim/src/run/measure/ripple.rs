@@ -1,8 +1,8 @@
-//! How rough the motor's torque is while the hand presses steadily or moves slowly.
+//! Roughness (ripple) of the motor's torque while the hand presses steadily or moves slowly.
 
 use std::f64::consts::{PI, SQRT_2};
 
-/// Frequency above which torque is no hand's motion any more, but felt as vibration, Hz.
+/// Frequency above which a change of torque is vibration rather than an answer to the hand's motion, Hz.
 pub const HIGH_PASS_HZ: f64 = 50.0;
 
 /// Second-order Butterworth high-pass, bilinear transform: the corner lies exactly at [`HIGH_PASS_HZ`].
@@ -15,7 +15,7 @@ struct HighPass {
 }
 
 impl HighPass {
-    /// `None` where the rate is too low for anything above the corner to be left.
+    /// Builds the filter for a control rate; `None` where the rate is too low to hold frequencies above the corner.
     fn new(rate_hz: f64) -> Option<Self> {
         if rate_hz < 4.0 * HIGH_PASS_HZ {
             return None;
@@ -43,7 +43,7 @@ impl HighPass {
     }
 }
 
-/// Mean of squares.
+/// Mean of the squares of a signal.
 #[derive(Debug, Clone, Copy, Default)]
 struct Squares {
     sum: f64,
@@ -61,7 +61,7 @@ impl Squares {
     }
 }
 
-/// Ripple of the motor's force over a window of ticks, as far as the wall is touched in it.
+/// Ripple of the motor's force over a window of ticks. Only ticks in contact with the wall count.
 #[derive(Debug, Clone, Copy)]
 pub struct Ripple {
     window: (u64, u64),
@@ -72,7 +72,7 @@ pub struct Ripple {
 }
 
 impl Ripple {
-    /// Measures over the ticks of `window`, without its end.
+    /// Measures from the first tick of `window` to the tick before its second.
     #[must_use]
     pub fn new(window: (u64, u64), rate_hz: f64) -> Self {
         Self {
@@ -84,7 +84,8 @@ impl Ripple {
         }
     }
 
-    /// Takes a tick: force out of the wall, N·m; every tick of the run, so that the filter has settled when the window begins.
+    /// Adds a tick: force in N·m, positive out of the wall. Call it for every tick of the run, so that the filter has settled when
+    /// the window begins.
     pub fn record(&mut self, index: u64, force_n_m: f64) {
         let high = self.high_pass.as_mut().map(|filter| filter.next(force_n_m));
         let touched = force_n_m != 0.0 && self.last_n_m != 0.0;
@@ -95,13 +96,14 @@ impl Ripple {
         self.last_n_m = force_n_m;
     }
 
-    /// Root mean square of the step from tick to tick, N·m; `None` without contact in the window.
+    /// Root mean square of the change of force from tick to tick, N·m; `None` without contact in the window.
     #[must_use]
     pub fn tick_to_tick_rms_n_m(&self) -> Option<f64> {
         self.steps.rms()
     }
 
-    /// Root mean square of the part above [`HIGH_PASS_HZ`], N·m; `None` also where the rate is below four times that.
+    /// Root mean square of the force above [`HIGH_PASS_HZ`], N·m. `None` without contact, or for a control rate below four times
+    /// [`HIGH_PASS_HZ`].
     #[must_use]
     pub fn above_50_hz_rms_n_m(&self) -> Option<f64> {
         self.high.rms()
@@ -114,7 +116,7 @@ mod tests {
 
     const RATE_HZ: f64 = 1_000.0;
 
-    /// A mean push of 0.1 N·m and a sine on it, over whole periods after the filter has settled.
+    /// Ripple of a mean push of 0.1 N·m with a sine, over whole periods after the filter has settled.
     fn sine(amplitude: f64, frequency_hz: f64) -> Ripple {
         let mut ripple = Ripple::new((1_000, 3_000), RATE_HZ);
         for index in 0..4_000_u64 {

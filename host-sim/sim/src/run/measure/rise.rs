@@ -1,22 +1,23 @@
-//! How hard a contact begins: by how fast the torque rises when the device enters the wall.
+//! Hardness of a contact: how fast the torque rises when the device enters the wall.
 
 use std::collections::VecDeque;
 
-/// Time over which a change of the torque is taken, s; a tick where that is longer. So rates can be compared.
+/// Time over which a change of the torque is measured, s; one tick where a tick is longer. A fixed time makes control rates
+/// comparable.
 const CHANGE_S: f64 = 1e-3;
-/// Time from the entry in which the torque rises, s: a tap is felt by it.
+/// Time after the entry within which the largest torque is measured, s. A hand feels a tap by this rise.
 pub const RISE_S: f64 = 5e-3;
-/// Longest initial contact, s, as for rate-hardness.
+/// Longest initial contact, s; the same as for rate-hardness.
 const LONGEST_S: f64 = 0.02;
 
-/// Extended rate-hardness (Han and Choi 2010): the largest rate of change of the force over the largest speed, in the first contact; and the
-/// largest torque in its first five milliseconds.
+/// Extended rate-hardness (Han and Choi 2010): largest rate of change of the force over the largest speed, in the first contact.
+/// Also the largest torque in the first 5 ms of the contact.
 #[derive(Debug, Clone)]
 pub struct ContactRise {
     period_s: f64,
-    /// Forces of the last [`CHANGE_S`], the latest last.
+    /// Forces of the last [`CHANGE_S`] in N·m, the latest last.
     past: VecDeque<f64>,
-    /// Ticks since the entry; absent before it.
+    /// Ticks since the device entered the wall; `None` before.
     inside: Option<u64>,
     over: bool,
     steepest_n_m_per_s: f64,
@@ -25,7 +26,7 @@ pub struct ContactRise {
 }
 
 impl ContactRise {
-    /// A measure for ticks of this period, s.
+    /// Prepares the measure for a control period in s.
     #[must_use]
     pub fn new(period_s: f64) -> Self {
         let change = (CHANGE_S / period_s).round().max(1.0) as usize;
@@ -40,7 +41,8 @@ impl ContactRise {
         }
     }
 
-    /// Takes a tick: true penetration and inward speed at its sample, rad and rad/s, and the force that was held over it, N·m out of the wall.
+    /// Adds a tick: true penetration in rad and inward speed in rad/s at its sample, and the force held over the tick in N·m,
+    /// positive out of the wall.
     pub fn record(&mut self, penetration_rad: f64, speed_rad_per_s: f64, force_n_m: f64) {
         if self.over || (self.inside.is_none() && penetration_rad <= 0.0) {
             return;
@@ -62,14 +64,14 @@ impl ContactRise {
         }
     }
 
-    /// Extended rate-hardness, N·m/rad; `None` without a contact that moved.
+    /// Extended rate-hardness, N·m/rad; `None` without a contact in which the device moved.
     #[must_use]
     pub fn n_m_per_rad(&self) -> Option<f64> {
         let hardness = self.steepest_n_m_per_s / self.fastest_rad_per_s;
         (self.inside.is_some() && hardness.is_finite()).then_some(hardness)
     }
 
-    /// Largest torque in the first five milliseconds, N·m; `None` without a contact.
+    /// Largest torque in the first 5 ms of the contact, N·m; `None` without a contact.
     #[must_use]
     pub fn torque_n_m(&self) -> Option<f64> {
         self.inside.map(|_| self.torque_n_m)
@@ -80,7 +82,7 @@ impl ContactRise {
 mod tests {
     use super::*;
 
-    /// A device that enters `F(x, v)` at 2 rad/s and slows down evenly to nothing in 10 ms.
+    /// Measures a device that enters the wall `F(x, v)` at 2 rad/s and slows down evenly to rest in 10 ms.
     fn entered(period_s: f64, force: impl Fn(f64, f64) -> f64) -> ContactRise {
         let mut rise = ContactRise::new(period_s);
         let ticks = (0.012 / period_s) as i32;

@@ -1,30 +1,31 @@
-//! How long a hand waits for the desired stiffness.
+//! Settling time: how long a press takes until the wall has its requested stiffness.
 
-/// Largest share by which a settled force differs from the desired one.
+/// Largest relative deviation of a settled force from the requested one (0.05 is 5 %).
 pub const TOLERANCE: f64 = 0.05;
 
-/// Follows a press from the first touch to the end of its hold.
+/// Observes a press from the first touch to the end of its hold.
 #[derive(Debug, Clone, Copy)]
 pub struct Settle {
     k_desired: f64,
     ramp_end: u64,
     end: u64,
     first_touch: Option<u64>,
-    /// First tick after the last one that was off.
+    /// First tick after the last one whose force was outside the tolerance.
     settled: u64,
 }
 
-/// Ticks until a press had settled.
+/// Settling times of a press, in ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settled {
-    /// Ticks from the first touch.
+    /// Ticks from the first touch until the press had settled.
     pub from_first_touch: u64,
-    /// Ticks from the end of the press' ramp; 0 if the press had settled before.
+    /// Ticks from the end of the press' ramp until the press had settled; 0 if it had settled before.
     pub from_ramp_end: u64,
 }
 
 impl Settle {
-    /// For a wall of `k_desired` N·m/rad, a ramp that ends with tick `ramp_end` and a hold that ends before tick `end`.
+    /// Prepares the measure for a wall of `k_desired` N·m/rad, a ramp that ends with tick `ramp_end` and a hold that ends before
+    /// tick `end`.
     #[must_use]
     pub fn new(k_desired: f64, ramp_end: u64, end: u64) -> Self {
         Self {
@@ -36,7 +37,7 @@ impl Settle {
         }
     }
 
-    /// Takes a tick: true penetration, rad, and force out of the wall, N·m.
+    /// Adds a tick: true penetration in rad and force in N·m, positive out of the wall.
     pub fn record(&mut self, index: u64, penetration_rad: f64, force_n_m: f64) {
         if index >= self.end {
             return;
@@ -56,8 +57,8 @@ impl Settle {
         }
     }
 
-    /// When force over penetration came within [`TOLERANCE`] of the desired stiffness and stayed there until the hold's end;
-    /// `None` if it did not, or nothing was touched.
+    /// Ticks until force over penetration stayed within [`TOLERANCE`] of the requested stiffness to the end of the hold. `None` if
+    /// it did not, or nothing was touched.
     #[must_use]
     pub fn settled(&self) -> Option<Settled> {
         let first_touch = self.first_touch?;
@@ -72,7 +73,7 @@ impl Settle {
 mod tests {
     use super::*;
 
-    /// A wall whose stiffness rises as `k (1 - e^(-t/τ))`, touched at tick 100.
+    /// Measures a wall that is touched at tick 100 and whose stiffness rises as `k (1 - e^(-t/τ))`.
     fn approach(time_constant: f64, end: u64) -> Option<Settled> {
         let mut settle = Settle::new(5.0, 150, end);
         for index in 0..2_000_u64 {

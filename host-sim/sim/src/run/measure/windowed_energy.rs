@@ -1,10 +1,9 @@
-//! The most energy that a port gives in any window of time.
+//! Largest energy that a port gives out in any window of time.
 
-/// The largest fall of an energy below an earlier value.
+/// Largest fall of an energy below an earlier value: the most that a port gave out in any window of time.
 ///
-/// A sum from the start would let energy that was put in early hide energy that is given away late; here a window may
-/// begin and end anywhere. A spring gives back what it stored, so even a passive wall has a value: that of its deepest
-/// press.
+/// In a sum from the start, energy put in early would hide energy given out later; a window may begin and end at any tick. A spring
+/// gives back what it stored, so even a passive wall has a value: the energy of its deepest press.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct WorstWindow {
     highest_j: f64,
@@ -12,13 +11,13 @@ pub struct WorstWindow {
 }
 
 impl WorstWindow {
-    /// Takes the energy that the port has absorbed since the start, J; it was 0 then.
+    /// Adds the energy in J that the port has absorbed since the start of the run, where it was 0.
     pub fn record(&mut self, absorbed_j: f64) {
         self.highest_j = self.highest_j.max(absorbed_j);
         self.worst_j = self.worst_j.max(self.highest_j - absorbed_j);
     }
 
-    /// The most that was given in any window, J, 0 or more.
+    /// Most energy that the port gave out in any window, J, 0 or more.
     #[must_use]
     pub fn worst_j(&self) -> f64 {
         self.worst_j

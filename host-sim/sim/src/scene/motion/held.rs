@@ -1,9 +1,9 @@
-//! A record of ticks, taken as it stands.
+//! A recording of control periods that is replayed without change.
 
 use super::Recording;
 
-/// Samples, each of which holds until the next, as the hand's rest point does in the loop. Nothing is moved, smoothed
-/// or interpolated, so that a recording tick by tick comes back bit for bit.
+/// Samples, each held until the next, as the loop holds the hand's rest point. Nothing is moved, smoothed or interpolated, so a
+/// recording of every tick is replayed bit for bit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Held {
     times_s: Vec<f64>,

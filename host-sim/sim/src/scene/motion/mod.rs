@@ -19,9 +19,9 @@ use held::Held;
 use press::Press;
 use tap::TapPath;
 
-/// The hand's moving rest point `r(t)`: the end of the hand's spring that the person, not the device, decides upon.
+/// The hand's moving rest point `r(t)`: the end of the hand's spring that the person moves on purpose.
 ///
-/// All shapes are smooth: `r` has a continuous slope, and its content lies within what a hand can do (some 10 Hz).
+/// All shapes are smooth: `r` has a continuous slope, and its frequencies are those of voluntary motion (up to some 10 Hz).
 #[derive(Debug, Clone)]
 pub struct RestPath {
     shape: Shape,
@@ -39,7 +39,7 @@ enum Shape {
 }
 
 impl Scene {
-    /// Angle at which the device starts, rad: the one given, else where the hand's rest point starts.
+    /// Initial angle of the device, rad: the scene's initial angle if given, else the first rest point of the hand.
     pub fn start_rad(&self, motion: &RestPath) -> f64 {
         self.device
             .initial_angle_rad
@@ -99,7 +99,7 @@ impl RestPath {
         Ok(RestPath { shape, note })
     }
 
-    /// A hand whose rest point stays.
+    /// A hand whose rest point stays at one angle.
     pub fn still(rest_rad: f64) -> RestPath {
         RestPath {
             shape: Shape::Still(rest_rad),
@@ -107,7 +107,7 @@ impl RestPath {
         }
     }
 
-    /// Rest point at a time, rad. Evaluated once per tick.
+    /// Rest point at a time in s, rad. The loop evaluates it once per tick.
     pub fn rest_rad(&self, time_s: f64) -> f64 {
         match &self.shape {
             Shape::Still(angle) => *angle,
@@ -119,7 +119,7 @@ impl RestPath {
         }
     }
 
-    /// The rest point of a hand without a motion, rad: it stays there.
+    /// Constant rest point of a hand without a motion, rad; `None` for a hand that moves.
     pub fn still_rad(&self) -> Option<f64> {
         match self.shape {
             Shape::Still(angle) => Some(angle),
@@ -127,7 +127,7 @@ impl RestPath {
         }
     }
 
-    /// The choices made for a recording, in one line for people; `None` for other motions.
+    /// One line for users on how a recording was placed and read; `None` for other motions.
     pub fn note(&self) -> Option<&str> {
         self.note.as_deref()
     }

@@ -1,18 +1,17 @@
-//! Oddities of a recording, each with the number that shows it.
+//! Suspicious features of a recording, each reported with the number that shows it.
 
 use super::recording::Recording;
 use std::f64::consts::TAU;
 
-/// Faster than a hand turns a knob, rad/s: a wrist reaches some 25.
+/// Speed that no hand turns a knob at, rad/s; a wrist reaches some 25 rad/s.
 const FASTEST_RAD_PER_S: f64 = 60.0;
-/// Least time over which a speed is taken, so that a sensor's step between two close samples does not count as a
-/// motion, s.
+/// Least time over which a speed is computed, s. A sensor's step between two close samples would else count as a fast motion.
 const OVER_S: f64 = 5e-3;
-/// Least length of a gap, s: in it a hand does much that the curve does not have.
+/// Least time between two samples that counts as a gap, s. In a longer time a hand may make motions that the recording lacks.
 const GAP_S: f64 = 0.1;
 
 impl Recording {
-    /// Notes on oddities of a recording; empty for a good one.
+    /// Notes on suspicious features of a recording; empty for a good one.
     #[must_use]
     pub fn odd(&self) -> Vec<String> {
         [self.gap(), self.bursts(), self.wraps(), self.speed()]

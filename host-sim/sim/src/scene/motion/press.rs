@@ -14,7 +14,7 @@ use crate::scene::operator::{Hand, PressWiggleRelease, RampAndHold, TouchAndPres
 #[derive(Debug, Clone)]
 pub(super) struct Press {
     outside_rad: f64,
-    /// Where the press starts from: outside, or the light touch before it.
+    /// Rest point at the start of the press, rad: outside the wall, or at the light touch before the press.
     from_rad: f64,
     inside_rad: f64,
     touch_start_s: f64,

@@ -39,7 +39,7 @@ pub struct Recording {
     angles_rad: Vec<f64>,
 }
 
-/// One of the two columns that are used.
+/// One of the two columns that are used: time or angle.
 struct Column {
     index: usize,
     name: String,
