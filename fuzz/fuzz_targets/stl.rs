@@ -1,5 +1,5 @@
 #![no_main]
-//! STL: the bytes as a file, and as damages of whole files of both forms.
+//! Meshes: the bytes as a file of STL, OBJ and PLY, and as damages of whole STL files of both forms.
 
 #[path = "../../tests/made/choices.rs"]
 mod choices;
@@ -10,6 +10,8 @@ use choices::Given;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    made::is_read(bytes);
+    for name in ["made.stl", "made.obj", "made.ply"] {
+        made::is_read_as(name, bytes);
+    }
     made::is_read(&made::made(&mut Given(bytes)));
 });

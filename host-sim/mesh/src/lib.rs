@@ -1,6 +1,6 @@
 //! Triangle meshes as virtual objects, for the desktop.
 //!
-//! [`Mesh`] is the object, from vertices or an STL file; `Proxy` is a point that stays on its surface while the hand goes in (the
+//! [`Mesh`] is the object, from vertices or a file of STL, OBJ or PLY; `Proxy` is a point that stays on its surface while the hand goes in (the
 //! god-object of Zilles and Salisbury, IROS 1995). [`MeshSurface`] shows the two to [`touchstone_control::space`] as any other object.
 //!
 //! All of it needs the feature `geometry`. Without it no mesh can be made, and reading one says how to build the program.
@@ -10,18 +10,30 @@
 #[cfg_attr(test, allow(dead_code))]
 mod absent;
 #[cfg(feature = "geometry")]
+mod file;
+#[cfg(feature = "geometry")]
 mod mesh;
 #[cfg(feature = "geometry")]
+mod obj;
+#[cfg(feature = "geometry")]
 mod odd;
+#[cfg(feature = "geometry")]
+mod ply;
 #[cfg(feature = "geometry")]
 mod proxy;
 #[cfg(feature = "geometry")]
 mod stl;
 #[cfg(feature = "geometry")]
 mod surface;
+#[cfg(feature = "geometry")]
+mod tree;
+#[cfg(feature = "geometry")]
+mod words;
 
 #[cfg(not(feature = "geometry"))]
 pub use absent::{Mesh, MeshSurface};
+#[cfg(feature = "geometry")]
+pub use file::MOST_TRIANGLES;
 #[cfg(feature = "geometry")]
 pub use mesh::{Mesh, MeshError};
 #[cfg(feature = "geometry")]

@@ -11,7 +11,6 @@
 use crate::mesh::{Face, Mesh};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
-use parry3d_f64::query::PointQuery as _;
 
 /// Times the proxy goes on with no plane in mind.
 const ROUNDS: usize = 6;
@@ -78,7 +77,7 @@ impl Proxy {
                 return;
             };
             self.at += share * (goal - self.at);
-            planes.push(self.plane(face));
+            planes.push(self.plane(&face));
             goal = closest(hand, &planes, self.gap_m).unwrap_or(self.at);
         }
     }
@@ -91,15 +90,12 @@ impl Proxy {
     }
 
     /// The first front face on the straight way to a place, of those that have not stopped it yet, and the share of the way until there.
-    fn first<'m>(&self, mesh: &'m Mesh, goal: Vector, known: &[Plane]) -> Option<(f64, &'m Face)> {
+    fn first(&self, mesh: &Mesh, goal: Vector, known: &[Plane]) -> Option<(f64, Face)> {
         let gap = self.gap_m;
         let around = Vector::splat(2.0 * BESIDE_GAPS * gap);
         let way = Aabb::new(self.at.min(goal) - around, self.at.max(goal) + around);
-        let mut best: Option<(f64, &Face)> = None;
-        for number in mesh.tree.bvh().intersect_aabb(&way) {
-            let Some(face) = mesh.faces.get(number as usize) else {
-                continue;
-            };
+        let mut best: Option<(f64, Face)> = None;
+        for face in mesh.tree.near(&way).filter_map(Face::new) {
             let (here, there) = (face.height(self.at), face.height(goal));
             // From above it, or from the slip of rounding, to below where it keeps things.
             if here < -gap || there >= gap * (1.0 - 1e-3) || there >= here {
@@ -109,7 +105,7 @@ impl Proxy {
             if best.is_some_and(|(least, _)| share >= least) {
                 continue;
             }
-            let plane = self.plane(face);
+            let plane = self.plane(&face);
             let again = known
                 .iter()
                 .any(|known| known.normal == plane.normal && known.least == plane.least);
@@ -122,7 +118,7 @@ impl Proxy {
 
     /// Distance of the hand from the surface when the proxy is with it, m.
     pub(crate) fn clearance(&self, mesh: &Mesh) -> f64 {
-        mesh.tree.distance_to_local_point(self.at, false).abs()
+        mesh.tree.distance(self.at)
     }
 }
 
