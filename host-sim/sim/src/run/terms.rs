@@ -15,6 +15,8 @@ const SETTLING_S: f64 = 0.5;
 pub struct Terms {
     /// Whether there is the wall of `[wall]`, which the measures of a wall are about.
     pub has_wall: bool,
+    /// Whether there is more than that wall: detents, stops, a spring.
+    pub has_more: bool,
     /// `x_s`, rad.
     pub surface_rad: f64,
     /// `k_de`, N·m/rad.
@@ -82,6 +84,7 @@ impl Terms {
         let window = |(from, to): (f64, f64)| (tick(from), tick(to));
         Self {
             has_wall: (scene.environment.as_ref()).is_none_or(|around| around.first_wall),
+            has_more: scene.environment.is_some(),
             surface_rad: scene.wall.surface_rad,
             k_desired: scene.wall.k_desired_n_m_per_rad,
             inertia_kg_m2: scene.device.inertia_kg_m2,
