@@ -13,7 +13,7 @@ use crate::accuracy::clock::{Spread, Work, race};
 /// Counted by `cargo xtask bench --ladder --write`.
 const COUNTED: &str = include_str!("ladder.txt");
 /// Repeats of a timed run.
-const REPEATS: u32 = 15;
+pub(super) const REPEATS: u32 = 15;
 
 /// Counted instructions a tick by configuration.
 pub struct Ladder {
@@ -75,7 +75,11 @@ impl Ladder {
 ///
 /// # Errors
 /// A scene that cannot be run.
-pub fn times(scene: &Scene, named: &[&Effect]) -> Result<(Spread, Vec<Option<f64>>)> {
+pub fn times(
+    scene: &Scene,
+    named: &[&Effect],
+    step: &mut dyn FnMut(),
+) -> Result<(Spread, Vec<Option<f64>>)> {
     run::simulate(scene, None)?;
     let without: Vec<Option<Scene>> = named
         .iter()
@@ -93,7 +97,7 @@ pub fn times(scene: &Scene, named: &[&Effect]) -> Result<(Spread, Vec<Option<f64
             Box::new(move || f64::from(u8::from(run::simulate(scene, None).is_ok())))
         })
         .collect();
-    let mut spreads = race(&mut work, ticks, REPEATS, || {}).into_iter();
+    let mut spreads = race(&mut work, ticks, REPEATS, step).into_iter();
     let whole = spreads.next().unwrap_or(Spread {
         least_ns: f64::NAN,
         lower_quartile_ns: f64::NAN,

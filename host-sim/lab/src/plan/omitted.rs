@@ -103,11 +103,20 @@ const OUTPUTS: &[Output] = &[
 /// Displacement of the start that shows the loop's own sensitivity, rad: far below anything a scene is about.
 const NUDGE_RAD: f64 = 1e-9;
 
-/// Tries every effect that the scene does not name.
+/// The effects that a scene could name and does not.
+pub fn untried(scene: &Scene) -> impl Iterator<Item = &'static Effect> {
+    let named = |effect: &Effect| (effect.is_named)(scene);
+    EFFECTS.iter().filter(move |effect| {
+        let excluded = |other: &Effect| named(other) && exclude_each_other(effect, other);
+        !named(effect) && !EFFECTS.iter().any(excluded)
+    })
+}
+
+/// Tries every effect that the scene does not name; `step` is called for each.
 ///
 /// # Errors
 /// A scene that cannot be run.
-pub fn all(scene: &Scene, tolerance: f64) -> Result<Vec<Omitted>> {
+pub fn all(scene: &Scene, tolerance: f64, step: &mut dyn FnMut()) -> Result<Vec<Omitted>> {
     let plain = run::run(scene, false)?.summary;
     let nudged = scene.with(|scene| {
         if let Some(angle) = &mut scene.device.initial_angle_rad {
@@ -123,15 +132,9 @@ pub fn all(scene: &Scene, tolerance: f64) -> Result<Vec<Omitted>> {
         .map_or(std::f64::consts::TAU / 40_000.0, |encoder| {
             encoder.step_rad()
         });
-    let named = |effect: &Effect| (effect.is_named)(scene);
-    Ok(EFFECTS
-        .iter()
-        .filter(|effect| !named(effect))
-        .filter(|effect| {
-            let excluded = |other: &Effect| named(other) && exclude_each_other(effect, other);
-            !EFFECTS.iter().any(excluded)
-        })
+    Ok(untried(scene)
         .map(|effect| {
+            step();
             let mut found = Omitted {
                 name: effect.name,
                 field: effect.field,
