@@ -8,6 +8,8 @@ const FASTEST_RAD_PER_S: f64 = 60.0;
 /// Least time over which a speed is taken, so that a sensor's step between two close samples does not count as a
 /// motion, s.
 const OVER_S: f64 = 5e-3;
+/// A clock that is so far from 0 is that of a calendar, s: 11 days.
+const EPOCH_S: f64 = 1e6;
 /// Least length of a gap, s: in it a hand does much that the curve does not have.
 const GAP_S: f64 = 0.1;
 
@@ -15,10 +17,23 @@ impl Recording {
     /// Notes on oddities of a recording; empty for a good one.
     #[must_use]
     pub fn odd(&self) -> Vec<String> {
-        [self.gap(), self.bursts(), self.wraps(), self.speed()]
-            .into_iter()
-            .flatten()
-            .collect()
+        [
+            self.epoch(),
+            self.gap(),
+            self.bursts(),
+            self.wraps(),
+            self.speed(),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+
+    fn epoch(&self) -> Option<String> {
+        let begins_s = self.begins_s();
+        (begins_s.abs() > EPOCH_S).then(|| {
+            format!("times begin at {begins_s:.3} s, as those of a calendar do, and are counted from there")
+        })
     }
 
     fn gap(&self) -> Option<String> {
