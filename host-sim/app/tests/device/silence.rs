@@ -9,16 +9,20 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_touchstone");
 const SILENT: Duration = Duration::from_millis(2_000 + 1_500);
 
 /// `touchstone demo --port-only`, ended with the test.
-struct Demo {
+pub struct Demo {
     process: Child,
     address: String,
 }
 
 impl Demo {
-    fn new() -> Self {
+    pub fn new() -> Self {
+        Self::with_input(Stdio::piped())
+    }
+
+    fn with_input(input: Stdio) -> Self {
         let mut process = Command::new(PROGRAM)
             .args(["--quiet", "demo", "--port-only", "--listen", "127.0.0.1:0"])
-            .stdin(Stdio::piped())
+            .stdin(input)
             .stdout(Stdio::piped())
             .spawn()
             .unwrap();
@@ -37,7 +41,7 @@ impl Demo {
         command
     }
 
-    fn run(&self, words: &[&str]) -> String {
+    pub fn run(&self, words: &[&str]) -> String {
         let output = self.command(words).output().unwrap();
         let said = String::from_utf8(output.stdout).unwrap();
         let why = String::from_utf8_lossy(&output.stderr);
@@ -92,6 +96,23 @@ fn a_device_whose_desktop_is_gone_switches_itself_off() {
         let _ = monitor.kill();
         monitor.wait().unwrap();
     }
+}
+
+/// An endless input without lines, as of a service whose standard input is nothing in particular.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_knob_whose_input_never_ends_a_line_goes_on_without_it() {
+    let zeros = std::fs::File::open("/dev/zero").unwrap();
+    let demo = Demo::with_input(zeros.into());
+    std::thread::sleep(Duration::from_millis(500));
+    let file = format!("/proc/{}/status", demo.process.id());
+    let status = std::fs::read_to_string(file).unwrap();
+    let peak = status.lines().find(|line| line.starts_with("VmHWM:"));
+    let peak = peak
+        .and_then(|line| line.split_whitespace().nth(1))
+        .unwrap();
+    assert!(peak.parse::<u64>().unwrap() < 100_000, "{peak} kB");
+    assert_eq!(demo.run(&["device", "fault"]), "no fault\n");
 }
 
 #[test]

@@ -17,6 +17,7 @@ use super::shipped;
 use super::unknown::{explain, join, list, nearest};
 use super::value::{choices, leaf_value, shown, wrong_type, wrong_value};
 use crate::error::{Error, Result};
+use crate::harmless;
 
 /// The top-level key of a text that names the scene below it. A scene itself has none: it is whole.
 const BASE: &str = "base";
@@ -237,6 +238,9 @@ impl Draft {
                 "compare with a shipped scene",
             )
         })?;
+        // Both come to tables and logs, in one line.
+        scene.name = harmless::one_line(&scene.name);
+        scene.description = harmless::one_line(&scene.description);
         scene.origin = self.origin;
         match check::scene(&scene) {
             Some(Problem { path, problem, fix }) => Err(scene.origin.error(&path, problem, fix)),
