@@ -1,28 +1,32 @@
-//! The most instructions that each part of a control period may take on the microcontroller, a Cortex-M4F at 170 MHz: what
-//! `cargo xtask thumb` and `cargo xtask cycles` hold the programs to. Each reads this file.
+//! Limits for the number of instructions or cycles of each part of a control period on the microcontroller, a Cortex-M4F at 170
+//! MHz. `cargo xtask thumb` and `cargo xtask cycles` read this file and fail where a program exceeds a limit.
 
-/// One tick of the enhanced law by itself, for any input. 600 is aimed at, 3.5 us at an instruction a cycle. It took 696 at worst
-/// since the energy of the mass that is left behind is paid for, and 712 since the force limit bounds the offset, until that path is
-/// shorter.
+/// Most instructions of one tick of the enhanced law alone, for any input.
+///
+/// The goal is 600, that is 3.5 us at an instruction per cycle. Measured worst case: 712, because the law counts the energy of a
+/// virtual mass that it leaves behind, and bounds its offset by the force limit.
 pub const ENHANCED: u64 = 720;
 
-/// One tick of three axes: surface point, shell, friction and guard. A law an axis is the worst. 2,500 was aimed at; it takes 2,557
-/// since the enhanced law has a damper.
-/// Another compiler may take some more.
+/// Most instructions of one tick on three axes: surface point, shell (force vector from the laws), friction and energy guard.
+///
+/// The worst combination is one law per axis: 2,557 instructions with the damper of the enhanced law. The limit leaves room for
+/// other compilers.
 pub const SPACE: u64 = 2_620;
 
-/// Bound for everything that the law's side of a control tick may run: the law, its estimator and the energy guard. 5
-/// us.
+/// Most instructions of the control law with its estimator and the energy guard in one control tick: 5 us at an instruction per
+/// cycle.
 pub const LAW: u64 = 850;
 
-/// The control interrupt, in any state and with any fault. 20.6 us: with the current loop twice on top 32 of a period's 100 us at the
-/// fastest rate, 10 kHz. While the frames of an encoder are on the bus the last tick's record is kept and sent. 3,400 is aimed
-/// at, and 3,484 what it takes here: another compiler may take some more.
+/// Most instructions of the control interrupt, in any state and with any fault: 20.6 us at an instruction per cycle.
+///
+/// Together with two runs of the current loop this is 32 us of the 100 us of a control period at the fastest rate, 10 kHz. While
+/// the encoder's frames are on the bus, the interrupt stores and sends the last tick's record. Measured worst case: 3,484; the
+/// limit leaves room for other compilers.
 pub const CONTROL: u64 = 3_500;
 
-/// How much of the processor control interrupt and current loop may take at 10 kHz, every run the worst, %: with wait states for all that
-/// is fetched from flash, on a chip that runs them from a memory without.
+/// Largest part of the processor's time, in %, that control interrupt and current loop may take at 10 kHz if every run is the
+/// worst. The cycles include wait states for code in flash, on chips whose interrupts run from memory without wait states.
 pub const PROCESSOR_PERCENT: u64 = 80;
 
-/// The current loop, 5.3 us of each PWM period of 50 us.
+/// Most instructions of the current loop: 5.3 us of each PWM period of 50 us.
 pub const CURRENT: u64 = 900;

@@ -1,5 +1,5 @@
-//! Gives the linker the map of the board's memory, which lies at the repository's top level, and the scripts that use it; and the
-//! program a hash of its sources.
+//! Build script. Gives the linker the memory map of the board, which lies at the repository's top level, and the linker scripts
+//! that use it. Gives the program a hash of its sources.
 
 use std::path::{Path, PathBuf};
 
@@ -48,7 +48,7 @@ fn main() {
     println!("cargo::rustc-env=TOUCHSTONE_BUILD_HASH={hash:016x}");
 }
 
-/// The programs, each with its board's name.
+/// The names of the programs, one for each board.
 const BOARDS: [&str; 5] = [
     "nucleo-g474re",
     "nucleo-g474re-ihm16m1",
@@ -60,7 +60,7 @@ const BOARDS: [&str; 5] = [
 const FNV_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
 const FNV_PRIME: u64 = 0x100_0000_01b3;
 
-/// Adds a file, or a folder's files in the order of their names, to an FNV-1a hash.
+/// Adds a file, or the files of a folder in the order of their names, to an FNV-1a hash.
 fn add(path: &Path, hash: &mut u64) {
     if let Ok(entries) = std::fs::read_dir(path) {
         let mut entries: Vec<_> = entries

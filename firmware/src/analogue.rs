@@ -1,4 +1,5 @@
-//! The analogue command to an external servo amplifier: DAC1 channel 1, and a pin of port C that enables the amplifier.
+//! The analogue command to an external servo amplifier: a voltage from DAC1 channel 1, and a pin of port C that enables the
+//! amplifier.
 
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -7,11 +8,11 @@ use embassy_stm32::pac::{DAC1, GPIOC};
 use embassy_stm32::{Peri, peripherals, rcc};
 use touchstone_drive::DacCode;
 
-/// The pin of port C that enables the amplifier, as a mask; none where the board has no such output.
+/// Bit mask of the pin of port C that enables the amplifier; 0 where the board has no such output.
 static ENABLE: AtomicU32 = AtomicU32::new(0);
 
-/// Sets it up at the middle, which is no torque. The pin is analogue after a reset already, and is not driven before the first
-/// command: without such an amplifier the shield has a potentiometer there.
+/// Sets the converter up with its output in the middle, which means no torque. The DAC's pin is analogue after a reset and is not
+/// driven before the first command, because without such an amplifier the shield has a potentiometer there.
 pub fn start(_dac: Peri<'static, peripherals::DAC1>, enable: u8) {
     ENABLE.store(1 << enable, Relaxed);
     rcc::enable_and_reset::<peripherals::DAC1>();
@@ -23,14 +24,15 @@ pub fn start(_dac: Peri<'static, peripherals::DAC1>, enable: u8) {
     set(DacCode::ZERO);
 }
 
-/// The amplifier off, its command in the middle.
+/// Switches the amplifier off and sets its command to the middle (no torque).
 #[inline]
 pub fn off() {
     enable(false);
     set(DacCode::ZERO);
 }
 
-/// The amplifier on, with this command. The first one is no torque, as it fades in, while the converter wakes up (8 us).
+/// Switches the amplifier on with this command. The converter needs 8 us to wake up; meanwhile the first command is no torque,
+/// because the torque fades in.
 #[inline]
 pub fn on(code: DacCode) {
     set(code);
@@ -38,7 +40,7 @@ pub fn on(code: DacCode) {
     enable(true);
 }
 
-/// The upper half of the register clears.
+/// Drives the enable pin. In the register BSRR the upper 16 bits clear a pin and the lower 16 bits set it.
 #[inline(always)]
 fn enable(on: bool) {
     let pin = ENABLE.load(Relaxed);

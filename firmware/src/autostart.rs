@@ -1,5 +1,5 @@
-//! The unattended start, and the kept alignment that it checks: from the thread to the control tick. Not on the
-//! B-G431B-ESC1, which has no connector for an absolute encoder.
+//! Passes the automatic start, and the stored encoder alignment that it checks, from the thread to the control tick. Not on boards
+//! with an STM32G431.
 
 use core::sync::atomic::Ordering::Relaxed;
 
@@ -16,13 +16,13 @@ use crate::shared::InThread;
 
 const _: () = assert!(STEP_MS as u64 == crate::run::SUPERVISION.as_millis());
 
-/// Gives the control tick the kept alignment, together with the settings that belong to it.
+/// Hands the stored alignment to the control tick, if it fits the settings in use.
 pub fn give(control: &mut Control, session: &Session) {
     let kept = session.kept().usable(session.settings(), board::BOARD);
     control.device.keep(kept.ok().map(Into::into));
 }
 
-/// Begins before the first tick, with what was kept.
+/// Starts the automatic start before the first control tick, with the stored alignment.
 pub fn begin(here: InThread, session: &Session, reason: ResetReason) {
     let settings = session.settings();
     let usable = session.kept().usable(settings, board::BOARD);
@@ -33,7 +33,7 @@ pub fn begin(here: InThread, session: &Session, reason: ResetReason) {
     });
 }
 
-/// Runs one step of the unattended start, in the supervisor's rhythm.
+/// Runs one step of the automatic start. The supervisor calls it at each of its checks.
 pub fn step(here: InThread) {
     let desktop_spoke = SPOKEN.load(Relaxed);
     let is_stop_pressed = board::is_stop_pressed();

@@ -1,16 +1,16 @@
-//! 170 MHz for everything, from the oscillator inside.
+//! The clock of 170 MHz for processor, buses and timers, from the chip's internal oscillator.
 //!
-//! Its 1 % is enough: the control period enters the law's bounds with the same 1 %, and a serial port bears 2 %. An oscillator
-//! that is inside the chip works on every board and cannot come loose.
+//! Its error of 1 % is small enough: the control law's bounds allow 1 % for the control period, and a serial port tolerates 2 %. An
+//! internal oscillator works on every board and has no connection that can break.
 
 use embassy_stm32::Config;
 use embassy_stm32::interrupt::Priority;
 use embassy_stm32::rcc::{Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk, mux};
 
-/// Processor, buses and timers, Hz.
+/// Clock of processor, buses and timers, Hz.
 pub const CORE_HZ: u32 = 170_000_000;
 
-/// What `embassy_stm32::init` sets up.
+/// The clock configuration that `embassy_stm32::init` sets up.
 pub fn config() -> Config {
     let mut config = Config::default();
     config.rcc.hsi = true;

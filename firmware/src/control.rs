@@ -1,4 +1,4 @@
-//! The control tick's wiring: registers into [`ControlInput`], [`ControlOutput`] into registers.
+//! The wiring of the control tick: reads registers into a [`ControlInput`] and writes a [`ControlOutput`] to registers.
 
 use core::sync::atomic::Ordering::Relaxed;
 
@@ -17,46 +17,46 @@ use crate::exchange::{BREAK, BROWN_OUT, COMMAND, CONFIG, HEARD, REPORT};
 use crate::shared::Guarded;
 use crate::{analogue, board, pwm};
 
-/// How many telemetry records may wait for the port: at 10 kHz, those of one and a half of the link's rounds.
+/// Largest number of telemetry records that wait for the serial port: at 10 kHz those of one and a half rounds of the link's task.
 pub const QUEUED: usize = 16;
 
-/// The readings of an interrupt for a tick, apart from the encoder.
+/// What the interrupt has read for a tick, except the encoder.
 pub struct Readings {
-    /// The timer's break has pulled.
+    /// Whether the PWM timer's hardware break has switched the outputs off.
     pub hardware_break: bool,
-    /// The supply has sagged.
+    /// Whether the processor's supply has fallen below 2.9 V.
     pub brown_out: bool,
-    /// Cycles from when the tick was due to its first instruction.
+    /// Processor cycles from when the tick was due to its first instruction.
     pub lateness: u32,
 }
 
-/// Everything that a control tick remembers. The thread gives orders and looks through [`CONTROL`].
+/// The state of the control tick. The thread reads it and gives commands through [`CONTROL`].
 pub struct Control {
     /// The device's logic, which makes all decisions.
     pub device: Device,
-    /// The device's clock: ticks since the start.
+    /// Number of control ticks since the start.
     pub tick: u32,
-    /// The state at the end of the last tick.
+    /// The device's state at the end of the last tick.
     pub state: State,
     /// A command that waits for the next tick.
     pub command: Option<Command>,
-    /// What became of the last command.
+    /// Whether the last command had an effect; `None` until a tick has handled it.
     pub accepted: Option<bool>,
-    /// Telemetry that waits for the port, oldest first.
+    /// Telemetry records that wait for the serial port, oldest first.
     pub telemetry: Deque<Telemetry, QUEUED>,
-    /// Number of control ticks for each telemetry record; 0 for no telemetry.
+    /// Number of control ticks per telemetry record; 0 for no telemetry.
     pub decimation: u16,
-    /// Telemetry records that the queue had no room for.
+    /// Number of telemetry records dropped because the queue was full.
     pub dropped: u32,
-    /// Most cycles of a tick.
+    /// Longest duration of a tick, in processor cycles.
     pub cycles_max: u32,
-    /// Most cycles of lateness.
+    /// Largest lateness of a tick, in processor cycles.
     pub lateness_max: u32,
-    /// The unattended start.
+    /// State of the automatic start at power-on.
     #[cfg(feature = "g474re")]
     pub autostart: Autostart,
     since_sent: u16,
-    /// The last tick's record is not in the ring yet.
+    /// The last tick's record is not in the ring buffer yet.
     is_unkept: bool,
     duration: u32,
     encoder: EncoderKind,
@@ -65,7 +65,8 @@ pub struct Control {
     brown_out_told: bool,
 }
 
-/// Whether a frame came since the last tick. The thread, which says so, does not run in between.
+/// Whether a frame from the desktop arrived since the last tick. The flag is read and cleared in two steps; the thread, which sets
+/// it, cannot run between them.
 #[inline(always)]
 fn heard() -> bool {
     let heard = HEARD.load(Relaxed);
@@ -75,8 +76,7 @@ fn heard() -> bool {
     heard
 }
 
-/// The device's tick, called once in a control tick. It is a function of its own so that its input is built in place
-/// and not copied.
+/// Runs the device's tick, once per control tick. A function of its own, so that the input is built in place and not copied.
 #[inline(always)]
 fn tick_of(device: &mut Device, input: &ControlInput) -> ControlOutput {
     #[cfg(not(feature = "g474re"))]
@@ -86,17 +86,18 @@ fn tick_of(device: &mut Device, input: &ControlInput) -> ControlOutput {
     device.tick_around(input, unsafe { AROUND.mine() })
 }
 
-/// The control tick's state, in a static; `None` before the start.
+/// The state of the control tick; `None` before the start.
 pub static CONTROL: Guarded<Option<&'static mut Control>> = Guarded::new(None);
-/// Things to touch in addition to the wall. As large as the ring is, so it never moves either.
+/// The environment (further walls, end stops, detents) and the cogging map's table. It is large and must not be moved, like
+/// [`RING`].
 #[cfg(feature = "g474re")]
 pub static AROUND: Guarded<touchstone_drive::around::Around> =
     Guarded::new(touchstone_drive::around::Around::new());
-/// The last second. Too large for a stack, so it never moves.
+/// The ring buffer with the records of the last second. It is too large for the stack and must not be moved.
 pub static RING: Guarded<Ring> = Guarded::new(Ring::new(1_000));
 
 impl Control {
-    /// The state before the first tick.
+    /// The control tick's state before the first tick.
     pub fn new(device: Device, settings: &DeviceSettings) -> Self {
         Self {
             device,
@@ -121,7 +122,7 @@ impl Control {
         }
     }
 
-    /// Runs one tick.
+    /// Runs one control tick.
     #[inline]
     pub fn tick(&mut self, readings: &Readings) {
         if readings.brown_out && !self.brown_out_told {
@@ -172,14 +173,14 @@ impl Control {
         self.lateness_max = self.lateness_max.max(readings.lateness);
     }
 
-    /// Between two ticks: the encoder when the force changes.
+    /// Reads the encoder again between two ticks, when the commanded force changes.
     #[inline]
     pub fn read_change(&mut self) {
         let last = magnetic::begin(self.encoder).and_then(|()| magnetic::go_on(self.encoder));
         self.device.read_change(self.encoder_end(last));
     }
 
-    /// What the encoder says now: its last frame's answer, or the timer's count.
+    /// Finishes the reading of the encoder: waits for the last SPI frame, or reads the timer's count.
     #[inline(always)]
     fn encoder_end(&self, last: Option<magnetic::Last>) -> EncoderReading {
         match self.encoder {
@@ -188,7 +189,7 @@ impl Control {
         }
     }
 
-    /// Puts the last tick's record into the ring.
+    /// Adds the last tick's record to the ring buffer.
     #[inline(always)]
     fn keep(&mut self) {
         if core::mem::take(&mut self.is_unkept) {
@@ -198,7 +199,7 @@ impl Control {
         }
     }
 
-    /// Puts the last tick's record into the telemetry, where it is its turn.
+    /// Queues the last tick's record for the serial port, in every `decimation`-th tick.
     #[inline(always)]
     fn send(&mut self) {
         if self.decimation == 0 || self.since_sent < self.decimation {
@@ -213,15 +214,15 @@ impl Control {
         }
     }
 
-    /// Records how many cycles the tick took.
+    /// Stores the duration of the tick in processor cycles.
     #[inline]
     pub fn ended(&mut self, cycles: u32) {
         self.duration = cycles;
         self.cycles_max = self.cycles_max.max(cycles);
     }
 
-    /// The mailbox first and the switch second: the current loop, which may come in between, must not find an old command and
-    /// switch on again.
+    /// Passes the tick's command to the current loop or the amplifier. The mailbox is written before the outputs are switched off:
+    /// a current loop that interrupts between the two must not find an old command and switch on again.
     fn drive(&mut self, outputs: Outputs, drive: DriveCommand) {
         let command = match (outputs, drive) {
             (Outputs::On, DriveCommand::Current(command)) => command,
@@ -241,7 +242,7 @@ impl Control {
         }
     }
 
-    /// Takes other settings and the coefficients computed from them, which are used from the next calibration on.
+    /// Takes new settings and the coefficients computed from them. They are used from the next calibration on.
     pub fn prepare(&mut self, settings: &DeviceSettings, config: Config) {
         self.device.prepare(config);
         self.next_encoder = settings.encoder.kind;
@@ -264,8 +265,9 @@ impl Control {
         pwm::clear_break();
     }
 
-    /// What a measurement tells beside the record, in its place in the queue: a record that is built elsewhere is copied in every tick
-    /// of the wall. The report is read anew for the same reason; it is a period younger at most.
+    /// Adds the values measured at the motor to the telemetry record that is already in the queue. Building the record elsewhere
+    /// would cost a copy in every tick. The current loop's report is read again for the same reason; it is at most one PWM period
+    /// newer.
     #[cold]
     #[inline(never)]
     fn add_measuring(&mut self, part: MeasuringPart) {

@@ -1,7 +1,7 @@
-//! Copies of whole words, four at a time.
+//! The memory copy functions that the compiler calls, here for whole words, four at a time.
 //!
-//! The copy that comes with the compiler takes five instructions a word where it was built for size. A law is 114 words, which the
-//! control tick that arms copies. Its symbols give way to these (they are weak).
+//! The compiler's own copy takes five instructions per word where it was built for size. A control law is 114 words, and the
+//! control tick that arms copies one. The linker uses these functions because the compiler's symbols are weak.
 
 use core::arch::global_asm;
 

@@ -1,4 +1,4 @@
-//! What happens when the program cannot go on: outputs off, a record that survives the reset, then the reset. The next
+//! Stops a program that cannot continue: switches the outputs off, writes a record that survives the reset, then resets. The next
 //! start reads that record.
 
 use core::panic::PanicInfo;
@@ -12,7 +12,7 @@ use touchstone_drive::ResetFlags;
 
 use crate::{analogue, pwm, storage};
 
-/// Sixteen words at the end of memory, outside of what start-up clears; see the board's memory map.
+/// The crash record: sixteen words at the end of RAM, which start-up does not clear. The board's memory map reserves them.
 type Record = [u32; 16];
 
 unsafe extern "C" {
@@ -20,12 +20,12 @@ unsafe extern "C" {
     static mut RECORD: Record;
 }
 
-/// Says that this program was running: memory was kept since.
+/// Value of the record's word `RUNNING` once the program runs. If a start finds it, the RAM kept its content since.
 const RUNNING: u32 = 0x7045_5001;
-/// Says that the rest of the record holds.
+/// Value of the record's word `CRASHED` after a crash: the other words are valid.
 const CRASHED: u32 = 0xDEAD_C0DE;
 
-/// Indices of the words of the record.
+/// Indices of the record's words.
 mod word {
     pub const RUNNING: usize = 0;
     pub const CRASHED: usize = 1;
@@ -37,7 +37,7 @@ mod word {
     pub const SUM: usize = 7;
 }
 
-/// A panic, or which of the processor's exceptions.
+/// Kinds of crash: a panic, or one of the processor's exceptions.
 const PANIC: u32 = 1;
 const FAULT: u32 = 2;
 const UNEXPECTED: u32 = 3;
@@ -56,7 +56,7 @@ fn sum() -> u32 {
     (word::CRASHED..word::SUM).fold(RUNNING, |sum, index| sum.rotate_left(5) ^ read(index))
 }
 
-/// Switches off, remembers, resets. Nothing here formats, waits, or can panic.
+/// Switches the outputs off, writes the crash record and resets. No code in it formats, waits, or can panic.
 fn die(kind: u32, place: u32, file: &'static str, status: u32) -> ! {
     pwm::outputs_off();
     analogue::off();
@@ -80,14 +80,14 @@ fn panic(info: &PanicInfo) -> ! {
     }
 }
 
-/// A location's file. Its text is a constant of the program, though the type does not say so.
+/// The file name of a panic's location. The type does not say that its text is a constant of the program, but it is.
 fn file_of(place: &core::panic::Location<'_>) -> &'static str {
     let file = place.file();
     // SAFETY: `Location`s that panics carry are constants in flash, and so are their texts.
     unsafe { core::mem::transmute::<&str, &'static str>(file) }
 }
 
-/// The address at which the processor faulted is the place; the fault status says how.
+/// Crashes with the address at which the processor faulted as place, and with the fault status register.
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     pwm::outputs_off();
@@ -96,8 +96,8 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     die(FAULT, frame.pc(), "", status)
 }
 
-/// Two wrong bits in a word of flash. In the settings a write was cut short, and their checksum will fail; anywhere
-/// else the program is damaged.
+/// Handles two wrong bits in a double word of flash. In the settings' pages a write was interrupted, and the slot's CRC will reject
+/// it. Anywhere else the program is damaged.
 #[exception]
 unsafe fn NonMaskableInt() {
     let is_flash = FLASH.eccr().read().eccd();
@@ -110,13 +110,13 @@ unsafe fn NonMaskableInt() {
     pwm::clear_break();
 }
 
-/// An enabled interrupt has no handler: a mistake in the program.
+/// Crashes: an enabled interrupt has no handler, which is a mistake in the program.
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
     die(UNEXPECTED, number as u32, "", 0)
 }
 
-/// Why the processor started, and the mark for the next time.
+/// Reads the cause of the last reset and the crash record, and marks the record as that of a running program.
 pub fn take_reset_flags() -> ResetFlags {
     let flags = RCC.csr().read();
     RCC.csr().modify(|w| w.set_rmvf(true));
@@ -141,7 +141,7 @@ pub fn take_reset_flags() -> ResetFlags {
     }
 }
 
-/// Writes the crash record to the log, for a person with a probe.
+/// Writes the crash record to the log, which a person reads with a debug probe.
 fn log() {
     let place = read(word::PLACE);
     match read(word::KIND) {
@@ -162,7 +162,7 @@ fn log() {
     }
 }
 
-/// A text in flash; empty if that is not where it is, as after another program was flashed.
+/// The text at this address in flash; empty if the text does not lie in flash, e.g. after another program was flashed.
 fn text(start: u32, length: u32) -> &'static str {
     let program = storage::FLASH..storage::FLASH + storage::pages().start;
     let is_inside = program.contains(&start)

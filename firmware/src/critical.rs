@@ -1,14 +1,14 @@
-//! What embassy and defmt call a critical section: everything from priority 3 downwards waits, the current loop, the break and
-//! the control tick do not.
+//! The critical section of embassy and defmt. It masks the interrupts of priorities 3 and below; the current loop, the timer's
+//! break and the control tick (priorities 0 to 2) still run.
 //!
-//! Those three (priorities 0 to 2) share only atomics with the rest and never enter a critical section, which
-//! `cargo xtask firmware` checks on the program. So a long one, such as a line of the log, costs them nothing.
+//! Priorities 0 to 2 share only atomics with the rest of the program and never enter a critical section; `cargo xtask firmware`
+//! checks it on the program. So a long critical section, such as a line of the log, does not delay them.
 
 use core::sync::atomic::{Ordering, compiler_fence};
 
 use cortex_m::register::{basepri, basepri_max};
 
-/// The first priority that waits, as the processor writes it: the upper four of eight bits.
+/// The highest masked priority, 3, in the processor's encoding: the upper four of eight bits.
 const FIRST_MASKED: u8 = 3 << 4;
 
 struct Masking;

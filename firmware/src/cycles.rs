@@ -2,13 +2,13 @@
 
 use cortex_m::peripheral::DWT;
 
-/// Starts the unit.
+/// Starts the cycle counter.
 pub fn start(core: &mut cortex_m::Peripherals) {
     core.DCB.enable_trace();
     core.DWT.enable_cycle_counter();
 }
 
-/// Cycles since some moment; wraps after 25 s.
+/// The cycle counter's value; it wraps after 25 s.
 #[inline(always)]
 pub fn now() -> u32 {
     DWT::cycle_count()

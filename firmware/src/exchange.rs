@@ -7,27 +7,27 @@ use touchstone_drive::exchange::{CommandBox, ReportBox};
 
 use crate::shared::Latest;
 
-/// The commands from the control tick to the current loop.
+/// Commands from the control tick to the current loop.
 pub static COMMAND: CommandBox = CommandBox::new();
-/// The reports from the current loop to the control tick.
+/// Reports from the current loop to the control tick.
 pub static REPORT: ReportBox = ReportBox::new();
-/// The timer's break has pulled, and was not cleared by command since.
+/// Whether the timer's hardware break has acted since a command last cleared it.
 pub static BREAK: AtomicBool = AtomicBool::new(false);
-/// The supply has sagged, and that was not cleared by command since.
+/// Whether the processor's supply has fallen below 2.9 V since a command last cleared this flag.
 pub static BROWN_OUT: AtomicBool = AtomicBool::new(false);
-/// Most cycles that the current loop has taken.
+/// Longest run of the current loop, in processor cycles.
 pub static CURRENT_CYCLES_MAX: AtomicU32 = AtomicU32::new(0);
-/// PWM periods in which new compare values came after the counter's turn, so that they counted a period later.
+/// Number of PWM periods in which the new compare values came after the counter's turn and so took effect a period later.
 pub static LATE_PERIODS: AtomicU32 = AtomicU32::new(0);
-/// The current loop ran since the supervisor looked.
+/// Whether the current loop has run since the supervisor last checked.
 pub static CURRENT_LIVES: AtomicBool = AtomicBool::new(false);
-/// The control tick ran since the supervisor looked.
+/// Whether the control tick has run since the supervisor last checked.
 pub static CONTROL_LIVES: AtomicBool = AtomicBool::new(false);
 
-/// Other coefficients for the current loop.
+/// New coefficients for the current loop, from the control tick.
 pub static CONFIG: Latest<CurrentConfig> = Latest::new();
-/// A whole frame of the desktop came, since the control tick looked.
+/// Whether a valid frame from the desktop arrived since the last control tick.
 pub static HEARD: AtomicBool = AtomicBool::new(false);
-/// A whole frame of the desktop came, since the start.
+/// Whether a valid frame from the desktop arrived since the start.
 #[cfg(feature = "g474re")]
 pub static SPOKEN: AtomicBool = AtomicBool::new(false);

@@ -1,4 +1,4 @@
-//! The interrupts' code in the memory that is fetched from without wait states (`fast.x`): its copy, before anything else runs.
+//! Copies the interrupts' code at start-up, before other code runs, to the memory without wait states that `fast.x` names.
 
 use core::arch::global_asm;
 

@@ -1,4 +1,4 @@
-//! The interrupts that do the work, and nothing that could make them wait or panic.
+//! The interrupts of current loop, timer break, supply and control tick. They contain no code that could wait without bound or panic.
 //!
 //! ```text
 //! TIM1 -> ADC1, ADC2 -> ADC1_2 (priority 0): the current loop -> every N-th time LPTIM1 (priority 2): the control tick
@@ -19,23 +19,24 @@ use crate::exchange::{
 use crate::shared::{Owned, raise};
 use crate::{analogue, board, cycles, pwm, supply, window};
 
-/// The current loop has switched the outputs on, and not off since. If other code switches off, the current loop gets
-/// a reason to switch off too, in the same or the next period.
+/// Whether the current loop has switched the outputs on and not off since. When other code switches the outputs off, the current
+/// loop gets a reason to do so too, in the same or the next PWM period.
 static SWITCHED_ON: AtomicBool = AtomicBool::new(false);
-/// Cycle counter when the control tick became due.
+/// The cycle counter's value at which the control tick became due.
 static DUE: AtomicU32 = AtomicU32::new(0);
-/// A control tick is due and has not begun. If none is due, the same interrupt is pended for the encoder alone.
+/// A control tick is due and has not begun. If none is due, the same interrupt only reads the encoder again at the change of force.
 static TICK_DUE: AtomicBool = AtomicBool::new(false);
-/// A reading that comes later is of another moment than the one that it is for: none.
+/// Largest lateness, in processor cycles, of an encoder reading at the change of force. A later reading would be of another moment
+/// and is left out.
 const CHANGE_LATE: u32 = pwm::HALF_PERIOD / 2;
-/// New compare values came after the counter's turn in the last period, so that they count a period later.
+/// In the last PWM period the new compare values came after the counter's turn, so they take effect a period later.
 static LATE: AtomicBool = AtomicBool::new(false);
 static CURRENT: Owned<&'static mut CurrentLoop> = Owned::empty();
 
-/// Gives the current loop its state, sets the priorities, and lets them come.
+/// Hands the current loop its state, sets the interrupts' priorities and enables the interrupts.
 ///
 /// # Safety
-/// Once, with [`CONTROL`] filled.
+/// Call it once, after [`CONTROL`] was filled.
 pub unsafe fn start(current: &'static mut CurrentLoop) {
     // SAFETY: the interrupt is enabled below, and this runs once.
     unsafe { CURRENT.give(current) };
@@ -55,7 +56,7 @@ pub unsafe fn start(current: &'static mut CurrentLoop) {
     window::start();
 }
 
-/// Priority 0, once a PWM period: the currents are there.
+/// Priority 0, once a PWM period, when the conversions of the currents have finished: runs the current loop.
 #[interrupt]
 fn ADC1_2() {
     let begun = cycles::now();
@@ -121,15 +122,15 @@ fn ADC1_2() {
     window::refresh();
 }
 
-/// Priority 1: the hardware has switched the outputs off. An input that stays active would raise this for ever: it is silenced
-/// until the control tick clears it.
+/// Priority 1: the hardware break has switched the outputs off. A break input that stays active would raise this interrupt for
+/// ever, so it is disabled until the control tick clears the break.
 #[interrupt]
 fn TIM1_BRK_TIM15() {
     pwm::silence_break();
     BREAK.store(true, Relaxed);
 }
 
-/// Priority 1: the supply sags.
+/// Priority 1: the processor's supply has fallen below 2.9 V.
 #[interrupt]
 fn PVD_PVM() {
     BROWN_OUT.store(true, Relaxed);
@@ -138,7 +139,8 @@ fn PVD_PVM() {
     supply::take();
 }
 
-/// Priority 2, one control tick, or within one a reading of the encoder. No timer raises it: the current loop pends it.
+/// Priority 2: runs one control tick, or between two ticks a reading of the encoder. The current loop pends this interrupt; no
+/// timer does.
 #[interrupt]
 fn LPTIM1() {
     // First: a tick that becomes due after this is another turn's.

@@ -1,7 +1,7 @@
-//! Touchstone on a microcontroller: registers and wiring.
+//! Touchstone's program for microcontrollers: access to registers, and wiring.
 //!
-//! Nothing is decided here. An interrupt reads registers into a plain struct, calls one function of `touchstone-drive`, and
-//! writes the plain struct that it returns to registers. Which interrupt may do what is in `docs/firmware.md`.
+//! It makes no decisions. An interrupt reads registers into a plain struct, calls one function of `touchstone-drive`, and writes
+//! the plain struct that the function returns to registers. `docs/firmware.md` says which interrupt may do what.
 #![no_std]
 
 // The log goes to the probe, if there is one; it is dropped where nobody reads it.

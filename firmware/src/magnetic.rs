@@ -1,4 +1,5 @@
-//! A magnetic encoder at SPI3, through its registers and with every wait bounded: the driver of embassy-stm32 waits for ever.
+//! A magnetic encoder at the SPI port SPI3. The code uses the registers and every wait is bounded, because embassy-stm32's driver
+//! waits without a time limit.
 
 use core::sync::atomic::{AtomicU16, Ordering::Relaxed};
 
@@ -11,19 +12,19 @@ use touchstone_drive::encoder::{
 
 use crate::cycles;
 
-/// The chip select, PD2.
+/// Pin number of the chip select, PD2.
 const SELECT: usize = 2;
-/// 350 ns, the AS5047P's time between select and clock, and between two frames; cycles.
+/// The AS5047P's shortest time between chip select and clock and between two frames: 350 ns, in processor cycles.
 const SETTLE: u32 = 60;
-/// Polls of a flag before the encoder counts as silent: a frame takes 512 cycles, a poll at least 8.
+/// Number of polls of a flag before the encoder counts as silent. A frame takes 512 cycles, a poll at least 8.
 const POLLS: u32 = 130;
 
-/// Takes the port into use.
+/// Switches the port's clock on and resets the port.
 pub fn start(_spi: Peri<'static, peripherals::SPI3>) {
     rcc::enable_and_reset::<peripherals::SPI3>();
 }
 
-/// Sets the port up for an encoder: 5.3 MHz, data changing on the rising and read on the falling edge.
+/// Configures the port for an encoder: 5.3 MHz, data change on the rising clock edge and are read on the falling edge.
 pub fn prepare(kind: EncoderKind) {
     let (size, threshold) = match kind {
         EncoderKind::Incremental => return,
@@ -48,18 +49,18 @@ pub fn prepare(kind: EncoderKind) {
     SPI3.cr1().modify(|w| w.set_spe(true));
 }
 
-/// What the tick before asked the AS5047P for, beside the angle: 0 for nothing, else its frame.
+/// The extra question that the previous tick sent to the AS5047P beside the angle, as its frame; 0 for none.
 static ASKED: AtomicU16 = AtomicU16::new(0);
 
-/// A reading of which the last frame is on the bus.
+/// A started reading whose last frame is on the bus.
 pub enum Last {
-    /// What it asks for, and what the first brought of what was asked in the tick before.
+    /// AS5047P: the question in the last frame, and the answer to the previous tick's question.
     As5047p(Question, Option<Asked>),
-    /// The bytes so far.
+    /// MT6701: the bytes received up to now.
     Mt6701(u32),
 }
 
-/// Puts a reading's first frame on the bus, which takes 512 cycles (256 for the MT6701): time for something else.
+/// Sends the first frame of a reading. It takes 512 processor cycles (256 for the MT6701), in which the caller can do other work.
 #[inline]
 pub fn begin(kind: EncoderKind) -> Option<()> {
     if kind == EncoderKind::Incremental {
@@ -74,10 +75,10 @@ pub fn begin(kind: EncoderKind) -> Option<()> {
     }
 }
 
-/// Waits for that frame, and puts the last on the bus.
+/// Waits for the first frame and sends the last one.
 ///
-/// Each frame of the AS5047P is answered by the next: the first asks for the angle and brings what the tick before asked for, the
-/// second brings the angle of now and asks for the magnet's field, or for what was wrong with a frame.
+/// The AS5047P answers each frame in the next one. The first frame requests the angle and brings the answer to the previous tick's
+/// question. The second frame brings the present angle and sends a question: the magnet's field, or what was wrong with a frame.
 #[inline]
 pub fn go_on(kind: EncoderKind) -> Option<Last> {
     match kind {
@@ -104,7 +105,7 @@ pub fn go_on(kind: EncoderKind) -> Option<Last> {
     }
 }
 
-/// Waits for the last frame: what the encoder says now.
+/// Waits for the last frame and returns the encoder's reading.
 #[inline]
 pub fn end(last: Option<Last>) -> EncoderReading {
     let reading = last.and_then(|last| {
@@ -126,19 +127,20 @@ fn select() {
     settle(cycles::now());
 }
 
-/// When that was: until the next frame it must rest for [`SETTLE`]; until the next tick it does.
+/// Ends a frame and returns the time. Chip select must stay inactive for [`SETTLE`] before the next frame; between two ticks it
+/// does.
 fn deselect() -> u32 {
     GPIOD.bsrr().write(|w| w.set_bs(SELECT, true));
     cycles::now()
 }
 
-/// Waits until [`SETTLE`] has passed. By the cycle counter, as a counted loop takes five times as long; and where a debugger has
-/// stopped that counter, by one.
+/// Waits until [`SETTLE`] cycles have passed since `since`. It reads the cycle counter, because a loop that only counts takes five
+/// times as long. The number of polls is bounded in case a debugger has stopped the cycle counter.
 fn settle(since: u32) {
     let _ = (0..SETTLE).any(|_| cycles::now().wrapping_sub(since) >= SETTLE);
 }
 
-/// Removes what an abandoned frame left in the queue: at most four bytes.
+/// Empties the receive queue of what an abandoned frame left, at most four bytes.
 fn drain() {
     for _ in 0..4 {
         if !SPI3.sr().read().rxne() {

@@ -1,7 +1,7 @@
-//! TIM1: three complementary outputs at 20 kHz, and the moment at which the currents are sampled.
+//! The PWM timer TIM1: three complementary outputs at 20 kHz, and the trigger that samples the currents.
 //!
-//! The registers are written one by one and not through the driver of embassy-stm32: that one starts the timer with its
-//! outputs on (`MOE` set), and its duty setter may panic.
+//! The code writes the registers itself, because embassy-stm32's driver starts the timer with its outputs on (`MOE` set) and its
+//! duty setter may panic.
 
 use embassy_stm32::pac::TIM1;
 use embassy_stm32::pac::timer::vals::{
@@ -15,52 +15,53 @@ use embassy_stm32::{Peri, rcc};
 
 use crate::clock::CORE_HZ;
 
-/// Switching, and the current loop, Hz.
+/// Rate of the PWM and of the current loop, Hz.
 pub const PWM_HZ: u32 = 20_000;
 
-/// Compare value of a duty of one: the timer counts up to it and down again in a period.
+/// Compare value of full duty. In a PWM period the timer counts up to it and down again.
 pub const FULL_SCALE: u16 = (CORE_HZ / (2 * PWM_HZ)) as u16;
 
-/// Half a PWM period, cycles of the processor, whose clock is the timer's.
+/// Half a PWM period in processor cycles; the timer runs at the processor's clock.
 pub const HALF_PERIOD: u32 = FULL_SCALE as u32;
 
-/// The injected conversions begin this many counts before the middle of the time in which all low sides conduct, so that the
-/// middle lies within their sampling time.
+/// Timer counts by which the injected conversions begin before the middle of the time in which all lower transistors conduct. So
+/// the middle lies within the sampling time.
 const SAMPLE_LEAD: u16 = 20;
 
-/// The needs of a board's bridge.
+/// The settings of the PWM timer that a board's bridge needs.
 #[derive(Debug, Clone, Copy)]
 pub struct Bridge {
-    /// Between one side off and the other on, ns.
+    /// Dead time between switching one transistor of a phase off and the other on, ns.
     pub dead_time_ns: u32,
-    /// How the gate drivers use the complementary outputs.
+    /// How the gate drivers use the timer's complementary outputs.
     pub complement: Complement,
-    /// What switches the outputs off without the processor.
+    /// The hardware signal that switches the outputs off without the processor.
     pub break_input: BreakInput,
 }
 
-/// How a gate driver uses a complementary output.
+/// How a gate driver uses the timer's complementary output of its phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Complement {
     /// The lower transistor is on while the pin is high.
     ActiveHigh,
-    /// Active while the pin is low.
+    /// The lower transistor is on while the pin is low.
     ActiveLow,
-    /// The phase is driven while the pin is high, by the level of the other input; while it is low, neither transistor is on.
+    /// The pin enables the phase. While it is high, the other input's level drives the phase; while it is low, both transistors are
+    /// off.
     Enable,
 }
 
-/// Where the hardware's over-current comes from.
+/// Source of the hardware break that detects over-current.
 #[derive(Debug, Clone, Copy)]
 pub enum BreakInput {
-    /// The pin BKIN, active low, behind comparators on the board.
+    /// The pin BKIN, active low, which comparators on the board pull.
     Pin,
-    /// Comparators inside the chip, as a mask: bit 0 is COMP1. They see the shunts without a filter, and with them what the
-    /// switching couples into them: the break waits for 1.5 us without a gap.
+    /// Comparators inside the chip, as a bit mask: bit 0 is COMP1. They see the shunts' voltage without a filter, so also the
+    /// spikes of switching. The break therefore acts only after 1.5 us without a gap.
     Comparators(u8),
 }
 
-/// Dead time in the code of BDTR.DTG, rounded up (reference manual RM0440, 28.6.20).
+/// The dead time as code for the register field BDTR.DTG, rounded up (reference manual RM0440, 28.6.20).
 const fn dead_time_code(ns: u32) -> u8 {
     let counts = (ns as u64 * CORE_HZ as u64).div_ceil(1_000_000_000);
     if counts < 128 {
@@ -91,20 +92,20 @@ pub type HighSides = (
     PwmPin<'static, Timer, Ch2>,
     PwmPin<'static, Timer, Ch3>,
 );
-/// The pins of the lower ones.
+/// The pins of the bridge's lower transistors.
 pub type LowSides = (
     ComplementaryPwmPin<'static, Timer, Ch1>,
     ComplementaryPwmPin<'static, Timer, Ch2>,
     ComplementaryPwmPin<'static, Timer, Ch3>,
 );
 
-/// Leaves the pins to the timer, until the next reset.
+/// Gives up the handles of the pins, so that they stay connected to the timer until the next reset.
 pub fn keep(high: HighSides, low: LowSides) {
     core::mem::forget((high, low));
 }
 
-/// Starts the timer with its outputs off and held at the levels that the gate drivers take for off. The board connects the pins
-/// after this, and gives them to [`keep`].
+/// Starts the timer with its outputs off, at the levels that the gate drivers take for off. The board connects the pins after this
+/// call and gives them to [`keep`].
 pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
     rcc::enable_and_reset::<Timer>();
     TIM1.cr1().write(|w| {
@@ -199,19 +200,19 @@ pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
     TIM1.cr1().modify(|w| w.set_cen(true));
 }
 
-/// Switches all outputs off: from here on they are held at their idle levels.
+/// Switches all outputs off: the timer then holds them at their idle levels.
 #[inline(always)]
 pub fn outputs_off() {
     TIM1.bdtr().modify(|w| w.set_moe(false));
 }
 
-/// Switches the outputs on, if no break is pending: the timer clears `MOE` again at once while its break input is active.
+/// Switches the outputs on, unless a break is pending. While its break input is active, the timer clears `MOE` again at once.
 #[inline(always)]
 pub fn outputs_on() {
     TIM1.bdtr().modify(|w| w.set_moe(true));
 }
 
-/// Compare values from the next turn of the counter on; at most [`FULL_SCALE`].
+/// Sets the compare values of the three phases, which apply from the counter's next turn on; at most [`FULL_SCALE`].
 #[inline(always)]
 pub fn set_duty(duty: [u16; 3]) {
     TIM1.ccr(0).write(|w| w.set_ccr(duty[0]));
@@ -219,35 +220,35 @@ pub fn set_duty(duty: [u16; 3]) {
     TIM1.ccr(2).write(|w| w.set_ccr(duty[2]));
 }
 
-/// Whether the counter still goes down from the top at which the currents were sampled. Then the values in the compare
+/// Whether the counter still counts down from the top, at which the currents were sampled. If so, the values in the compare
 /// registers take effect at the bottom, for all three phases.
 #[inline(always)]
 pub fn is_before_bottom() -> bool {
     TIM1.cr1().read().dir() == embassy_stm32::pac::timer::vals::Dir::DOWN
 }
 
-/// Whether a break has acted since it was last cleared. It is the input's, or the system's (supply, lockup, an error
-/// in flash that cannot be corrected), which has its own flag.
+/// Whether a break has acted since breaks were last cleared: that of the input, or the system's (supply, lockup, flash error that
+/// cannot be corrected), which has a flag of its own.
 #[inline(always)]
 pub fn is_broken() -> bool {
     let status = TIM1.sr().read();
     status.bif(0) || status.sbif()
 }
 
-/// Whether the break input alone has acted.
+/// Whether the break input has acted since it was last cleared. The system's break does not count.
 #[inline(always)]
 pub fn is_input_broken() -> bool {
     TIM1.sr().read().bif(0)
 }
 
-/// No more interrupts of the break, whose flag stays. No other interrupt of this timer is ever on.
+/// Disables the break's interrupt; its flag stays set. The timer has no other interrupt enabled.
 #[inline(always)]
 pub fn silence_break() {
     TIM1.dier().write(|_| ());
 }
 
-/// Clears the flags of both breaks, which come back at once if their cause is still there, and lets them interrupt again. While
-/// the system's flag is up the timer takes no `MOE` (RM0440, TIM1_SR.SBIF).
+/// Clears the flags of the input's and the system's break and enables the break's interrupt. A flag returns at once if its cause is
+/// still there. While the system's flag is set, the timer does not accept `MOE` (RM0440, TIM1_SR.SBIF).
 pub fn clear_break() {
     // Written, not modified: a zero clears, a one leaves alone.
     TIM1.sr().write(|w| {

@@ -1,4 +1,4 @@
-//! What all boards do once their pins are set up.
+//! Start-up and supervision, the same for all boards, once a board's pins are set up.
 
 use core::sync::atomic::Ordering::Relaxed;
 
@@ -23,10 +23,11 @@ static SESSION: StaticCell<Session> = StaticCell::new();
 static CONTROLLER: StaticCell<Control> = StaticCell::new();
 static CURRENT_LOOP: StaticCell<CurrentLoop> = StaticCell::new();
 
-/// The supervisor looks this often.
+/// Time between two checks of the supervisor.
 pub const SUPERVISION: Duration = Duration::from_millis(10);
 
-/// The program after the board's set-up, with the link to the desktop and where settings are kept; ends with the next reset.
+/// Runs the program after the board's set-up, with the serial port to the desktop and the flash pages of the settings. It never
+/// returns.
 pub async fn run(spawner: Spawner, serial: BufferedUart<'static>, storage: Storage) -> ! {
     // SAFETY: this is the executor's, in the thread.
     let here = unsafe { InThread::new() };
@@ -36,8 +37,8 @@ pub async fn run(spawner: Spawner, serial: BufferedUart<'static>, storage: Stora
     supervise(here).await
 }
 
-/// Everything before the first interrupt that works. Not a part of the future above: what it needs once is on the stack, not in
-/// a static for ever.
+/// Does all that comes before the first interrupt. It is not part of the async function [`run`], so that data that are needed once
+/// lie on the stack and not in a static.
 #[inline(never)]
 fn start(
     spawner: Spawner,
@@ -75,7 +76,7 @@ fn start(
     current
 }
 
-/// The session with the settings of the flash, or the defaults; and whether the flash's settings were refused.
+/// Makes the session with the settings in flash, or with the defaults. Also returns whether the settings in flash were refused.
 #[inline(never)]
 fn session(kept: &mut Storage) -> (&'static mut Session, bool) {
     let defaults = DeviceSettings::defaults(board::BOARD);
@@ -92,7 +93,7 @@ fn session(kept: &mut Storage) -> (&'static mut Session, bool) {
     (SESSION.init(session), are_refused)
 }
 
-/// The control tick's state, and the current loop.
+/// Makes the control tick's state and the current loop.
 #[inline(never)]
 fn control(
     settings: &DeviceSettings,
@@ -114,7 +115,8 @@ fn control(
     current
 }
 
-/// Logs the device's state for a person with a probe, whenever it changed. Not in the control tick: a log takes time.
+/// Logs the device's state when it has changed, for a person with a debug probe. The control tick does not log, because a log takes
+/// time.
 fn tell_state(here: InThread, told: &mut Option<State>) {
     let state = CONTROL.in_thread(here, |control| {
         control.as_ref().map(|control| control.state)
@@ -135,7 +137,7 @@ fn tell_state(here: InThread, told: &mut Option<State>) {
     }
 }
 
-/// Feeds the watchdog when every stage has shown a sign of life since the last feeding, and only then.
+/// Feeds the independent watchdog only when current loop, control tick and serial link have all run since the last feeding.
 async fn supervise(here: InThread) -> ! {
     let mut ticker = Ticker::every(SUPERVISION);
     let stages = [&CURRENT_LIVES, &CONTROL_LIVES, &LINK_LIVES];

@@ -1,16 +1,16 @@
-//! The injected conversions of ADC1 and ADC2, both triggered by TIM1 at once.
+//! The injected conversions of ADC1 and ADC2, which TIM1 triggers at the same time.
 
 use embassy_stm32::adc::{Adc, AnyAdcChannel, Exten, SampleTime};
 use embassy_stm32::pac::{ADC1, ADC2};
 use embassy_stm32::peripherals;
 use embassy_stm32::triggers::TIM1_TRGO2;
 
-/// The readings that the current loop and the supervisor need, in 12-bit codes.
+/// The converters' readings for the current loop and the supervisor, in 12-bit codes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Readings {
     /// Current of phase A.
     pub phase_a: u16,
-    /// Reading of phase B.
+    /// Current of phase B.
     pub phase_b: u16,
     /// Bus voltage.
     pub bus: u16,
@@ -18,24 +18,25 @@ pub struct Readings {
     pub temperature: u16,
 }
 
-/// One set of conversions, in the order of the board's channels; both converters have as many.
+/// The results of one set of conversions, in the order of the board's channels. Each converter makes `RANKS` conversions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Raw<const RANKS: usize> {
-    /// ADC1's, 0 to 4095.
+    /// Results of ADC1, 0 to 4095.
     pub first: [u16; RANKS],
-    /// ADC2's, 0 to 4095.
+    /// Results of ADC2, 0 to 4095.
     pub second: [u16; RANKS],
 }
 
-/// Sample time of a current: 0.15 us of sampling at 42.5 MHz, then 0.29 us of conversion. Slower signals come later
-/// in the sequence.
+/// Sample time for a current: 0.15 us of sampling at 42.5 MHz, then 0.29 us of conversion. Slower signals come later in the
+/// sequence.
 pub const FAST: SampleTime = SampleTime::CYCLES6_5;
-/// A current behind one of the chip's own amplifiers: 0.29 us of sampling.
+/// Sample time for a current behind one of the chip's own amplifiers: 0.29 us of sampling.
 pub const AMPLIFIED: SampleTime = SampleTime::CYCLES12_5;
-/// Bus voltage and temperature: dividers of some 10 kohm.
+/// Sample time for bus voltage and temperature, which come from dividers of some 10 kohm.
 pub const SLOW: SampleTime = SampleTime::CYCLES47_5;
 
-/// Starts both converters. They run until the next reset: the handles are given up, so that nothing stops them by dropping.
+/// Starts ADC1 and ADC2. They run until the next reset: the function gives up their handles, because dropping a handle would stop
+/// its converter.
 pub fn start<const RANKS: usize>(
     first: Adc<'static, peripherals::ADC1>,
     first_channels: [(AnyAdcChannel<'static, peripherals::ADC1>, SampleTime); RANKS],
@@ -49,7 +50,7 @@ pub fn start<const RANKS: usize>(
     start_first(first, first_channels);
 }
 
-/// Starts ADC1 alone, whose end interrupts.
+/// Starts ADC1 alone, which interrupts at the end of its sequence.
 pub fn start_first<const RANKS: usize>(
     first: Adc<'static, peripherals::ADC1>,
     first_channels: [(AnyAdcChannel<'static, peripherals::ADC1>, SampleTime); RANKS],
@@ -59,7 +60,7 @@ pub fn start_first<const RANKS: usize>(
     core::mem::forget(first);
 }
 
-/// Reads a finished set and clears its flags.
+/// Reads the results of a finished set of conversions and clears the flags of ADC1 and ADC2.
 #[inline(always)]
 pub fn take<const RANKS: usize>() -> Raw<RANKS> {
     let raw = Raw {
@@ -73,7 +74,7 @@ pub fn take<const RANKS: usize>() -> Raw<RANKS> {
     raw
 }
 
-/// Reads ADC1's finished set and clears its flags.
+/// Reads ADC1's results of a finished set of conversions and clears its flags.
 #[inline(always)]
 pub fn take_first<const RANKS: usize>() -> [u16; RANKS] {
     let codes = core::array::from_fn(|rank| ADC1.jdr(rank).read().jdata());

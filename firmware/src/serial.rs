@@ -16,36 +16,37 @@ use crate::exchange::HEARD;
 use crate::requests::{Thread, control};
 use crate::shared::InThread;
 
-/// 115,200 would not carry the telemetry.
+/// Rate of the serial port, baud. 115,200 is too slow for the telemetry.
 pub const BAUD: u32 = 921_600;
 
-/// Most telemetry records sent before received bytes are examined again: 4 ms of the port.
+/// Most telemetry records that are sent before the task looks at received bytes again; they take the port 4 ms.
 const RECORDS_A_ROUND: usize = 8;
 
-/// A command is taken by the next control tick, 2 ms later at the slowest rate. Looked for so often.
+/// Longest wait for the result of a command. The next control tick handles a command, at most 2 ms later at the slowest rate.
+/// [`LOOK`] is the time between two checks.
 const PATIENCE: Duration = Duration::from_millis(20);
 const LOOK: Duration = Duration::from_micros(250);
 
-/// What waits to be sent: 8 ms of the port.
+/// Buffer of bytes that wait to be sent: 8 ms of the port.
 pub static SEND: ConstStaticCell<[u8; 768]> = ConstStaticCell::new([0; 768]);
-/// Received bytes that were not yet read: 5 ms of the port.
+/// Buffer of received bytes that the task has not read yet: 5 ms of the port.
 pub static RECEIVE: ConstStaticCell<[u8; 512]> = ConstStaticCell::new([0; 512]);
-/// Where frames are made.
+/// Buffer in which frames are encoded.
 static FRAME: ConstStaticCell<[u8; FRAME_MAX]> = ConstStaticCell::new([0; FRAME_MAX]);
-/// Where frames are taken apart.
+/// Decoder of received frames, with its buffer.
 static DECODER: ConstStaticCell<Decoder> = ConstStaticCell::new(Decoder::new());
 
-/// The link's task ran since the supervisor looked.
+/// Whether the link's task has run since the supervisor last checked.
 pub static LINK_LIVES: AtomicBool = AtomicBool::new(false);
 
-/// The port's settings.
+/// Settings of the serial port.
 pub fn config() -> usart::Config {
     let mut config = usart::Config::default();
     config.baudrate = BAUD;
     config
 }
 
-/// Everything that goes over the port.
+/// The link's task: handles requests and sends answers and telemetry over the serial port.
 #[embassy_executor::task]
 pub async fn link(
     mut port: BufferedUart<'static>,
@@ -87,17 +88,18 @@ pub async fn link(
     }
 }
 
-/// The message that a received byte completed.
+/// What a received byte completed.
 enum Taken {
     /// No message is complete yet.
     Nothing,
-    /// A request; the value is the length of the answer's frame.
+    /// A request; the value is the length of its answer's frame in bytes.
     Answer(usize),
-    /// A command for the next control tick.
+    /// A command, which the next control tick will handle.
     Command,
 }
 
-/// Waits for a command's result: the thread does other things until a control tick has taken it.
+/// Waits until a control tick has handled the command or [`PATIENCE`] is over; the thread does other work meanwhile. Returns
+/// whether the command had an effect.
 async fn looked_at(device: &Thread) -> bool {
     let begun = Instant::now();
     loop {
@@ -112,7 +114,7 @@ async fn looked_at(device: &Thread) -> bool {
     }
 }
 
-/// Takes a byte. Not a part of the task, so that its messages are on the stack only while they are needed.
+/// Handles a received byte. A function of its own, not a part of the task, so that its messages are on the stack only while needed.
 #[inline(never)]
 fn take(
     byte: u8,
@@ -139,7 +141,7 @@ fn take(
     }
 }
 
-/// The frame of a command's answer: its length.
+/// Encodes the answer to a command into `frame` and returns the frame's length in bytes.
 #[inline(never)]
 fn commanded(accepted: bool, session: &mut Session, device: &Thread, frame: &mut [u8]) -> usize {
     match &session.commanded(accepted, device) {
@@ -152,7 +154,7 @@ fn encoded(answer: &FromDevice, frame: &mut [u8]) -> Option<usize> {
     Some(frame::encode(answer, frame).ok()?.len())
 }
 
-/// The next telemetry record's frame.
+/// Encodes the next telemetry record into `frame` and returns the frame's length in bytes; `None` if no record waits.
 #[inline(never)]
 fn next_record(here: InThread, frame: &mut [u8]) -> Option<usize> {
     let record = control(here, |control| control.telemetry.pop_front()).flatten()?;

@@ -1,8 +1,7 @@
-//! Data that passes between priorities.
+//! Cells for data that code of different interrupt priorities shares.
 //!
-//! `touchstone_drive::exchange` has what the current loop (priority 0) and the control tick (priority 2) exchange in
-//! every tick. The control tick shares everything else with the thread, which delays the tick by a few microseconds to
-//! read it: [`Guarded`].
+//! `touchstone_drive::exchange` has the data that the current loop (priority 0) and the control tick (priority 2) exchange in every
+//! tick. All other shared data are in a [`Guarded`] cell: the thread masks the control tick for a few microseconds to access it.
 
 use core::cell::UnsafeCell;
 use core::marker::PhantomData;
@@ -10,27 +9,27 @@ use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering, compiler_fen
 
 use cortex_m::register::{basepri, basepri_max};
 
-/// Masks the control interrupt, priority 2, and all below it.
+/// BASEPRI value that masks the control interrupt (priority 2) and all priorities below it.
 const CONTROL_MASK: u8 = 2 << 4;
 
-/// Says that the code that has it runs in the thread, and in no interrupt: it never leaves the thread.
+/// A token that proves that the code that holds it runs in the thread and in no interrupt. It cannot be sent to other threads.
 #[derive(Debug, Clone, Copy)]
 pub struct InThread(PhantomData<*const ()>);
 
 impl InThread {
-    /// In the thread.
+    /// Makes the token.
     ///
     /// # Safety
-    /// No interrupt calls this.
+    /// Only code that runs in the thread calls this, no interrupt.
     pub const unsafe fn new() -> Self {
         Self(PhantomData)
     }
 }
 
-/// A value of the control tick's that the thread may look at, by holding the control tick off for as long.
+/// A value that belongs to the control tick. The thread can access it by masking the control tick meanwhile.
 pub struct Guarded<T> {
     value: UnsafeCell<T>,
-    /// The thread has a reference.
+    /// Whether the thread has a reference to the value.
     taken: AtomicBool,
 }
 
@@ -46,7 +45,7 @@ impl<T> Guarded<T> {
         }
     }
 
-    /// The value, in the control interrupt.
+    /// The value, for the control interrupt.
     ///
     /// # Safety
     /// Called once in each run of the control interrupt's handler and nowhere else.
@@ -57,10 +56,10 @@ impl<T> Guarded<T> {
         unsafe { &mut *self.value.get() }
     }
 
-    /// The value, in the thread. Keep it short: a few microseconds are a few microseconds of lateness.
+    /// Calls `look` with the value, in the thread. Keep `look` short: it delays the control tick by its duration.
     ///
     /// # Panics
-    /// Must not be called within itself: two references to the value would exist.
+    /// `look` calls this function for the same value, which would make a second reference.
     pub fn in_thread<R>(&self, _in_thread: InThread, look: impl FnOnce(&mut T) -> R) -> R {
         let before = basepri::read();
         basepri_max::write(CONTROL_MASK);
@@ -79,16 +78,16 @@ impl<T> Guarded<T> {
     }
 }
 
-/// Marks an empty box; other numbers name the place of the last value.
+/// Index that marks an empty box; the indices 0 and 1 name the place of the last value.
 const NOTHING: u8 = 2;
 
-/// Passes the last value from a lower priority to a higher one, which takes it once. A new value replaces one that was
-/// not taken yet.
+/// A box that passes the newest value from a lower priority to a higher one, which takes each value once. A new value replaces one
+/// that was not taken yet.
 pub struct Latest<T> {
     places: [UnsafeCell<Option<T>>; 2],
-    /// Where the value is that was not taken yet.
+    /// Index of the value that was not taken yet.
     waiting: AtomicU8,
-    /// Where the last one was written.
+    /// Index of the place that was written last.
     written: AtomicU8,
 }
 
@@ -97,7 +96,7 @@ pub struct Latest<T> {
 unsafe impl<T: Send> Sync for Latest<T> {}
 
 impl<T: Copy> Latest<T> {
-    /// An empty box.
+    /// A box without a value.
     pub const fn new() -> Self {
         Self {
             places: [const { UnsafeCell::new(None) }; 2],
@@ -106,10 +105,10 @@ impl<T: Copy> Latest<T> {
         }
     }
 
-    /// A new value.
+    /// Puts a new value into the box.
     ///
     /// # Safety
-    /// From one priority only.
+    /// Only code of one priority calls this.
     pub unsafe fn give(&self, value: T) {
         let place = self.written.load(Ordering::Relaxed) ^ 1;
         // SAFETY: the taker has no business with this place before it is published below, and there is one giver.
@@ -119,10 +118,10 @@ impl<T: Copy> Latest<T> {
         self.waiting.store(place, Ordering::Release);
     }
 
-    /// The last value, if there is a new one.
+    /// Takes the newest value; `None` if it was already taken.
     ///
     /// # Safety
-    /// From one priority only, higher than [`Self::give`]'s.
+    /// Only code of one priority calls this, which is higher than that of [`Self::give`].
     #[inline]
     pub unsafe fn take(&self) -> Option<T> {
         let place = self.waiting.load(Ordering::Acquire);
@@ -141,28 +140,28 @@ impl<T: Copy> Default for Latest<T> {
     }
 }
 
-/// A value that belongs to one interrupt, which gets it before it is enabled.
+/// A cell for a value that belongs to one interrupt, which gets it before the interrupt is enabled.
 pub struct Owned<T>(UnsafeCell<Option<T>>);
 
 // SAFETY: only the one interrupt touches the value after it was given (see `give` and `take`), so it moves between contexts once.
 unsafe impl<T: Send> Sync for Owned<T> {}
 
 impl<T> Owned<T> {
-    /// An empty cell.
+    /// A cell without a value.
     pub const fn empty() -> Self {
         Self(UnsafeCell::new(None))
     }
 
-    /// Gives the value to the interrupt.
+    /// Puts the value into the cell.
     ///
     /// # Safety
-    /// The interrupt is not enabled yet, and nothing else calls [`Self::mine`].
+    /// The interrupt is not enabled yet, and no other code calls [`Self::mine`].
     pub unsafe fn give(&self, value: T) {
         // SAFETY: nobody else has a reference, as the caller promises.
         unsafe { *self.0.get() = Some(value) };
     }
 
-    /// The value, in the interrupt that it belongs to.
+    /// The value, for the interrupt that owns it; `None` if the cell is empty.
     ///
     /// # Safety
     /// Called once in each run of one interrupt handler and nowhere else.
@@ -174,7 +173,7 @@ impl<T> Owned<T> {
     }
 }
 
-/// Keeps the largest value that one priority writes.
+/// Raises `most` to `value` if `value` is larger. Only code of one priority may call this for the same `most`.
 #[inline]
 pub fn raise(most: &AtomicU32, value: u32) {
     if value > most.load(Ordering::Relaxed) {

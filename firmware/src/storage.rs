@@ -1,7 +1,7 @@
-//! The settings' 16 KiB of flash, a page at a time.
+//! The 16 KiB of flash for the settings, accessed page by page.
 //!
-//! Reading and writing stall the processor, an erase for some 22 ms: the session saves only while the outputs are off
-//! (`touchstone_protocol::session`), and the control tick takes no command to switch them on meanwhile, as it does not run.
+//! Reading and writing stall the processor; an erase stalls it for some 22 ms. So the session saves only while the outputs are off
+//! (`touchstone_protocol::session`). The control tick does not run meanwhile, so no command can switch the outputs on.
 
 use core::ops::Range;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -14,10 +14,10 @@ use embedded_storage::nor_flash::{
 
 use crate::{watchdog, window};
 
-/// A page, bytes; both chips have the same.
+/// Size of a flash page in bytes, the same on all supported chips.
 pub const PAGE: usize = 2_048;
 
-/// Where the flash begins.
+/// Address at which the flash begins.
 pub const FLASH: u32 = 0x0800_0000;
 
 unsafe extern "C" {
@@ -25,24 +25,25 @@ unsafe extern "C" {
     static _settings_end: u8;
 }
 
-/// Where the settings are, from the start of the flash, as the board's memory map says.
+/// The settings' pages as offsets in bytes from the start of the flash, from the board's memory map.
 pub fn pages() -> Range<u32> {
     let offset = |place: *const u8| place as u32 - FLASH;
     offset(&raw const _settings_start)..offset(&raw const _settings_end)
 }
 
-/// Settings are being read: a word that fails its check in hardware is a cut write and no reason to stop.
+/// Whether settings are being read. Meanwhile a flash word that fails its hardware check (ECC) is an interrupted write and does not
+/// stop the program.
 pub static READING: AtomicBool = AtomicBool::new(false);
 
-/// The pages of the settings.
+/// The flash pages of the settings.
 pub struct Storage(Option<Flash<'static, Blocking>>);
 
-/// Errors of the flash.
+/// Why the flash of the settings cannot be accessed.
 #[derive(Debug, Clone, Copy)]
 pub enum StorageError {
-    /// The option bytes say that pages have another size than this program knows.
+    /// By the option bytes the chip's pages have another size than [`PAGE`].
     OtherPages,
-    /// The flash refused.
+    /// The flash reported an error.
     Refused(Error),
 }
 
@@ -56,7 +57,8 @@ impl NorFlashError for StorageError {
 }
 
 impl Storage {
-    /// Takes the flash. The chip with two banks must be set to two banks, as it is delivered: with one, pages are twice as large.
+    /// Takes the flash. A chip with two banks must be configured for two banks, as it is delivered: with one bank its pages are
+    /// twice as large.
     pub fn new(flash: Peri<'static, peripherals::FLASH>) -> Self {
         #[cfg(feature = "g474re")]
         if !embassy_stm32::pac::FLASH.optr().read().dbank() {

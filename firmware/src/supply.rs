@@ -1,16 +1,17 @@
-//! The processor's own supply: below 2.9 V the outputs are off, in hardware and in software, before the reset at 1.7 to 2.8 V.
+//! Watches the processor's own supply. Below 2.9 V the outputs are off, by hardware and by software, before the chip resets at 1.7
+//! to 2.8 V.
 
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::pac::{DBGMCU, EXTI, PWR, SYSCFG};
 
-/// The voltage detector's highest threshold, 2.9 V (data sheet DS12288, PVD level 6).
+/// Code of the voltage detector's highest threshold, 2.9 V (data sheet DS12288, PVD level 6).
 const LEVEL: u8 = 6;
-/// The supply monitor's line of the external interrupts.
+/// Number of the external interrupt line of the voltage detector.
 const LINE: usize = 16;
 
-/// Watches the supply. It also wires conditions to the timer's break that the processor may not survive to report: a
-/// sagging supply, a lockup (a fault within a fault), an error in flash that cannot be corrected.
+/// Starts the voltage detector. Also connects to the timer's break the conditions that the processor may not survive to report: low
+/// supply, a lockup (a fault within a fault), a flash error that cannot be corrected.
 pub fn start() {
     PWR.cr2().modify(|w| {
         w.set_pls(LEVEL);
@@ -35,7 +36,7 @@ pub fn start() {
     });
 }
 
-/// Takes the interrupt's flag.
+/// Clears the interrupt's flag.
 #[inline]
 pub fn take() {
     EXTI.pr(0).write(|w| w.set_line(LINE, true));

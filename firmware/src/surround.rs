@@ -1,4 +1,4 @@
-//! Things to touch in addition to the wall, and the map of the cogging, from the thread to the control tick.
+//! Passes the environment (further walls, end stops, detents) and the cogging map from the thread to the control tick.
 
 use touchstone_drive::around::Surrounding;
 use touchstone_drive::cogging::Played;
@@ -11,11 +11,12 @@ use crate::requests::control;
 use crate::shared::InThread;
 use crate::{board, cycles};
 
-/// The longest wait for a second reading, cycles: two ticks at 500 Hz, the slowest rate. One that never comes must not hold the thread.
+/// Longest wait for the tick's second encoder reading, in processor cycles: two ticks at the slowest rate, 500 Hz. The limit keeps
+/// a missing reading from blocking the thread.
 const READING_PATIENCE: u32 = 2 * (CORE_HZ / 500);
 
-/// Same as [`control`], for a copy that delays the control tick by longer than its second reading of the encoder may be
-/// late. In a tick with a second reading the copy is done after it.
+/// Same as [`control`], for a copy that delays the control tick by more than the allowed lateness of its second encoder reading. In
+/// a tick with a second reading, `look` is called after that reading.
 fn control_after_reading<R>(here: InThread, look: impl FnOnce(&mut Control) -> R) -> Option<R> {
     let begun = cycles::now();
     let mut look = Some(look);
@@ -34,8 +35,9 @@ fn control_after_reading<R>(here: InThread, look: impl FnOnce(&mut Control) -> R
     }
 }
 
-/// Checks and computes an environment, and gives it to the control tick; from when on it counts. Computed before the control tick
-/// is held off, which then only waits for the copy: of some kilobytes, so it is made after the tick's second reading.
+/// Checks and computes an environment, and hands it to the control tick. Returns the time from which it applies. The computation
+/// runs before the control tick is masked. Only the copy of some kilobytes is made while it is masked, after the tick's second
+/// reading.
 #[inline(never)]
 pub fn give(
     here: InThread,
@@ -48,7 +50,7 @@ pub fn give(
     }))
 }
 
-/// Computes the table of the cogging map, and gives it to the control tick; `None`: no map is played.
+/// Computes the table of the cogging map and hands it to the control tick; with `None` nothing is compensated.
 #[inline(never)]
 pub fn play(here: InThread, settings: &DeviceSettings, map: Option<&CoggingMap>) {
     let played = map.map(|map| Played::new(map, settings, &board::HARDWARE));

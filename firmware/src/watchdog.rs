@@ -1,22 +1,23 @@
-//! The independent watchdog: resets the chip if the supervisor falls silent.
+//! The independent watchdog: resets the chip when the supervisor does not feed it.
 //!
-//! Its clock, the LSI, is 32 kHz nominally and may be anything from 29.5 to 34 kHz over temperature and supply (data sheet
-//! DS12288, table 47). A reset must come even at the slowest, and never while the supervisor is fed in time at the fastest.
+//! Its clock, the LSI, is nominally 32 kHz, and 29.5 to 34 kHz over temperature and supply (data sheet DS12288, table 47). Even
+//! with the slowest clock the reset must come in time. Even with the fastest clock it must not come while the supervisor feeds the
+//! watchdog in time.
 
 use embassy_stm32::pac::IWDG;
 use embassy_stm32::pac::iwdg::vals::{Key, Pr};
 
-/// Slowest and fastest LSI, Hz.
+/// Lowest and highest frequency of the LSI clock, Hz.
 const LSI_HZ: (u32, u32) = (29_500, 34_000);
 
-/// LSI cycles of one count.
+/// LSI cycles per count of the watchdog.
 const PRESCALER: u32 = 16;
 
-/// The chip is reset at most this long after the last feeding, ms. An erase of a flash page stalls the processor for up to
-/// 25 ms on the single-bank chip; feeding comes every 10 ms.
+/// Longest time from the last feeding to the reset, ms. An erase of a flash page stalls the processor for up to 25 ms on the
+/// single-bank chip; the supervisor feeds every 10 ms.
 const LONGEST_MS: u32 = 100;
 
-/// Counts from a feeding to the reset.
+/// Counts of the watchdog from a feeding to the reset.
 const RELOAD: u32 = LONGEST_MS * LSI_HZ.0 / 1_000 / PRESCALER;
 
 const _: () = {
@@ -25,7 +26,7 @@ const _: () = {
     assert!(RELOAD * PRESCALER * 1_000 / LSI_HZ.1 > 80);
 };
 
-/// Starts it; nothing but a reset stops it.
+/// Starts the watchdog; only a reset stops it.
 pub fn start() {
     IWDG.kr().write(|w| w.set_key(Key::START));
     IWDG.kr().write(|w| w.set_key(Key::ENABLE));
@@ -34,7 +35,7 @@ pub fn start() {
     feed();
 }
 
-/// Another [`LONGEST_MS`], at most.
+/// Restarts the watchdog's count: the reset comes at most [`LONGEST_MS`] later.
 pub fn feed() {
     IWDG.kr().write(|w| w.set_key(Key::RESET));
 }

@@ -1,12 +1,13 @@
-//! The window watchdog: resets the chip if the current loop falls silent.
+//! The window watchdog: resets the chip when the current loop stops running.
 //!
-//! A current loop that hangs leaves the last duty at the bridge: the field stands still while the shaft turns, and nobody looks
-//! at the currents. No interrupt can end it, as none is above it. The independent watchdog ([`crate::watchdog`]) would, after
-//! 100 ms; this one does after five PWM periods, a quarter of a control tick at 1 kHz. It is refreshed at the end of each
-//! run of the current loop, so that it also bites when the timer or the converters no longer call it.
+//! A current loop that hangs leaves its last duty at the bridge: the field stands still while the shaft turns, and no code checks
+//! the currents. No interrupt can end the hang, because the current loop has the highest priority. The independent watchdog
+//! ([`crate::watchdog`]) resets only after 100 ms. This one resets after five PWM periods, a quarter of a control tick at 1 kHz.
+//! Each run of the current loop refreshes it at its end, so it also acts when timer or converters stop calling the current loop.
 //!
-//! It counts the bus clock, which the loop itself runs by; a clock that fails is the independent watchdog's. Its window is not
-//! used: a current loop that comes too often would be called by a timer set up wrongly, and nothing sets it up again.
+//! It counts the bus clock, as the current loop does; the independent watchdog covers a failure of that clock. The window against
+//! too early refreshes is not used: only a wrongly configured timer would call the current loop too often, and no code configures
+//! it again.
 
 use embassy_stm32::pac::WWDG;
 use embassy_stm32::pac::wwdg::vals::Wdgtb;
@@ -14,16 +15,17 @@ use embassy_stm32::{peripherals, rcc};
 
 use crate::clock::CORE_HZ;
 
-/// Cycles of the bus clock, which is the processor's, in a count (reference manual RM0440, 43.3.4).
+/// Cycles of the bus clock, which equals the processor's clock, per count of the watchdog (reference manual RM0440, 43.3.4).
 const CYCLES_PER_COUNT: u32 = 4_096;
-/// Counts to the reset, at least: where between two counts a refresh comes is not known, so that it may be one more.
+/// Least number of counts to the reset. It can be one count more, because the phase of a refresh between two counts is unknown.
 ///
-/// 241 to 265 us: longer than anything that may hold the current loop up while it drives, which is nothing; than a double word
-/// of settings being programmed, 91 us with the processor stalled; and, 128 times as long, than a page being erased.
+/// The reset comes 241 to 265 us after the last refresh. This is longer than any delay of the current loop: none while it drives,
+/// 91 us while a double word of settings is programmed and the processor stalls. During the erase of a page the time is 128 times
+/// as long.
 const COUNTS: u32 = 10;
-/// The counter resets the chip when it falls below.
+/// The watchdog resets the chip when its counter falls below this value.
 const LAST: u32 = 0x40;
-/// Longest time in which the processor stands still while a page is erased, us (data sheet DS12288, table 49: 24.47 ms).
+/// Longest stall of the processor while a page is erased, us (data sheet DS12288, table 49: 24.47 ms).
 const ERASE_US: u32 = 24_470;
 
 const _: () = {
@@ -33,14 +35,14 @@ const _: () = {
     assert!(us * 128 > ERASE_US + ERASE_US / 5);
 };
 
-/// Starts it; nothing but a reset stops it. The current loop's interrupt is enabled.
+/// Starts the watchdog; only a reset stops it. The current loop's interrupt must be enabled before.
 pub fn start() {
     rcc::enable_and_reset::<peripherals::WWDG>();
     set_share(Wdgtb::DIV1);
     refresh();
 }
 
-/// Another [`COUNTS`].
+/// Restarts the watchdog's count at [`COUNTS`].
 #[inline(always)]
 pub fn refresh() {
     WWDG.cr().write(|w| {
@@ -49,7 +51,7 @@ pub fn refresh() {
     });
 }
 
-/// Does something for which the processor stands still, with the outputs off: 31 to 34 ms until the reset meanwhile.
+/// Calls `erase`, which stalls the processor, with the watchdog's time extended to 31 to 34 ms. The outputs must be off.
 pub fn extended<R>(erase: impl FnOnce() -> R) -> R {
     set_share(Wdgtb::DIV128);
     // The counter may have fallen since the current loop's last refresh.
@@ -60,7 +62,7 @@ pub fn extended<R>(erase: impl FnOnce() -> R) -> R {
     result
 }
 
-/// Divides the watchdog's clock; no closed window.
+/// Sets the divider of the watchdog's clock, without a closed window.
 fn set_share(share: Wdgtb) {
     WWDG.cfr().write(|w| {
         w.set_w(0x7f);

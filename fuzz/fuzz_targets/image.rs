@@ -1,5 +1,6 @@
 #![no_main]
-//! Images of settings in flash: the bytes under a right sum, and as damages of whole images.
+//! Fuzzes images of settings in flash: the input as an image, also with a correct checksum, and the input as choices for a damaged
+//! image.
 
 #[path = "../../tests/made/choices.rs"]
 mod choices;

@@ -1,5 +1,5 @@
 #![no_main]
-//! Recordings: the bytes as CSV, and as choices of header and rows.
+//! Fuzzes recordings of a hand: the input as CSV text, and the input as choices for header and rows.
 
 #[path = "../../tests/made/choices.rs"]
 mod choices;

@@ -1,5 +1,5 @@
 #![no_main]
-//! Scenes: the bytes as TOML, and as choices among all fields and values.
+//! Fuzzes scene files: the input as TOML text, and the input as choices among all fields and values.
 
 #[path = "../../tests/made/choices.rs"]
 mod choices;

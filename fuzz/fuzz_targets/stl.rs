@@ -1,5 +1,5 @@
 #![no_main]
-//! Meshes: the bytes as a file of STL, OBJ and PLY, and as damages of whole STL files of both forms.
+//! Fuzzes STL meshes: the input as a file, and the input as choices for damaged text and binary files.
 
 #[path = "../../tests/made/choices.rs"]
 mod choices;

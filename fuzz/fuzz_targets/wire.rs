@@ -1,5 +1,5 @@
 #![no_main]
-//! Bytes of the wire: as they are, and as damages of whole frames.
+//! Fuzzes the serial protocol: the input as bytes from the wire, and the input as choices for damaged frames.
 
 #[path = "../../tests/made/choices.rs"]
 mod choices;

@@ -1,8 +1,8 @@
-//! Compiles the documentation of each fault into the crate.
+//! Build script. Compiles the documentation pages of the faults into the crate.
 
 use std::path::Path;
 
-/// Writes a table of the pages of faults: their numbers and their texts, in their order.
+/// Writes a table of the fault pages, number and text of each, ordered by number.
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     let folder = Path::new("../../docs/faults");

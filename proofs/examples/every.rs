@@ -1,9 +1,8 @@
 //! Tries all inputs of properties that have few enough: `every [NAME]`, `every --list`.
 //!
-//! Products and a root of three axes at 8 bits are too hard for the solvers, and have no more than 2^32 inputs.
-//! Quotients of 2^24 inputs take the solvers longer than trying each. The body that runs here is the one that every
-//! test samples, compiled with overflow checks and debug assertions (`--profile every`): a proof at this width that
-//! needs no solver.
+//! Products and a root on three axes at 8 bits are too hard for the solvers, and have no more than 2^32 inputs. For quotients with
+//! 2^24 inputs, solvers take longer than trying each input. The body that runs here is the one that every test samples, compiled
+//! with overflow checks and debug assertions (`--profile every`). So at this width it is a proof that needs no solver.
 //!
 //! ```text
 //! cargo xtask prove --every
@@ -16,7 +15,7 @@ use touchstone_proofs::{
     contact, edges, heart, objects, planes, shells, space, vector_guard, vectors,
 };
 
-/// A property's name, where it begins and its body.
+/// A row of the table of properties: name, a first input, and body.
 type Row = (&'static str, fn(&mut Every));
 
 macro_rules! every {
@@ -76,25 +75,25 @@ const PROPERTIES: &[Row] = &[
     every!(vector_guard::w8::p4_vector_commanded),
 ];
 
-/// Most numbers that a property takes.
+/// Largest number of numbers that one input of a property has.
 const DIGITS: usize = 16;
 
-/// Yields all inputs, one after the other: each number of an input is a digit of one large number that counts up.
-/// There are some thousand million inputs, so the work for each costs little beside the property.
+/// Source that gives all inputs, one after the other: each number of an input is a digit of one large number that counts up. There
+/// are some thousand million inputs, so the work for each input is kept small.
 struct Every {
-    /// Value and width of each.
+    /// Value and width in bits of each digit.
     digits: [(u64, u32); DIGITS],
-    /// How many there are.
+    /// Number of digits that the property has asked for.
     known: usize,
     at: usize,
     rejected: bool,
     covers: Vec<(&'static str, u64)>,
-    /// Where the next cover is, if this input meets the same ones as the last.
+    /// Index of the cover that comes next if this input meets the same covers as the last one.
     cover_at: usize,
 }
 
 impl Every {
-    /// The inputs whose first digit, of 8 bits or cut to fewer, is `first`.
+    /// The first of the inputs whose first digit (8 bits, or cut to fewer) is `first`.
     fn beginning_with(first: u64) -> Self {
         let mut digits = [(0, 8); DIGITS];
         digits[0].0 = first;
@@ -108,10 +107,10 @@ impl Every {
         }
     }
 
-    /// Goes to the next input; `false` where there is none with the same first digit.
+    /// Goes to the next input; `false` if there is none with the same first digit.
     #[inline(always)]
     fn advance(&mut self) -> bool {
-        // What was not asked for after a refused assumption does not count.
+        // Numbers that the property no longer asked for after a refused assumption do not count.
         self.known = self.known.min(self.at.max(1));
         while self.known > 1 {
             let (value, bits) = &mut self.digits[self.known - 1];
@@ -124,7 +123,7 @@ impl Every {
         false
     }
 
-    /// Counts a cover that is not in the place of the input before.
+    /// Counts a cover that does not come at the same place as for the input before.
     #[cold]
     fn other_cover(&mut self, reached: bool, what: &'static str) {
         match self.covers.iter_mut().find(|(text, _)| *text == what) {
@@ -172,7 +171,7 @@ impl Source for Every {
     }
 }
 
-/// Result for the inputs with one first digit: tried, of these accepted, and how often each cover was reached.
+/// Result for the inputs with one first digit: how many were tried and accepted, and how often each cover was reached.
 #[derive(Default)]
 struct Found {
     tried: u64,
@@ -186,7 +185,7 @@ fn of_one_first(body: fn(&mut Every), first: u64) -> Found {
     loop {
         (source.at, source.cover_at, source.rejected) = (0, 0, false);
         body(&mut source);
-        // The first number has fewer bits than 8, and this is none of its values.
+        // The first number has fewer bits than 8, and this value does not fit them.
         if source.digits[0].0 >> source.digits[0].1 != 0 {
             return Found::default();
         }
@@ -213,7 +212,7 @@ impl Found {
     }
 }
 
-/// Tries all inputs of a property, on every processor; ends the program where the property fails.
+/// Tries all inputs of a property on all processors; ends the program if the property fails.
 fn of_all(body: fn(&mut Every)) -> Found {
     let processors = std::thread::available_parallelism().map_or(1, std::num::NonZero::get) as u64;
     std::thread::scope(|scope| {

@@ -1,6 +1,7 @@
-//! Prints ticks of the shipped code, for the extracted specification of `proofs/coq/` to reproduce. For the guard,
-//! TDPA, FBA and the enhanced law it prints the coefficients, and for each tick the inputs, the memory and the output.
-//! For the guard it also prints the coefficients made of settings, invalid ones among them; and it prints roots.
+//! Prints ticks of the shipped code; the extracted specification of `proofs/coq/` must reproduce them. For the guard, TDPA, FBA and
+//! the enhanced law it prints the coefficients, and for each tick the inputs, the memory and the output. It also prints the guard's
+//! coefficients for settings, invalid ones included, and integer roots.
+//!
 //! `cargo run --release -p touchstone-proofs --example trace -- TICKS`.
 
 use std::io::{BufWriter, Result, Write};
@@ -31,7 +32,7 @@ fn main() -> Result<()> {
     out.flush()
 }
 
-/// Roots of words of every length, of squares and of their neighbours, where a root steps.
+/// Prints roots of integers of every length, and of squares and their neighbours, where the root changes.
 fn roots(out: &mut impl Write, draws: u64) -> Result<()> {
     let mut random = Random(9);
     for _ in 0..draws {
@@ -48,7 +49,7 @@ fn roots(out: &mut impl Write, draws: u64) -> Result<()> {
             writeln!(out, "root_64 {n} {by_digits} {}", root::root_64(n))?;
             let half = (n >> 32) as u32 >> random.below(32);
             writeln!(out, "root_32 {half} {}", root::root_32(half))?;
-            // One of its four highest bits is set then.
+            // After the shift one of the four highest bits is set.
             let high = n.max(1) << (n.max(1).leading_zeros() & !3);
             writeln!(out, "root_high_64 {high} {}", root::root_high_64(high))?;
             let half = (high >> 32) as u32;
@@ -58,7 +59,7 @@ fn roots(out: &mut impl Write, draws: u64) -> Result<()> {
     Ok(())
 }
 
-/// TDPA or FBA, over contacts of every kind.
+/// Prints ticks of TDPA or FBA over contacts of every type.
 fn laws(out: &mut impl Write, kind: LawKind, wanted_ticks: u64) -> Result<()> {
     let mut random = Random(5);
     let mut ticks = 0;
@@ -105,21 +106,21 @@ fn laws(out: &mut impl Write, kind: LawKind, wanted_ticks: u64) -> Result<()> {
     Ok(())
 }
 
-/// The enhanced law, over contacts of every kind, with its whole memory.
+/// Prints ticks of the enhanced law over contacts of every type, with its whole memory.
 fn enhanced_laws(out: &mut impl Write, wanted_ticks: u64) -> Result<()> {
     let mut random = Random(6);
     let mut ticks = 0;
     while ticks < wanted_ticks {
-        // The theorems are of the wall without the damper beside it, which adds to the answer and changes no memory.
+        // The theorems are about the wall without the damper beside it. That damper adds to the force and changes no memory.
         let settings = Settings {
             virtual_damping: Si::ZERO,
             ..any_law(&mut random, LawKind::EnhancedSfa)
         };
-        // Below `k_v` it is a plain spring.
+        // Below `k_v` the enhanced law is a plain spring.
         let Ok(AnyLaw::Enhanced(law, mut state)) = AnyLaw::<Fixed32>::new(&settings) else {
             continue;
         };
-        // The divisors are of the settings themselves, towards zero in the digits of a gain.
+        // The code's divisors are calculated from the settings, rounded towards zero to a gain's digits.
         let series = i128::from((settings.filter.stiffness + settings.k_soft).to_bits() >> 20);
         let it = specified_enhanced(&law, series);
         write!(out, "enhanced")?;
@@ -205,7 +206,7 @@ fn coefficients(out: &mut impl Write, law: &Guard<Fixed32>) -> Result<()> {
     writeln!(out)
 }
 
-/// The settings, and the guard that they make or that they are refused.
+/// Prints settings of the guard, and its coefficients or that it is refused.
 fn guard_of(
     out: &mut impl Write,
     settings: &GuardSettings,
@@ -237,7 +238,7 @@ fn guard_of(
     Ok(law)
 }
 
-/// Settings around every end of the accepted ranges, without ticks.
+/// Prints guards for settings around every end of the accepted ranges, without ticks.
 fn settings_alone(out: &mut impl Write, draws: u64) -> Result<()> {
     let mut random = Random(8);
     for _ in 0..draws {
@@ -250,7 +251,7 @@ fn settings_alone(out: &mut impl Write, draws: u64) -> Result<()> {
     Ok(())
 }
 
-/// Moves one setting to an end of its range, a little beyond it, or to a size that leaves the format.
+/// Moves one setting to an end of its range, a little beyond it, or to a size that does not fit the format.
 fn strays(random: &mut Random, settings: &mut GuardSettings, device: &mut GuardedDevice) {
     let whole = Si::const_from_int;
     let end = |random: &mut Random, most: Si| {
@@ -271,7 +272,7 @@ fn strays(random: &mut Random, settings: &mut GuardSettings, device: &mut Guarde
         9 => device.force_limit = end(random, whole(1000)),
         10 => device.force_limit = end(random, whole(128)),
         11 => device.count = end(random, Si::lit("0.1")),
-        // A tick moves a quarter of the format, more or less; or nearly as much, all of it under the old force.
+        // A largest displacement of about a quarter of the format; or nearly as much, all of it under the old force.
         12 => settings.overspeed = whole(32).saturating_mul(Si::from_num(device.rate_hz.min(1000))),
         13 => {
             device.rate_hz = 1 + random.below(30) as u32;
@@ -312,7 +313,7 @@ fn guards(out: &mut impl Write, wanted_ticks: u64) -> Result<()> {
             } else {
                 bits(0)
             };
-            // Armed again with what is left: after a tick that commanded none, or under a force.
+            // Armed again with the energy that is left: after a tick that commanded no force, or under a force.
             let ends = random.below(60);
             let told = bits(if ends == 0 { 0 } else { random.signed(31) });
             let answer = law.tick_with_change(

@@ -1,5 +1,5 @@
-//! Prints results of the code, for the Python model of the integer obligations to reproduce: at 8 bits every force and
-//! displacement over a grid of energies, at full width seeded samples.
+//! Prints results of the code; the Python model of the integer obligations must reproduce them. At 8 bits it prints every force and
+//! displacement over a grid of energies, at 32 bits seeded samples.
 
 use std::io::{BufWriter, Write};
 use touchstone_control::magnitude::{affordable, passivity_step, root, scale};

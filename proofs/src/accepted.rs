@@ -1,9 +1,9 @@
-//! P8: settings that `AnyLaw::new` accepts satisfy what the properties of the laws assume; for all settings, by the
-//! code that builds the law.
+//! P8 (settings): settings that `AnyLaw::new` accepts satisfy what the properties of the laws assume. This holds for all settings,
+//! by the code that builds the law.
 //!
-//! Settings are multiplied and divided in 128 bits on the way, which no solver follows to the end. The assumptions
-//! need only signs, sums and shifts, which the solvers do follow, whatever the products are. That every setting is in
-//! its range is checked once (`p8_validated`), not again for each law. Assumptions that need products are in `set.rs`.
+//! The code multiplies and divides settings in 128 bits, which no solver follows to the end. The assumptions need only signs, sums
+//! and shifts. Solvers follow those, whatever the products are. That every setting is in its range is checked once
+//! (`p8_validated`), not again for each law. Assumptions that need products are in `set.rs`.
 
 use crate::format::Format;
 use crate::source::Source;
@@ -19,8 +19,7 @@ use touchstone_control::{
 
 type N = Fixed32;
 
-/// Any number; a sample is mostly the thesis' value or a part of it, as otherwise hardly any settings would be
-/// accepted.
+/// Any setting. A sampled setting is mostly the thesis' value or a fraction of it; otherwise hardly any settings would be accepted.
 fn value<S: Source>(s: &mut S, base: Si) -> Si {
     let bits = s.i64();
     Si::from_bits(if s.shortcut() {
@@ -42,7 +41,7 @@ pub(crate) fn any_law<S: Source>(s: &mut S) -> LawKind {
     }
 }
 
-/// Any settings of a law; guard and estimator off.
+/// Any settings of a law; guard and estimator are off.
 pub(crate) fn any_settings<S: Source>(s: &mut S, law: LawKind) -> Settings {
     let base = Settings::thesis();
     let rate_hz = s.u32();
@@ -98,7 +97,7 @@ pub(crate) fn any_settings<S: Source>(s: &mut S, law: LawKind) -> Settings {
     }
 }
 
-/// The conditions that `Settings::validate` guarantees where it accepts, and that the laws' coefficients need.
+/// The conditions that accepted settings satisfy (`Settings::validate`) and that the laws' coefficients need.
 pub(crate) fn in_ranges(settings: &Settings) -> bool {
     let filter = &settings.filter;
     let not_negative = |value: Si| value >= Si::ZERO;
@@ -117,13 +116,14 @@ pub(crate) fn in_ranges(settings: &Settings) -> bool {
         && not_negative(filter.ground_damping)
         && settings.k_soft > Si::ZERO
         && filter.stiffness > Si::ZERO
-        // What the format of 32 bits still shows.
+        // The smallest force that the 32-bit format can hold.
         && settings.force_limit >= Si::from_bits(1 << 8)
         && settings.rate_hz > 0
         && (!compensated || settings.k_desired < filter.stiffness)
 }
 
-/// For `Settings::validate`: it may refuse anything, and accepts only what `p8_validated` has.
+/// Replaces `Settings::validate` under the model checker. It may refuse anything, and accepts only settings that satisfy the
+/// conditions of `p8_validated`.
 #[cfg(kani)]
 pub fn validated(settings: &Settings) -> Result<(), SettingsError> {
     if kani::any() && in_ranges(settings) {
@@ -137,8 +137,8 @@ pub fn validated(settings: &Settings) -> Result<(), SettingsError> {
 }
 
 property! {
-    /// P8: what validation accepts is in the ranges that the laws' coefficients rest on; with a compensated mass, the wall is softer than the
-    /// coupling.
+    /// P8 (settings): settings that validation accepts are in the ranges that the laws' coefficients need. With a compensated mass,
+    /// the wall is softer than the coupling.
     equation "accepted  =>  k, c, b, shares, mass, credit >= 0, k_v, k_f, rate > 0, limit >= 2^-24, k_de < k_f"
     over "setting of any law"
     by cadical fn p8_validated(s) {
@@ -152,7 +152,7 @@ property! {
     }
 }
 property! {
-    /// P8: a quotient of settings that are not negative is not negative.
+    /// P8 (settings): a quotient of settings that are not negative is not negative.
     equation "a >= 0, b > 0  =>  a/b >= 0"
     over "number, number above 0"
     by kissat fn p8_quotient_sign64(s) {
@@ -165,7 +165,7 @@ property! {
     }
 }
 property! {
-    /// P8: a product of settings that are not negative is not negative, and twice one is its sum.
+    /// P8 (settings): a product of settings that are not negative is not negative, and twice a setting equals its sum with itself.
     equation "a >= 0, b >= 0  =>  a b >= 0;  2 a = a + a"
     over "two numbers"
     by minisat fn p8_product64(s) {
@@ -180,7 +180,8 @@ property! {
     }
 }
 settings_property! {
-    /// P8, spring with damping.
+    /// P8 (settings): accepted settings give a spring with damping whose coefficients and memory satisfy what its properties
+    /// assume.
     equation "accepted  =>  k, b >= 0, limit > 0, invariant"
     over "setting of the law"
     by cadical fn p8_spring_accepted32(s) {
@@ -196,7 +197,7 @@ settings_property! {
     }
 }
 settings_property! {
-    /// P8, TDPA.
+    /// P8 (settings): accepted settings give a TDPA law whose coefficients and memory satisfy what its properties assume.
     equation "accepted  =>  k, c >= 0, limit > 0, cap, invariant"
     over "setting of the law"
     by cadical fn p8_tdpa_accepted32(s) {
@@ -213,7 +214,7 @@ settings_property! {
     }
 }
 settings_property! {
-    /// P8, force bounding.
+    /// P8 (settings): accepted settings give a force bounding law whose coefficients and memory satisfy what its properties assume.
     equation "accepted  =>  k, c, bound >= 0, limit > 0, cap, invariant"
     over "setting of the law"
     by cadical fn p8_fba_accepted32(s) {
@@ -228,8 +229,8 @@ settings_property! {
         cover!(s, true, "accepted");
     }
 }
-/// The assumptions on a law of successive force augmentation. The kind is fixed, so that the checker follows no other
-/// law.
+/// Checks that accepted settings give an SFA law that satisfies what its properties assume. The variant of the law is fixed, so
+/// that the model checker follows no other law.
 fn sfa_is_valid<S: Source>(s: &mut S, kind: LawKind) {
     let settings = any_settings(s, kind);
     let accepted = AnyLaw::<N>::new(&settings);
@@ -251,7 +252,7 @@ fn sfa_is_valid<S: Source>(s: &mut S, kind: LawKind) {
     cover!(s, true, "accepted");
 }
 settings_property! {
-    /// P8, SFA, original.
+    /// P8 (settings): accepted settings give an original SFA law that satisfies what its properties assume.
     equation "accepted  =>  k, k_v as set, gain, 1/k_v >= 0, limit > 0, invariant"
     over "setting of the law"
     by cadical fn p8_sfa_accepted32(s) {
@@ -259,7 +260,7 @@ settings_property! {
     }
 }
 settings_property! {
-    /// P8, SFA, continuous.
+    /// P8 (settings): accepted settings give a continuous SFA law that satisfies what its properties assume.
     equation "accepted  =>  k, k_v as set, gain, 1/k_v >= 0, limit > 0, invariant"
     over "setting of the law"
     by cadical fn p8_sfa_continuous_accepted32(s) {
@@ -267,7 +268,8 @@ settings_property! {
     }
 }
 settings_property! {
-    /// P8, enhanced law: the parts of the mass are no more than their sum, of which twice fits; the loan is within the cap.
+    /// P8 (settings), enhanced law: the virtual mass' gains are together at most their stored sum, and twice that sum fits. The
+    /// loan is at most the energy cap.
     equation "accepted  =>  k, k_v as set, M + k_f + C <= D <= 2^30, k_f > 0, 0 <= credit <= cap, shares >= 0"
     over "setting of the law"
     by cadical fn p8_enhanced_accepted32(s) {

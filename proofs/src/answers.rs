@@ -1,4 +1,5 @@
-//! Any answer to each question, of settings, of the estimator's long numbers and of what flows a device has; the same to the same.
+//! Tables of answers that replace arithmetic under the model checker. Each question (of settings, of the estimator's 56-bit
+//! numbers, of predictions of a device) gets any answer, and an equal question gets the same answer.
 
 use crate::spec::estimator_settings::Device;
 use crate::spec::settings::MOST;
@@ -16,8 +17,8 @@ pub fn of_specification() {
     SPECIFIES.store(1, Relaxed);
 }
 
-/// A table of one kind of question: what the code asked, and the answers. The next row must be known to the checker at
-/// every point that the code can reach, so a question may not depend on a branch, unless that branch returns.
+/// Defines the record of one replaced operation: the arguments of each call, and the result. The model checker must know the next
+/// free row at every point that the code can reach. So a call may not depend on a branch, unless that branch returns.
 macro_rules! table {
     ($(#[doc = $doc:literal])* $module:ident, $rows:literal, $row:ident) => {
         $(#[doc = $doc])*
@@ -30,7 +31,7 @@ macro_rules! table {
             static RIGHT: [AtomicI64; ROWS] = [const { AtomicI64::new(0) }; ROWS];
             static ANSWER: [AtomicI64; ROWS] = [const { AtomicI64::new(0) }; ROWS];
 
-            /// Any answer; if the code has asked the same, the code's answer.
+            /// The result of a replaced operation: the one that the code got for equal arguments, otherwise any.
             pub fn ask(a: i64, b: i64) -> i64 {
                 let answer: i64 = kani::any();
                 let specifies = SPECIFIES.load(Relaxed) == 1;
@@ -56,14 +57,14 @@ macro_rules! table {
             table! { @$row }
         }
     };
-    // Whoever asks the same again gets the same answer.
+    // The same question gets the same answer, in any order.
     (@any) => {
         fn rows(specifies: bool, asked: usize) -> (usize, usize) {
             (0, if specifies { ROWS } else { asked })
         }
     };
-    // The specification's n-th question gets the code's n-th answer, if it is the same question: a solver's work for each is one
-    // comparison, not one for each row. That leaves out what else is true of the answers: more is possible then, and proved, than the code can do.
+    // The specification's n-th question gets the code's n-th answer, if it is the same question. The solver then compares one
+    // question with one row, not with each. Less is known of the answers then, so that the proof covers more than the code can do.
     (@nth) => {
         static AGAIN: AtomicUsize = AtomicUsize::new(0);
 
@@ -78,39 +79,39 @@ macro_rules! table {
     };
 }
 table!(
-    /// Products of settings.
+    /// Table of recorded answers for products of settings.
     products, 16, any
 );
 table!(
-    /// Quotients of settings.
+    /// Table of recorded answers for quotients of settings.
     quotients, 12, any
 );
 table!(
-    /// Products of numbers with 56 fractional bits.
+    /// Table of recorded answers for products of numbers with 56 fractional bits.
     long_products, 12, nth
 );
 table!(
-    /// Their quotients.
+    /// Table of recorded answers for quotients of numbers with 56 fractional bits.
     long_quotients, 3, nth
 );
 table!(
-    /// Ratios of two settings.
+    /// Table of recorded answers for ratios of two settings.
     ratios, 4, nth
 );
 table!(
-    /// How far one moves in a time.
+    /// Table of recorded answers for `V`: how far a displacement per tick moves the device in a time.
     reaches, 5, nth
 );
 table!(
-    /// How far a push moves one.
+    /// Table of recorded answers for `X`: how far the hand's push moves the device in a time.
     drifts, 5, nth
 );
 table!(
-    /// Products of a weight and a part.
+    /// Table of recorded answers for products of a weight and a part of a state.
     weights, 10, any
 );
 table!(
-    /// Roots.
+    /// Table of recorded answers for square roots.
     roots, 1, nth
 );
 
@@ -122,7 +123,7 @@ pub(crate) fn double(x: Int) -> i64 {
     x as i64
 }
 
-/// The known fact of a product and a quotient of settings: of arguments that are not negative they are not negative.
+/// Assumes the known fact of a product or quotient of settings: if both arguments are not negative, it is not negative.
 fn signed(a: i64, b: i64, answer: i64) -> i64 {
     kani::assume(a < 0 || b < 0 || answer >= 0);
     answer
@@ -134,7 +135,7 @@ fn quotient(a: i64, b: i64) -> i64 {
     signed(a, b, quotients::ask(a, b))
 }
 
-/// For `saturating_mul`, of either length.
+/// Replaces `saturating_mul` under the model checker, for settings and for 56-bit numbers.
 pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> FixedI64<Frac> {
     let (a, b) = (a.to_bits(), b.to_bits());
     FixedI64::from_bits(if Frac::U32 == 32 {
@@ -143,16 +144,18 @@ pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Fi
         long_products::ask(a, b)
     })
 }
-/// For [`crate::spec::settings::times`].
+/// Replaces [`crate::spec::settings::times`] under the model checker: the specification gets the result that the code got for equal
+/// arguments.
 pub fn times(a: Int, b: Int) -> Int {
     product(double(a), double(b)).into()
 }
-/// For [`crate::spec::estimator_settings::long_times`].
+/// Replaces [`crate::spec::estimator_settings::long_times`] under the model checker: the specification gets the result that the
+/// code got for equal arguments.
 pub fn long_times(a: Int, b: Int) -> Int {
     long_products::ask(double(a), double(b)).into()
 }
 
-/// Stands for the quotient by a divisor that is meant to be positive.
+/// Quotient of settings by a divisor that is positive wherever the result is used.
 pub fn over(a: Si, b: Si) -> Si {
     let answer = quotient(a.to_bits(), b.to_bits());
     if b <= Si::ZERO {
@@ -161,41 +164,45 @@ pub fn over(a: Si, b: Si) -> Si {
         Si::from_bits(answer)
     }
 }
-/// For [`crate::spec::settings::over`].
+/// Replaces [`crate::spec::settings::over`] under the model checker: the specification gets the result that the code got for equal
+/// arguments.
 pub fn specified_over(a: Int, b: Int) -> Int {
     let answer = quotient(double(a), double(b));
     if b <= 0 { MOST } else { answer.into() }
 }
-/// For `saturating_div` of settings.
+/// Replaces `saturating_div` of settings under the model checker: the code gets any result, and the same one for equal arguments.
 pub fn saturating_div<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> FixedI64<Frac> {
     assert!(b.to_bits() != 0, "nothing is divided by zero");
     FixedI64::from_bits(quotient(a.to_bits(), b.to_bits()))
 }
-/// Stands for `checked_div`. Its callers replace a missing answer by 0, so 0 is among the answers.
+/// Replaces `checked_div` under the model checker. Its callers replace a missing answer by 0, so 0 is among the answers.
 pub fn checked_div<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Option<FixedI64<Frac>> {
     let answer = long_quotients::ask(a.to_bits(), b.to_bits());
     (b.to_bits() != 0).then_some(FixedI64::from_bits(answer))
 }
-/// For [`crate::spec::estimator_settings::long_over`].
+/// Replaces [`crate::spec::estimator_settings::long_over`] under the model checker: the specification gets the result that the code
+/// got for equal arguments.
 pub fn long_over(a: Int, b: Int) -> Int {
     let answer = long_quotients::ask(double(a), double(b));
     if b == 0 { 0 } else { answer.into() }
 }
-/// For the ratio of two settings.
+/// Replaces the ratio of two settings under the model checker.
 pub fn ratio_of_bits(a: i64, b: i64) -> Exact {
     Exact::from_bits(ratios::ask(a, b))
 }
-/// For [`crate::spec::estimator_settings::ratio`].
+/// Replaces [`crate::spec::estimator_settings::ratio`] under the model checker: the specification gets the result that the code got
+/// for equal arguments.
 pub fn specified_ratio(a: Int, b: Int) -> Int {
     ratios::ask(double(a), double(b)).into()
 }
-/// For [`DeviceInTicks::integrals`].
+/// Replaces [`DeviceInTicks::integrals`] under the model checker: the code gets any result, and the same one for equal arguments.
 pub fn integrals(device: &DeviceInTicks, time: Exact) -> (Exact, Exact) {
     let (loss, time) = (device.loss.to_bits(), time.to_bits());
     let (reach, drift) = (reaches::ask(loss, time), drifts::ask(loss, time));
     (Exact::from_bits(reach), Exact::from_bits(drift))
 }
-/// For [`crate::spec::estimator_settings::integrals`].
+/// Replaces [`crate::spec::estimator_settings::integrals`] under the model checker: the specification gets the result that the code
+/// got for equal arguments.
 pub fn specified_integrals(loss: Int, time: Int) -> (Int, Int) {
     let (loss, time) = (double(loss), double(time));
     (
@@ -203,7 +210,8 @@ pub fn specified_integrals(loss: Int, time: Int) -> (Int, Int) {
         drifts::ask(loss, time).into(),
     )
 }
-/// A flow of a device, or its correction: any words, or none; of the same device the specification's are the code's.
+/// Defines answers for a prediction of a device or for its correction: any words, or `None`. For an equal device, the specification
+/// gets the code's answer.
 macro_rules! flows {
     ($(#[doc = $doc:literal])* $module:ident, $words:literal) => {
         $(#[doc = $doc])*
@@ -242,15 +250,16 @@ macro_rules! flows {
     };
 }
 flows!(
-    /// The property over a tick.
+    /// Table of recorded answers for the estimator's predictions (state transitions) over one tick.
     over_ticks, 9
 );
 flows!(
-    /// Coefficients of the motion ahead.
+    /// Table of recorded answers for the estimator's predictions (state transitions) from a sample to the time when the next
+    /// command acts.
     aheads, 7
 );
 flows!(
-    /// Answers for the correction.
+    /// Table of recorded answers for the estimator's correction gains.
     corrections, 3
 );
 fn told_of(device: &DeviceInTicks) -> [i64; 3] {
@@ -259,7 +268,7 @@ fn told_of(device: &DeviceInTicks) -> [i64; 3] {
 fn specified_of(device: &Device) -> [i64; 3] {
     [device.loss, device.per_torque, device.delay].map(double)
 }
-/// The low half of each number is a word, any.
+/// The coefficients of a prediction (state transition), made of the low half of each given number.
 fn of_words<N: Number, const COMMANDS: usize>(words: &[i64]) -> Flow<N, COMMANDS> {
     let weight = |i: usize| {
         let long = Exact::from_bits(i64::from(words[i] as i32) << 30);
@@ -285,23 +294,25 @@ fn specified_of_words<const COMMANDS: usize>(words: &[i64]) -> estimator::Flow<C
         commands: core::array::from_fn(|i| [word(3 + 2 * i), word(4 + 2 * i)]),
     }
 }
-/// For [`DeviceInTicks::tick`].
+/// Replaces [`DeviceInTicks::tick`] under the model checker: the code gets any result, and the same one for equal arguments.
 pub fn over_a_tick<N: Number>(device: &DeviceInTicks) -> Option<Flow<N, TAPS>> {
     over_ticks::ask(told_of(device)).map(|words| of_words(&words))
 }
-/// For [`crate::spec::estimator_settings::over_a_tick`].
+/// Replaces [`crate::spec::estimator_settings::over_a_tick`] under the model checker: the specification gets the result that the
+/// code got for equal arguments.
 pub fn specified_over_a_tick(device: &Device) -> Option<estimator::Flow<3>> {
     over_ticks::ask(specified_of(device)).map(|words| specified_of_words(&words))
 }
-/// For [`DeviceInTicks::ahead`].
+/// Replaces [`DeviceInTicks::ahead`] under the model checker: the code gets any result, and the same one for equal arguments.
 pub fn ahead<N: Number>(device: &DeviceInTicks) -> Option<Flow<N, UNDER_WAY>> {
     aheads::ask(told_of(device)).map(|words| of_words(&words))
 }
-/// For [`crate::spec::estimator_settings::ahead`].
+/// Replaces [`crate::spec::estimator_settings::ahead`] under the model checker: the specification gets the result that the code got
+/// for equal arguments.
 pub fn specified_ahead(device: &Device) -> Option<estimator::Flow<2>> {
     aheads::ask(specified_of(device)).map(|words| specified_of_words(&words))
 }
-/// For [`DeviceInTicks::correction`], which has nothing to do with torques and delays.
+/// Replaces [`DeviceInTicks::correction`] under the model checker. The correction does not depend on torques and delays.
 pub fn correction<N: Number>(device: &DeviceInTicks, angle: Exact) -> Option<[Weight<N>; 3]> {
     let told = [device.loss.to_bits(), angle.to_bits(), 0];
     corrections::ask(told).map(|words| {
@@ -309,31 +320,34 @@ pub fn correction<N: Number>(device: &DeviceInTicks, angle: Exact) -> Option<[We
         [flow.reach, flow.drift, flow.loss]
     })
 }
-/// For [`crate::spec::estimator_settings::Device::correction`].
+/// Replaces [`crate::spec::estimator_settings::Device::correction`] under the model checker: the specification gets the result that
+/// the code got for equal arguments.
 pub fn specified_correction(device: &Device, angle: Int) -> Option<[Int; 3]> {
     let told = [double(device.loss), double(angle), 0];
     corrections::ask(told).map(|words| words.map(|word| Int::from(word as i32)))
 }
-/// For [`EstimatorSettings::validate`]: whatever it accepts.
+/// Replaces [`EstimatorSettings::validate`] under the model checker: it accepts all settings.
 pub fn accepted(_: &EstimatorSettings, _: u32, _: Si) -> Result<(), SettingsError> {
     Ok(())
 }
-/// For the code's product of weight and part, of two words.
+/// Replaces the code's product of weight and part, two words, under the model checker.
 pub fn weighed(weight: i32, part: i32) -> Wide64 {
     Wide64(at_limit(weight, part.into()))
 }
-/// For [`crate::estimator::times`].
+/// Replaces [`crate::estimator::times`] under the model checker: the code gets any result, and the same one for equal arguments.
 pub fn at_limit(weight: i32, limit: i64) -> i64 {
     let answer = signed(weight.into(), limit, weights::ask(weight.into(), limit));
-    // Of two words.
+    // The product of two words is at most this.
     kani::assume(answer.unsigned_abs() <= 1 << 62);
     answer
 }
-/// Stands for [`Estimator::is_bounded`]: any answer; `estimator::p8_estimator_bounded32` is about the true one.
+/// Replaces [`Estimator::is_bounded`] under the model checker: always `true`. `estimator::p8_estimator_bounded32` is about the real
+/// function.
 pub fn bounded<N: Number>(_: &Estimator<N>) -> bool {
     true
 }
-/// For [`crate::spec::estimator_settings::bounded`].
+/// Replaces [`crate::spec::estimator_settings::bounded`] under the model checker: the specification gets the result that the code
+/// got for equal arguments.
 pub fn specified_bounded(_: &crate::spec::estimator::Estimator) -> bool {
     true
 }

@@ -1,8 +1,8 @@
-//! `AnyLaw` dispatches to the law of its variant: in its tick, in its view and in forgetting.
+//! `AnyLaw` calls the law of its variant in its tick, in its view and when it forgets its memory.
 //!
-//! Which law's tick is called does not depend on the values of products, quotients, roots and steps, nor on the pieces
-//! of a tick. The checker replaces these by small functions of their arguments and memory, the same on both sides. How
-//! a law uses the real ones is the subject of `refines.rs` and `refines_enhanced.rs`.
+//! Which law's tick is called does not depend on the values of products, quotients and roots. The model checker replaces these, and
+//! the parts of a tick, by small functions of their arguments and memory, the same on both sides. `refines.rs` and
+//! `refines_enhanced.rs` prove how a law uses the real operations.
 //!
 //! ```text
 //! any law = the law      p11_any_law_*
@@ -21,7 +21,8 @@ use touchstone_control::{AnyLaw, Fixed8, Force, Number as _};
 
 type N = Fixed8;
 
-/// A property of any law, with something in the place of products, quotients and roots; `and [..]` names further pairs.
+/// Defines a property of `AnyLaw` in which small functions replace products, quotients and roots; `and [..]` names further replaced
+/// pairs.
 macro_rules! any_law_property {
     (and [$($pair:tt)*] $($property:tt)*) => {
         $crate::replaced_property! {
@@ -43,7 +44,7 @@ macro_rules! any_law_property {
     };
 }
 
-/// Replacements of operations: small enough functions of the operands that sums of them do not overflow.
+/// Replacements of operations: functions of the operands, small enough that sums of their results do not overflow.
 #[cfg(kani)]
 pub mod small {
     use touchstone_control::estimator::EstimatedMotion;
@@ -62,7 +63,7 @@ pub mod small {
     fn long(a: i8, b: i8) -> i16 {
         of(a, b).to_bits().into()
     }
-    /// The lower half combined with the upper.
+    /// Combines the lower half of a double word with its upper half.
     fn folded(wide: i16) -> i8 {
         wide as i8 ^ (wide >> 8) as i8
     }
@@ -97,7 +98,7 @@ pub mod small {
             of(f.to_bits(), d.to_bits()),
         )
     }
-    /// For `Velocity::tick`.
+    /// Replaces `Velocity::tick` under the model checker by a small function.
     pub fn velocity<N: Number>(
         _: &Velocity<N>,
         state: &mut VelocityState<N>,
@@ -114,12 +115,12 @@ pub mod small {
         }));
         at - before
     }
-    /// For `EnhancedSfa::hand_over`.
+    /// Replaces `EnhancedSfa::hand_over` under the model checker by a small function.
     pub fn hand_over<N: Number>(_: &EnhancedSfa<N>, state: &mut EnhancedState<N>) {
         state.contact = Contact::Augmenting;
         (state.augmented.mass.position, state.augmented.at_mass) = (state.last, state.force);
     }
-    /// For `EnhancedSfa::offset`.
+    /// Replaces `EnhancedSfa::offset` under the model checker by a small function.
     pub fn offset<N: Number>(
         _: &EnhancedSfa<N>,
         state: &EnhancedState<N>,
@@ -127,7 +128,7 @@ pub mod small {
     ) -> Position<N> {
         e - state.augmented.offset
     }
-    /// For `EnhancedSfa::affordable_move`.
+    /// Replaces `EnhancedSfa::affordable_move` under the model checker by a small function.
     pub fn affordable_move<N: Number>(
         _: &EnhancedSfa<N>,
         from: Position<N>,
@@ -140,7 +141,7 @@ pub mod small {
     }
 }
 
-/// Tick, view and forgetting of any law that is this one, beside its own; the force.
+/// Compares `AnyLaw` with the law of its variant: tick, view and forgetting. Returns the force.
 fn dispatched<L, S: Source>(
     s: &mut S,
     any_law: fn(L, L::State) -> AnyLaw<N>,
@@ -165,7 +166,7 @@ where
 }
 
 any_law_property! {
-    /// P11: any law that is a spring does as the spring.
+    /// P11 (refinement): `AnyLaw` of a spring does the same as the spring.
     equation "tick, view, forget = the law's"
     over "valid configuration, memory in the invariant, sample; under the checker small functions in the place of products, quotients, roots and steps"
     by minisat fn p11_any_law_spring(s) {
@@ -175,7 +176,7 @@ any_law_property! {
         cover!(s, force != Force::zero(), "a force");
     }
 }
-/// A filter's memory: of any position, at rest, or none.
+/// Any memory of a velocity filter: at any position, at rest, or before the first sample.
 fn any_motion<S: Source>(s: &mut S) -> VelocityState<N> {
     let position = N::widen(N::any_position(s).0);
     let motion = EstimatedMotion {
@@ -186,7 +187,7 @@ fn any_motion<S: Source>(s: &mut S) -> VelocityState<N> {
 }
 any_law_property! {
     and [(touchstone_control::velocity::Velocity::tick, crate::any_law::small::velocity)]
-    /// P11: any law that is a spring with a velocity of its own does as that.
+    /// P11 (refinement): `AnyLaw` of a spring with its own velocity filter does the same as that spring.
     equation "tick, view, forget = the law's"
     over "valid spring, filter of any share, memory of the spring and of a position or none, sample; under the checker small functions in the place of the filter, products and roundings"
     by minisat fn p11_any_law_damped(s) {
@@ -199,7 +200,7 @@ any_law_property! {
     }
 }
 any_law_property! {
-    /// P11: any law that is TDPA does as TDPA.
+    /// P11 (refinement): `AnyLaw` of a TDPA law does the same as the TDPA law.
     equation "tick, view, forget = the law's"
     over "valid configuration, memory in the invariant, sample; under the checker small functions in the place of products, quotients, roots and steps"
     by minisat fn p11_any_law_tdpa(s) {
@@ -210,7 +211,7 @@ any_law_property! {
     }
 }
 any_law_property! {
-    /// P11: any law that is force bounding does as force bounding.
+    /// P11 (refinement): `AnyLaw` of a force bounding law does the same as the force bounding law.
     equation "tick, view, forget = the law's"
     over "valid configuration, memory in the invariant, sample; under the checker small functions in the place of products, quotients, roots and steps"
     by minisat fn p11_any_law_fba(s) {
@@ -221,7 +222,7 @@ any_law_property! {
     }
 }
 any_law_property! {
-    /// P11: any law that is SFA does as SFA.
+    /// P11 (refinement): `AnyLaw` of an SFA law does the same as the SFA law.
     equation "tick, view, forget = the law's"
     over "valid configuration, memory in the invariant, sample; under the checker small functions in the place of products, quotients, roots and steps"
     by minisat fn p11_any_law_sfa(s) {
@@ -235,7 +236,7 @@ any_law_property! {
     and [(touchstone_control::law::EnhancedSfa::hand_over, crate::any_law::small::hand_over)
     (touchstone_control::law::EnhancedSfa::offset, crate::any_law::small::offset)
     (touchstone_control::law::EnhancedSfa::affordable_move, crate::any_law::small::affordable_move)]
-    /// P11: any law that is the enhanced law does as that.
+    /// P11 (refinement): `AnyLaw` of an enhanced law does the same as the enhanced law.
     equation "tick, view, forget = the law's"
     over "valid configuration, memory in the invariant, sample; under the checker small functions in the place of products, quotients, hand-over, offset and paid move"
     by minisat fn p11_any_law_enhanced(s) {

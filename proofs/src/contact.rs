@@ -1,10 +1,10 @@
-//! The parts between an object and a law at 8 bits: displacement along a normal, the surface point, friction.
+//! The parts between a virtual object and a law at 8 bits: displacement along a normal, surface point, friction.
 //!
-//! All inputs of each are tried (`cargo xtask prove --every contact`).
+//! All inputs of each part are tried (`cargo xtask prove --every contact`).
 //!
 //! ```text
 //! m = -n'·(x - x'), rounded down, or e - e' where n = n'    p4_displacement
-//! turned by no more than the cone                           p4_point_restricted
+//! normal turns by at most the cone's angle                  p4_point_restricted
 //! z = x - anchor, cut to what the normal force holds        p4_friction_sticks_and_slides
 //! ```
 
@@ -34,7 +34,7 @@ pub(crate) fn force_bits(v: Vector<Force<N>>) -> [i64; 3] {
 pub(crate) fn place_bits(v: Vector<Position<N>>) -> [i64; 3] {
     v.0.map(bits)
 }
-/// `floor(u·v)`.
+/// The scalar product `floor(u·v)`.
 pub(crate) fn along(u: &Direction<N>, v: [i64; 3]) -> i64 {
     let ([a, b, c], [x, y, z]) = (parts(u), v);
     (a * x + b * y + c * z).div_euclid(ONE)
@@ -52,8 +52,9 @@ pub(crate) fn touch(at: [i64; 3], normal: Direction<N>, depth: i64) -> Touch<N> 
 }
 
 property! {
-    /// P4: what a law is told to have moved is the part of the displacement along the normal of the last tick, rounded down; on a surface that did not
-    /// turn the change of the penetration, where both are the same but for rounding; an estimated displacement is taken along the same normal.
+    /// P4 (geometry): the displacement that a law gets is the part of the HIP's displacement along the normal of the last tick,
+    /// rounded down. On a surface that did not turn it is the change of penetration; the two differ only by rounding. An estimated
+    /// displacement is projected on the same normal.
     equation "m = floor(-n'·(x - x')); e - e' where n = n' and |e - e' - m| <= 2"
     over "normals of 3 bits along two axes, places of 3 bits along two axes, depths of 3 bits; turned or not, estimated or not"
     by sampled fn p4_displacement(s) {
@@ -66,7 +67,7 @@ property! {
         let now = if turned { Direction::along(1, false) } else { normal };
         let mut track = Track::default();
         let first = track.sample(&touch(from, normal, was));
-        // As of one degree of freedom: from the surface.
+        // The first sample is that of one axis: from the surface.
         assert!(first == Sample::measured(position(was), Position::zero()));
         assert!(track.normal().is_none() && track.depth() == Position::zero());
         assert!(place_bits(track.moved(&touch(from, normal, was))) == [0; 3]);
@@ -89,7 +90,7 @@ property! {
     }
 }
 property! {
-    /// P4: the closest surface point is the object's, seen from the side of the last tick.
+    /// P4 (geometry): the closest surface point is the object's own, on the side where the HIP was in the last tick.
     equation "closest: nearest(x, side of the last tick)"
     over "a box, two places of 4 bits along two axes"
     by sampled fn p4_point_closest(s) {
@@ -107,7 +108,7 @@ property! {
     }
 }
 property! {
-    /// P4: by the point of penetration the way out is that to where the HIP came in, until it has left.
+    /// P4 (geometry): with the rule "point of penetration" the way out leads to where the HIP came in, until the HIP has left.
     equation "depth u = entry - x"
     over "a box, three places of 4 bits along two axes"
     by sampled fn p4_point_of_penetration(s) {
@@ -142,8 +143,8 @@ property! {
     }
 }
 property! {
-    /// P4: the restricted surface point is the closest one where that lies in the cone; else the direction turns by the cone's angle at most, to what
-    /// 8 bits say of it, and leads out of the object.
+    /// P4 (geometry): the restricted surface point is the closest one if that lies in the cone. Otherwise the direction turns by at
+    /// most the cone's angle, to the precision of 8 bits, and leads out of the object.
     equation "u·u' >= cos a less 6 quanta; u' = nearest where u·nearest >= cos a"
     over "box or ball, two places inside of 4 bits along two axes, cones of 27 to 45 degrees"
     by sampled fn p4_point_restricted(s) {
@@ -175,7 +176,7 @@ property! {
                 assert!(turned >= cosine - 6);
                 let size = squares(parts(&told.normal));
                 assert!(((ONE - 8) * (ONE - 8)..=ONE * ONE).contains(&size));
-                // Out of a ball there is no other way to ask for than the one towards its closest point, by the whole angle.
+                // A ball offers no other direction than that to its closest point, so the surface point turns by the whole angle.
                 let between = along(&last, parts(&nearest.normal));
                 assert!(!round || between < 10 - ONE || turned <= cosine + 6 && along(&nearest.normal, parts(&told.normal)) >= between);
                 let out = if round { ball.exit(at, &told.normal, &side) } else { box_.exit(at, &told.normal, &side) };
@@ -189,8 +190,9 @@ property! {
     }
 }
 property! {
-    /// P4: friction sticks to its anchor while the stretch is within what the normal force holds, slides cut to the kinetic part of it, holds again
-    /// below three quarters of that, and pulls against the stretch; without a normal force nothing is kept.
+    /// P4 (geometry): friction sticks to its anchor while the stretch (distance from the anchor) is at most what the normal force
+    /// holds. Beyond that it slides, cut to the kinetic limit, and sticks again below three quarters of it. It pulls against the
+    /// stretch; without a normal force nothing is kept.
     equation "z = x - anchor; slides: |z| > s f_n; cut to k f_n where longer; F = -k z towards zero"
     over "reaches of 4 bits, stiffness of 3 bits, normal force of 3 bits; a place of 4 bits along one axis and of 3 along another, eight times as large, from rest and slid"
     by sampled fn p4_friction_sticks_and_slides(s) {
@@ -225,7 +227,7 @@ property! {
             assert!(squares(stretch) <= reach(kinetic) * reach(kinetic) && state.sliding);
             let shorter = stretch.iter().zip(z).all(|(cut, z)| cut.abs() <= z.abs() && cut * z >= 0);
             assert!(shorter);
-            // No more than three quanta an axis is lost, and it points as it did.
+            // At most three quanta per axis are lost, and the stretch keeps its direction.
             let lost = (reach(kinetic) - 5).max(0);
             let turned = stretch[0] * z[1] - stretch[1] * z[0];
             assert!(turned.abs() <= 3 * (z[0].abs() + z[1].abs()));
@@ -247,7 +249,8 @@ property! {
     }
 }
 property! {
-    /// P4: where the surface turns, the stretch of friction is laid into the new tangent plane and is not longer than it was, and the anchor with it.
+    /// P4 (geometry): where the surface turns, the stretch of friction (distance from its anchor) is turned into the new tangent
+    /// plane and does not get longer; the anchor follows.
     equation "|z'| <= |z|, z' = z - (n·z) n to 3 quanta, z' = x - anchor' to 3 quanta"
     over "normals of 3 bits along two axes, a stretch of 4 bits along two axes, four times as large, the HIP at rest"
     by sampled fn p4_friction_turns(s) {
@@ -279,9 +282,9 @@ property! {
             panic!("nothing is held");
         };
         let left = less(at, anchor);
-        // Laid once into the plane for the anchor and once more for the stretch: two quanta an axis each.
+        // The anchor is turned into the plane, and so is the stretch: two quanta per axis each.
         assert!(of == normal && less(left, after).iter().all(|x| x.abs() <= 3));
-        // On a surface that does not turn the anchor stays, to the bit.
+        // On a surface that does not turn, the anchor stays bit for bit.
         let aside = [at[0] + 1, at[1], 0];
         let _ = law.tick(&mut state, &touch(aside, normal, 1), force(127));
         assert!(state.sliding || state.contact.is_some_and(|hold| place_bits(hold.anchor) == anchor));

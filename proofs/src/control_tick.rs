@@ -1,12 +1,12 @@
-//! A device's control tick, from what was read to what the drive is told: whatever its parts answer, it asks them what its specification
-//! asks and makes the same of their answers. Samples run six ticks in a row with the parts themselves.
+//! A device's control tick, from the readings to the drive's command. Whatever its parts answer, the code asks them the same
+//! questions as its specification and calculates the same from the answers. Samples run six ticks in a row with the real parts.
 //!
 //! ```text
 //! output, memory = spec(memory, input, answers)     p11_control_tick
 //! ```
 //!
-//! Many of the parts have harnesses of their own: the counter (`device::p9_*`), the fault machine (`device::p10_*`), count to penetration
-//! (`settings::p6_penetration*`), law and guard (`refines`), the torque that fades in and its current (`drive::p4_*`).
+//! Many of the parts have harnesses of their own: the counter (`device::p9_*`), the fault machine (`device::p10_*`), count to
+//! penetration (`settings::p6_penetration*`), law and guard (`refines`), the torque that fades in and its current (`drive::p4_*`).
 
 use crate::device::{any_command, any_context, any_state};
 use crate::source::Source;
@@ -32,16 +32,16 @@ use touchstone_protocol::{DeviceSettings, Limit, Limits, Machine, Outputs, State
 
 #[cfg(kani)]
 use crate::device_parts::{end, of_specification};
-/// Ticks in a row.
+/// Number of ticks in a row.
 const TICKS: usize = if cfg!(kani) { 1 } else { 6 };
-/// Does nothing: without the checker no record is kept of which side calls.
+/// Does nothing: without the model checker it is not recorded which side (code or specification) calls.
 #[cfg(not(kani))]
 fn of_specification() {}
 #[cfg(not(kani))]
 fn end() -> bool {
     true
 }
-/// Gives the specification the code's law; under the checker the law has no memory, as its answers are recorded.
+/// Gives the specification the code's law. Under the model checker the law has no memory, as its answers are recorded.
 #[cfg(not(kani))]
 fn same_law(device: &Device, own: &Own) {
     assert!(*device.law() == own.law, "the law remembers the same");
@@ -49,14 +49,14 @@ fn same_law(device: &Device, own: &Own) {
 #[cfg(kani)]
 fn same_law(_: &Device, _: &Own) {}
 
-/// The real parts; under the checker the recorded answers that replace them.
+/// The device's parts for the specification: the real parts in random tests, the recorded answers under the model checker.
 struct Own {
     config: Config,
     supervisor: Supervisor,
     law: Controller<Fixed32>,
     calibration: Option<Calibration>,
     input: ControlInput,
-    /// Whether these settings wait.
+    /// Whether new settings are waiting.
     waits: bool,
     next: Config,
     found: Option<Verdict>,
@@ -77,7 +77,7 @@ impl Parts for Own {
         let fresh = Calibration::new(self.config.calibration);
         let mut running = self.calibration.unwrap_or(fresh);
         let progress = running.tick(tick, count, &self.input.current);
-        // The checker has answers in its place, which remembers nothing.
+        // The checker uses recorded answers instead of this law, which then has no memory.
         if cfg!(not(kani)) {
             self.calibration = Some(running);
         }
@@ -89,7 +89,7 @@ impl Parts for Own {
     fn changes_over(&mut self) -> bool {
         let waited = core::mem::take(&mut self.waits);
         if waited {
-            // The checker has the same ones.
+            // Under the checker, code and specification have the same settings.
             if cfg!(not(kani)) {
                 self.config = self.next;
             }
@@ -173,7 +173,7 @@ fn position(bits: i32) -> Position<Fixed32> {
 fn any_position<S: Source>(s: &mut S) -> Position<Fixed32> {
     position(s.i32())
 }
-/// An option that is sometimes `None` on samples; under the checker always `Some`, to save a case.
+/// An option that is sometimes `None` in random tests; under the model checker always `Some`, to save a case.
 fn some_sampled<S: Source, T>(s: &mut S, any: impl FnOnce(&mut S) -> T) -> Option<T> {
     if cfg!(kani) { None } else { some(s, any) }
 }
@@ -181,7 +181,7 @@ fn some<S: Source, T>(s: &mut S, any: impl FnOnce(&mut S) -> T) -> Option<T> {
     s.bool().then(|| any(s))
 }
 
-/// Any settings in which ticks differ, and the configuration made of them.
+/// Any settings that change how a tick runs, and the configuration calculated from them.
 fn any_config<S: Source>(s: &mut S) -> Option<Config> {
     let mut settings = DeviceSettings::default();
     settings.encoder.kind = EncoderKind::Incremental;
@@ -204,7 +204,7 @@ fn any_config<S: Source>(s: &mut S) -> Option<Config> {
 }
 fn any_memory<S: Source>(s: &mut S) -> Memory {
     let last = any_position(s);
-    // Of a short way a law has more to say.
+    // On samples mostly a short displacement, at which the law's force varies more.
     let way = |s: &mut S| {
         if s.shortcut() {
             position(s.i16().into())
@@ -250,7 +250,7 @@ fn any_alignment<S: Source>(s: &mut S) -> Alignment {
         against: s.bool(),
     }
 }
-/// One kind of contact for each byte.
+/// The contact phase that a byte stands for.
 pub(crate) const fn contact_of(byte: u8) -> Contact {
     match byte % 3 {
         0 => Contact::Free,
@@ -258,7 +258,7 @@ pub(crate) const fn contact_of(byte: u8) -> Contact {
         _ => Contact::Augmenting,
     }
 }
-/// Any input, with the supply and temperature either fixed or arbitrary.
+/// Any input of a tick, with the supply and temperature either fixed or arbitrary.
 fn any_input<S: Source>(s: &mut S) -> ControlInput {
     let is_quiet = s.shortcut();
     ControlInput {
@@ -340,15 +340,16 @@ replaced_property! {
     (touchstone_control::Controller::is_beyond_reach, crate::device_parts::is_beyond_reach)
     (touchstone_drive::device::torque_of, crate::device_parts::torque)
     (<touchstone_drive::command::AnyDrive as touchstone_drive::command::Drive>::command, crate::device_parts::command)]
-    /// P11: a control tick is its specification, from the reading to the drive's command and in all that it remembers: its parts are asked the
-    /// same, and law and supervisor in the same order, whatever they answer.
+    /// P11 (refinement): a control tick equals its specification, from the reading to the drive's command, with the whole memory.
+    /// Code and specification ask the parts the same questions, whatever these answer. Law and supervisor are asked in the same
+    /// order.
     equation "output, memory = spec(memory, input, answers); on => armed or calibrating, no fault, a good reading"
     over "memory, input and command, settings that wait; three phases or analogue, steps of fading in, force limits; without a measurement; under the checker one tick, whatever the parts answer, by samples six of the parts as they are"
     by minisat fn p11_control_tick(s) {
         let Some(config) = any_config(s) else {
             return;
         };
-        // Of two sets at once the checker makes too much; which of them a tick uses samples see.
+        // The checker's formula would be too large with two configurations. Samples check which one a tick uses.
         let next = if cfg!(kani) { config } else { any_config(s).unwrap_or(config) };
         let mut device = Device::of(config, any_memory(s));
         let waits = s.bool();

@@ -1,10 +1,11 @@
-//! The controller around its law: a tick is the law and then the guard, whatever law it is, and all that is told of it is what it holds.
+//! The controller around its law. A tick is the law and then the guard, for any law. The controller keeps the force that later
+//! stages report to it.
 //!
 //! ```text
-//! f = guard(law(e, e - e(n-1)))            p11_controller_tick
-//! told: f(n-1) = told, in the guard too    p11_controller_told
-//! resumed: memory new, B' = min(B, C')     p7_controller_resumes
-//! made: law, a guard where it is on, f = 0 p8_controller_made
+//! f = guard(law(e, e - e(n-1)))                p11_controller_tick
+//! reported f: f(n-1) = f, in the guard too     p11_controller_told
+//! resumed: memory new, B' = min(B, C')         p7_controller_resumes
+//! built: law, guard if switched on, f = 0      p8_controller_made
 //! ```
 
 use crate::format::Format;
@@ -24,7 +25,7 @@ use touchstone_control::{
 
 type N = Fixed8;
 
-/// A controller of a spring without stiffness.
+/// A controller of a spring with zero stiffness.
 pub(crate) fn plain<N: Number>() -> Controller<N> {
     let none = Stiffness::zero();
     let spring = Spring {
@@ -36,7 +37,7 @@ pub(crate) fn plain<N: Number>() -> Controller<N> {
     Controller::of_parts(law, States::default(), None)
 }
 
-/// A property of a controller of a spring, whatever its guard and its products are.
+/// Defines a property of a spring's controller that holds for any guard and any result of products.
 macro_rules! controller_property {
     ($($property:tt)*) => {
         $crate::replaced_property! {
@@ -48,13 +49,14 @@ macro_rules! controller_property {
     };
 }
 
-/// For a product of `Fixed8`: every digit of both, as far above the rounding as a gain's fractional bits, and room for a sum of two.
+/// Replaces the product of `Fixed8`. The result depends on every digit of both factors, lies above the rounding by a gain's
+/// fractional bits, and leaves room for a sum of two.
 #[cfg(kani)]
 pub fn product(k: <Fixed8 as Number>::Gain, x: <Fixed8 as Number>::Signal) -> i16 {
     (i16::from(k.to_bits()) ^ i16::from(x.to_bits())) << 3
 }
 
-/// Stands for `Guarded::tick`: it records its arguments, and returns a force that differs from them.
+/// Replaces `Guarded::tick`: it records its arguments, and returns a force that differs from them.
 #[cfg(kani)]
 pub fn kept<N: Number>(
     guarded: &mut Guarded<N>,
@@ -70,13 +72,13 @@ pub fn kept<N: Number>(
     -wanted
 }
 
-/// Stands for `Guard::switched_off`: makes a recognisable change.
+/// Replaces `Guard::switched_off`: it changes the guard's memory recognisably.
 #[cfg(kani)]
 pub fn ended<N: Number>(_: &Guard<N>, state: &mut touchstone_control::GuardState<N>) {
     core::mem::swap(&mut state.force, &mut state.older);
 }
 
-/// Any spring, any last sample, any guard or none, after any force.
+/// A controller with any spring, any last sample, any guard or none, and any last force.
 fn any_wall<S: Source>(s: &mut S) -> Controller<N> {
     let mut wall = plain::<N>();
     let law = one_with(s, <Spring<N> as Valid<N>>::any, Spring::valid);
@@ -92,7 +94,8 @@ fn any_wall<S: Source>(s: &mut S) -> Controller<N> {
 }
 
 controller_property! {
-    /// P11: a tick is the law, told the penetration and its change, and then the guard, told what was measured and what the law wants.
+    /// P11 (refinement): a tick is the law, with the penetration and its change, and then the guard, with what was measured and the
+    /// force that the law requests.
     equation "f = guard(e, at_change, law(e, e - e(n-1)))"
     over "spring, guard or none, memories, sample, with and without one at the change of force; under the checker a guard that keeps what it is told and something in the place of the spring's products"
     by minisat fn p11_controller_tick(s) {
@@ -125,7 +128,8 @@ controller_property! {
     }
 }
 controller_property! {
-    /// P11: what the controller is told of the force that a later stage left, its guard is told, and it is what it says next.
+    /// P11 (refinement): a reported force that a later stage commanded reaches the guard, and is the controller's last force from
+    /// then on.
     equation "told f: f(n-1) = f, guard(f)"
     over "guard or none, memories, force told"
     by cadical fn p11_controller_told(s) {
@@ -143,7 +147,8 @@ controller_property! {
     }
 }
 controller_property! {
-    /// P11, controller: switched off, its guard is and nothing is commanded; the law's memory is not touched.
+    /// P11 (refinement): when the controller is switched off, its guard is switched off and the last force is 0; the law's memory
+    /// is not touched.
     equation "guard = switched_off(guard), f = 0"
     over "guard or none, memories"
     by cadical fn p11_controller_switched_off(s) {
@@ -160,7 +165,7 @@ controller_property! {
     }
 }
 controller_property! {
-    /// P7: resumed, a controller is as it was made, but for what is left in its guard's account.
+    /// P7 (end of contact): a resumed controller is as new, except for the energy that is left in its guard's account.
     equation "memory = new; B' = min(B, C'), f = 0"
     over "guard or none before and after, memories"
     by cadical fn p7_controller_resumes(s) {
@@ -184,7 +189,7 @@ controller_property! {
     }
 }
 
-/// Stands for `AnyLaw::new`: a spring without stiffness and with the given limit; an error for a stiffness below zero.
+/// Replaces `AnyLaw::new`: a spring with zero stiffness and the given limit; an error for a negative stiffness.
 #[cfg(kani)]
 pub fn law_made<N: Number>(settings: &Settings) -> Result<AnyLaw<N>, SettingsError> {
     let (count, coarsest) = (settings.k_desired, Si::ZERO);
@@ -200,7 +205,7 @@ pub fn law_made<N: Number>(settings: &Settings) -> Result<AnyLaw<N>, SettingsErr
     Ok(AnyLaw::Spring(spring, SpringState::default()))
 }
 
-/// Stands for `Guard::new`: a guard that holds its arguments, with a full account; an error for an account below zero.
+/// Replaces `Guard::new`: a guard that holds its arguments, with a full account; an error for a negative capacity.
 #[cfg(kani)]
 pub fn guard_made<N: Number>(
     settings: &GuardSettings,
@@ -229,8 +234,8 @@ pub fn guard_made<N: Number>(
 replaced_property! {
     [(touchstone_control::AnyLaw::new, crate::controller::law_made)
     (touchstone_control::Guard::new, crate::controller::guard_made)]
-    /// P8: with states as measured, a controller is made of the law that its settings become and, where it is on, the guard that they become, and
-    /// nothing is commanded; it is refused where one of these is, and for no other reason.
+    /// P8 (settings): with measured states, a controller consists of the law of its settings and, if switched on, the guard of its
+    /// settings, and commands no force. It is refused if law or guard is refused, and for no other reason.
     equation "Controller(s) = (law(s), guard(s) where on, f = 0)"
     over "guard on or off, its account, count, force limit, desired stiffness; states as measured; under the checker a law and a guard that are what they were told, or none"
     by cadical fn p8_controller_made(s) {

@@ -1,4 +1,4 @@
-//! P9, the encoder's counter, and P10, the fault machine.
+//! P9, the encoder's counter, and P10, the device's fault machine.
 
 use crate::source::Source;
 use crate::{assume, cover, property};
@@ -7,8 +7,8 @@ use touchstone_protocol::{
 };
 
 property! {
-    /// P9: a 16-bit counter follows the true count exactly, wherever it wraps, as long as a tick moves by less than half
-    /// its range.
+    /// P9 (counters): counting from a 16-bit counter follows the true count exactly, wherever the counter wraps, if a tick moves by
+    /// less than half its range.
     equation "count' = count + moved"
     over "count of 64 bits, displacement of 16 bits"
     fn p9_unwrap16(s) {
@@ -25,7 +25,7 @@ property! {
     }
 }
 property! {
-    /// P9: the same for 32 bits.
+    /// P9 (counters): counting from a 32-bit counter follows the true count exactly, if a tick moves by less than half its range.
     equation "count' = count + moved"
     over "count of 64 bits, displacement of 32 bits"
     fn p9_unwrap32(s) {
@@ -40,12 +40,12 @@ property! {
     }
 }
 property! {
-    /// P9: beyond the range of the count it holds, without panic.
+    /// P9 (counters): at the end of its range the count stays there, without panic.
     equation "count' = min(max(count + moved, lowest), highest)"
     over "count, last and new reading"
     fn p9_ends32(s) {
         let (last, reading) = (s.u32(), s.u32());
-        // Anywhere, or near the end.
+        // Anywhere in the range, or near its end.
         let count = if s.shortcut() { i64::MAX - i64::from(s.u16()) } else { s.i64() };
         let mut unwrap = Unwrap32::new(last, count);
         let moved = i128::from(reading.wrapping_sub(last).cast_signed());
@@ -56,7 +56,8 @@ property! {
 }
 
 property! {
-    /// P10: a fault's number on the wire says which it is, other numbers say nothing; a machine that was just made is at its start.
+    /// P10 (fault machine): a fault's number on the wire identifies the fault, and other numbers are rejected. A new fault machine
+    /// is in its first state.
     equation "from_wire(to_wire(code)) = code; new: Boot, off"
     over "byte"
     fn p10_wire(s) {
@@ -72,7 +73,7 @@ property! {
     }
 }
 
-/// One fault code for each byte.
+/// The fault code that a byte stands for.
 pub(crate) fn code_of(byte: u8) -> FaultCode {
     FaultCode::ALL[usize::from(byte) % FaultCode::ALL.len()]
 }
@@ -114,7 +115,7 @@ fn any_event<S: Source>(s: &mut S) -> Event {
 }
 
 property! {
-    /// P10: outputs are on in `Armed` and `Calibrating` only, and never in the tick of a fault.
+    /// P10 (fault machine): outputs are on in `Armed` and `Calibrating` only, and never in the tick of a fault.
     equation "outputs = on  =>  state in {Armed, Calibrating} and no fault"
     over "state, fault, command, end of calibration"
     fn p10_outputs(s) {
@@ -133,7 +134,8 @@ property! {
     }
 }
 property! {
-    /// P10: a fault is latched with its first context in every state, and left only by a stop, only to `Stopped`.
+    /// P10 (fault machine): in every state a fault is latched with its first context. Only a stop ends it, and only towards
+    /// `Stopped`.
     equation "state = Fault(c)  =>  state' in {Fault(c), Stopped}"
     over "state and event, with any context"
     fn p10_fault_is_latched(s) {
@@ -152,9 +154,9 @@ property! {
     }
 }
 property! {
-    /// P10: into `Armed` only from `Ready` by command; into `Ready` only from `Calibrating` or `Armed`; into `Calibrating` only
-    /// from `Boot` or `Stopped` by command. So every way from `Fault` to `Armed` leads through `Stopped`, `Calibrating` and
-    /// `Ready`, three commands apart.
+    /// P10 (fault machine): `Armed` is entered only from `Ready` by command, `Ready` only from `Calibrating` or `Armed`, and
+    /// `Calibrating` only from `Boot` or `Stopped` by command. So every way from `Fault` to `Armed` leads through `Stopped`,
+    /// `Calibrating` and `Ready`, three commands apart.
     equation "state' = Armed /= state  =>  state = Ready and event = Arm, ..."
     over "state and event, with any context"
     fn p10_ways(s) {
@@ -164,7 +166,7 @@ property! {
         let changed = machine.handle(event);
         let after = machine.state();
         assert!(changed == (after != before));
-        // No short circuits: the compiler would split the check in two, one of them unreachable.
+        // `&` instead of `&&`: the compiler would split the check in two, one of them unreachable.
         cover!(s, changed & (after == State::Armed), "armed");
         cover!(s, changed & (after == State::Calibrating) & (before == State::Stopped), "again");
         if changed {
@@ -186,7 +188,7 @@ property! {
     }
 }
 property! {
-    /// P10: however three ticks go after a fault, the device is not armed at the end of them.
+    /// P10 (fault machine): whatever happens in three ticks after a fault, the device is not armed at their end.
     equation "Fault  =>  after 1, 2, 3 ticks: not Armed"
     over "context, and fault, command, end of calibration in each tick"
     fn p10_no_short_way(s) {

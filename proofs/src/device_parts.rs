@@ -1,9 +1,9 @@
-//! Replacements of a device's parts: any answer for the code, and the same answer for the specification, which must
-//! ask the same.
+//! Replacements of a device's parts under the model checker. The code gets any answer, and the specification gets the same answer;
+//! it must ask the same question.
 //!
-//! A part is asked at most once in a tick. Questions that change law or supervisor, or that read what may have changed
-//! in the law, are also distinguished by what came before them. The part itself and its coefficients are not recorded
-//! in a question: the harness's samples cover those.
+//! A part is asked at most once in a tick. Some questions change law or supervisor, or read what may have changed in the law. They
+//! are also distinguished by the questions before them. The part itself and its coefficients are not recorded in a question: the
+//! harness's samples cover those.
 
 use crate::control_tick::contact_of;
 use crate::controller::plain;
@@ -30,18 +30,19 @@ use touchstone_drive::{
 use touchstone_protocol::Limits;
 
 static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
-/// The changes of parts so far, a digit each.
+/// Record of which calls changed law or supervisor in this tick, in order: one digit per call.
 static HISTORY: AtomicUsize = AtomicUsize::new(1);
-/// Set when a question differs, or is asked again.
+/// Set if the specification calls a part with other arguments than the code, or calls it twice.
 static DIFFERS: AtomicUsize = AtomicUsize::new(0);
 static OF_CODE: AtomicUsize = AtomicUsize::new(0);
 
-/// Marks that the following calls come from the specification.
+/// Marks that the calls of parts from now on come from the specification, not from the code.
 pub fn of_specification() {
     OF_CODE.store(HISTORY.swap(1, Relaxed), Relaxed);
     SPECIFIES.store(1, Relaxed);
 }
-/// Whether the specification has asked exactly the same questions, and made the same changes in the same order.
+/// Whether the specification has called the parts with exactly the arguments of the code, and made the same changes in the same
+/// order.
 #[must_use]
 pub fn end() -> bool {
     let open = [
@@ -73,7 +74,7 @@ fn so_far() -> i64 {
     HISTORY.load(Relaxed) as i64
 }
 
-/// A part: words of its question, words of its answer.
+/// Defines the replacement of one part of a device: number of words in its arguments, and in its result.
 macro_rules! part {
     ($module:ident, $words:literal, $answers:literal) => {
         mod $module {
@@ -83,11 +84,11 @@ macro_rules! part {
             static QUESTION: [AtomicI64; $words] = [const { AtomicI64::new(0) }; $words];
             static ANSWER: [AtomicI64; $answers] = [const { AtomicI64::new(0) }; $answers];
 
-            /// Any answer to the code, and the same to the specification.
+            /// The result of a replaced part: any for the code, and the same one for the specification.
             pub fn ask(question: [i64; $words]) -> [i64; $answers] {
                 let mut answer = [0; $answers];
                 let (is_new, mut same) = (SPECIFIES.load(Relaxed) == 0, true);
-                // 0: not asked, 1: by the code, 2: by the specification as well.
+                // States: 0 not asked, 1 asked by the code, 2 asked by the specification as well.
                 if is_new {
                     same &= ASKED.swap(1, Relaxed) == 0;
                     for at in 0..$words {
@@ -133,29 +134,29 @@ part!(beyond, 2, 1);
 part!(faded, 3, 1);
 part!(driven, 6, 10);
 
-/// For `settings::validate`.
+/// Replaces `settings::validate` under the model checker: the code gets any result, and the specification the same one.
 pub fn accepted(_: &DeviceSettings, _: &Hardware) -> Result<(), SettingsError> {
     Ok(())
 }
-/// Stands for `quotient`: a coefficient that every format takes. Parts that are replaced do not use it.
+/// Replaces `quotient`: a coefficient that fits every format. Parts that are replaced do not use it.
 pub fn some_quotient(_: Si, _: Si) -> Si {
     Si::from_bits(1 << 31)
 }
-/// For `law_settings`: none that anything comes of.
+/// Replaces `law_settings` under the model checker: settings that have no effect.
 pub fn law_settings(
     _: &DeviceSettings,
     _: &Hardware,
 ) -> Result<(Settings, Option<ChangeConfig>), SettingsError> {
     Ok((Settings::default(), None))
 }
-/// Stands for `Controller::new`: a law whose ticks are replaced.
+/// Replaces `Controller::new`: a law whose ticks are replaced.
 pub fn law_made<N: Number>(
     _: &Settings,
 ) -> Result<Controller<N>, touchstone_control::SettingsError> {
     Ok(plain())
 }
 
-/// For `Supervisor::inspect`.
+/// Replaces `Supervisor::inspect` under the model checker: the specification gets the result that the code got for equal arguments.
 pub fn inspect(
     _: &mut Supervisor,
     _: &SupervisorConfig,
@@ -180,7 +181,7 @@ pub fn inspect(
     let (encoder, word) = match input.encoder {
         EncoderReading::Silent => (0, 0),
         EncoderReading::Counter32(word) => (1, word),
-        // The harness has no others.
+        // The harness has no other readings.
         _ => (2, 0),
     };
     let both = pair((packed << 2) | encoder, word);
@@ -194,19 +195,19 @@ pub fn inspect(
         derating: derating as u32,
     }
 }
-/// For `Supervisor::restart`.
+/// Replaces `Supervisor::restart` under the model checker: the code gets any result, and the specification the same one.
 pub fn restart(_: &mut Supervisor) {
     done(1);
 }
-/// For `Shaft::speed`.
+/// Replaces `Shaft::speed` under the model checker: the code gets any result, and the specification the same one.
 pub fn speed(_: &Shaft, _: &ShaftConfig) -> Amps {
     Amps::from_bits(sped::ask([so_far()])[0] as i32)
 }
-/// For `Shaft::advance`.
+/// Replaces `Shaft::advance` under the model checker: the code gets any result, and the specification the same one.
 pub fn advance(_: &Shaft, _: &ShaftConfig) -> i32 {
     advanced::ask([0])[0] as i32
 }
-/// For `Power::temperature`.
+/// Replaces `Power::temperature` under the model checker: the code gets any result, and the specification the same one.
 pub fn temperature(_: &Thermistor, report: &CurrentReport) -> Option<Celsius> {
     let [is_some, bits] = warm::ask([report.temperature.into()]);
     (is_some & 1 == 1).then(|| Celsius::from_bits(bits as i32))
@@ -214,7 +215,7 @@ pub fn temperature(_: &Thermistor, report: &CurrentReport) -> Option<Celsius> {
 fn pair(a: u32, b: u32) -> i64 {
     (i64::from(a) << 32) | i64::from(b)
 }
-/// The fields of a report that the harness varies under the checker.
+/// The fields of a current report that the harness varies under the model checker.
 fn words_of(report: &CurrentReport) -> [i64; 4] {
     let two = |dq: Dq| {
         pair(
@@ -229,7 +230,7 @@ fn words_of(report: &CurrentReport) -> [i64; 4] {
     let rest = pair(report.periods, report.bus.to_bits().cast_unsigned());
     [two(report.current), two(report.voltage), counts, rest]
 }
-/// For `Calibration::tick`.
+/// Replaces `Calibration::tick` under the model checker: the code gets any result, and the specification the same one.
 pub fn calibrate(_: &mut Calibration, tick: u32, count: i64, report: &CurrentReport) -> Progress {
     let [a, b, c, d] = words_of(report);
     let answer = calibrated::ask([a, b, c, d, tick.into(), count]);
@@ -260,11 +261,11 @@ fn command_of(words: &[i64; 8]) -> CurrentCommand {
         },
     }
 }
-/// For `ElectricalScale::angle`.
+/// Replaces `ElectricalScale::angle` under the model checker: the code gets any result, and the specification the same one.
 pub fn angle(_: &ElectricalScale, count: i64) -> Angle {
     Angle(turned::ask([count])[0] as u16)
 }
-/// For `CountScale::penetration`.
+/// Replaces `CountScale::penetration` under the model checker: the code gets any result, and the specification the same one.
 pub fn penetration<N: Format>(_: &CountScale, count: i64) -> Position<N> {
     position(behind::ask([count])[0])
 }
@@ -273,7 +274,7 @@ fn position<N: Format>(bits: i64) -> Position<N> {
     kani::assume(N::of_signal(found.0) == i64::from(bits as i32));
     found
 }
-/// For `ChangeConfig::since_change`.
+/// Replaces `ChangeConfig::since_change` under the model checker: the code gets any result, and the specification the same one.
 pub fn since_change(
     _: &ChangeConfig,
     until: Position<Fixed32>,
@@ -282,11 +283,11 @@ pub fn since_change(
     let question = [until, from].map(|way| i64::from(way.0.to_bits()));
     Position(I8F24::from_bits(since::ask(question)[0] as i32))
 }
-/// For `Controller::resume`.
+/// Replaces `Controller::resume` under the model checker: the code gets any result, and the specification the same one.
 pub fn resume<N: Number>(_: &mut Controller<N>, _: &Controller<N>) {
     done(2);
 }
-/// For `Controller::tick_with_change`.
+/// Replaces `Controller::tick_with_change` under the model checker: the code gets any result, and the specification the same one.
 pub fn law<N: Format>(
     _: &mut Controller<N>,
     e: Position<N>,
@@ -296,7 +297,7 @@ pub fn law<N: Format>(
     let answer = pushed::ask([done(3), N::of_signal(e.0), at_change.is_some().into(), at]);
     Force(position::<N>(answer[0]).0)
 }
-/// For `Controller::view`.
+/// Replaces `Controller::view` under the model checker: the code gets any result, and the specification the same one.
 pub fn view<N: Format>(_: &Controller<N>) -> View<N> {
     let [contact, has_energy, energy, offset] = viewed::ask([so_far()]);
     let found = N::any_energy(&mut Symbolic);
@@ -308,23 +309,23 @@ pub fn view<N: Format>(_: &Controller<N>) -> View<N> {
         mass: None,
     }
 }
-/// For `Controller::commanded`.
+/// Replaces `Controller::commanded` under the model checker: the code gets any result, and the specification the same one.
 pub fn commanded<N: Format>(_: &mut Controller<N>, force: Force<N>) {
     told::ask([done(4), N::of_signal(force.0)]);
 }
-/// For `Controller::switched_off`.
+/// Replaces `Controller::switched_off` under the model checker: the code gets any result, and the specification the same one.
 pub fn switched_off<N: Number>(_: &mut Controller<N>) {
     done(5);
 }
-/// For `Controller::tripped`.
+/// Replaces `Controller::tripped` under the model checker: the code gets any result, and the specification the same one.
 pub fn is_tripped<N: Number>(_: &Controller<N>) -> bool {
     tripped::ask([so_far()])[0] & 1 == 1
 }
-/// For `Controller::is_beyond_reach`.
+/// Replaces `Controller::is_beyond_reach` under the model checker: the code gets any result, and the specification the same one.
 pub fn is_beyond_reach<N: Format>(_: &Controller<N>, e: Position<N>) -> bool {
     beyond::ask([so_far(), N::of_signal(e.0)])[0] & 1 == 1
 }
-/// For `torque_of`.
+/// Replaces `torque_of` under the model checker: the code gets any result, and the specification the same one.
 pub fn torque(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {
     let question = [
         i64::from(force.0.to_bits()),
@@ -333,7 +334,7 @@ pub fn torque(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {
     ];
     Force(I8F24::from_bits(faded::ask(question)[0] as i32))
 }
-/// For `AnyDrive::command`.
+/// Replaces `AnyDrive::command` under the model checker: the code gets any result, and the specification the same one.
 pub fn command(_: &AnyDrive, torque: Force<Fixed32>, rotor: &Rotor) -> Driven {
     let question = [
         torque.0.to_bits().into(),

@@ -1,18 +1,19 @@
-//! Division and roots for the checker: one quotient for one question, at 32 bits.
+//! Division and roots for the model checker at 32 bits: any result that has the known facts, and the same result for the same
+//! question.
 //!
-//! As a product in [`crate::multiplied`], a quotient is here any number that has the facts of [`facts`]. The specification's next
-//! question gets the code's answer if it is the same question. The part of the dividend that the quotient accounts for is a product
-//! with the facts of products. A `divided_property!` puts these functions, and those of [`crate::multiplied`], in the place of the
-//! code's divisions, products and roots and of the specification's.
+//! A quotient is here any number that has the facts of [`facts`], as a product is in [`crate::multiplied`]. The specification's
+//! next question gets the code's answer if it is the same question. The part of the dividend that the quotient accounts for is a
+//! product with the facts of products. A `divided_property!` replaces divisions and roots of code and specification by the
+//! functions of this file, and products by those of [`crate::multiplied`].
 //!
 //! ```text
 //! q b <= a, a - q b < b, and q < 2^31 where a < 2^31 b     p3_quotient, obligations/check.py
 //! r < 2^31 where r^2 <= x < 2^62                           p3_root, obligations/check.py
 //! ```
 //!
-//! That the code's are these: `heart::p1_divide`, `p1_affordable`, `p6_quotient`, `p5_root_digit`, and around them `edges::p1_edge_*` and
-//! `p6_edge_divide`; that the reciprocal gives the same, `control/src/reciprocal.rs`. Settings are divided in 128 bits; there what a
-//! proof rests on is a quotient's sign.
+//! That the code's operations have these facts is proved by `heart::p1_divide`, `p1_affordable`, `p6_quotient` and `p5_root_digit`,
+//! and for signed numbers by `edges::p1_edge_*` and `p6_edge_divide`. That the reciprocal gives the same is shown in
+//! `control/src/reciprocal.rs`. Settings are divided in 128 bits; of those quotients a proof uses only the sign.
 
 use crate::{cover, property};
 #[cfg(kani)]
@@ -20,7 +21,8 @@ use fixed::{FixedI64, types::extra::LeEqU64};
 #[cfg(kani)]
 use touchstone_control::Si;
 
-/// A property of which the checker puts functions in the place of others, named in pairs before it: as `property!` else.
+/// Defines a property under which the model checker replaces functions by others, listed in pairs in front; otherwise as
+/// `property!`.
 #[macro_export]
 macro_rules! replaced_property {
     ([$($pair:tt)*] $(#[doc = $doc:literal])* equation $equation:literal over $over:literal by sampled fn $name:ident($s:ident) $body:block) => {
@@ -34,7 +36,7 @@ macro_rules! replaced_property {
         pub mod $name {
             #[allow(unused_imports)]
             use super::*;
-            /// The property.
+            /// The property's body: chooses inputs, runs the code and asserts.
             pub fn body<S: $crate::source::Source>($s: &mut S) $body
 
             #[cfg(kani)]
@@ -54,8 +56,8 @@ macro_rules! replaced_property {
     };
 }
 
-/// A property of code and specification that both divide: at the shipped width with the divisions, roots and products of this file
-/// and of [`crate::multiplied`], `multiplied`; at 8 bits with their own, `plain`. `and [..]` names further pairs.
+/// Defines a property of code and specification that both divide. At 32 bits they use the divisions and roots of this file and the
+/// products of [`crate::multiplied`] (`multiplied`), at 8 bits their own (`plain`). `and [..]` names further replaced pairs.
 #[macro_export]
 macro_rules! divided_property {
     (plain and [$($pair:tt)*] $($property:tt)*) => {
@@ -88,9 +90,8 @@ macro_rules! divided_property {
     };
 }
 
-/// A property of a law's settings in which products and quotients are unknown but for three facts: of arguments that
-/// are not negative they are not negative; twice a number is its sum with itself; and accepted settings are in their
-/// ranges.
+/// Defines a property of a law's settings, in which only three facts of products and quotients are known. They are not negative if
+/// their arguments are not; twice a number is its sum with itself; accepted settings are in their ranges.
 #[macro_export]
 macro_rules! settings_property {
     ($($property:tt)*) => {
@@ -107,7 +108,8 @@ macro_rules! settings_property {
 #[cfg(kani)]
 pub use by_one_quotient::*;
 
-/// For `quotient` of settings: any number with that sign; `p8_quotient_sign64` has the code's own.
+/// Replaces `quotient` of settings under the model checker: any number with the right sign. `p8_quotient_sign64` proves that the
+/// code's own quotient has it.
 #[cfg(kani)]
 pub fn quotient(a: Si, b: Si) -> Si {
     let any = Si::from_bits(kani::any());
@@ -115,7 +117,8 @@ pub fn quotient(a: Si, b: Si) -> Si {
     any
 }
 
-/// For `saturating_mul` of settings: any number with that sign, and of twice a number the sum; `p8_product64` has the library's own.
+/// Replaces `saturating_mul` of settings under the model checker: any number with the right sign, and for twice a number the sum.
+/// `p8_product64` proves it of the library's own product.
 #[cfg(kani)]
 pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> FixedI64<Frac> {
     let any: i64 = kani::any();
@@ -125,17 +128,17 @@ pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Fi
     FixedI64::from_bits(any)
 }
 
-/// The known facts of quotients and roots.
+/// The facts of quotients and roots that the model checker assumes.
 pub mod facts {
-    /// The facts of a quotient, and of the part of the dividend that it accounts for; a quotient beyond a signed word
-    /// has no part.
+    /// The facts of a quotient, and of the part of the dividend that it accounts for. A quotient beyond a signed word has no such
+    /// part.
     #[must_use]
     pub fn is_quotient(dividend: u64, divisor: u32, quotient: u64, part: u64) -> bool {
         let fits = dividend < u64::from(divisor) << 31;
         (quotient < 1 << 31) == fits
             && (!fits || part <= dividend && dividend - part < u64::from(divisor))
     }
-    /// The facts of a root.
+    /// Whether a result has the facts of a square root.
     #[must_use]
     pub fn is_root(radicand: u64, root: u32) -> bool {
         radicand >= 1 << 62 || root < 1 << 31
@@ -143,7 +146,8 @@ pub mod facts {
 }
 
 property! {
-    /// P3: what is known of a quotient holds of the floor: over the integers, in two solvers, `obligations/check.py`.
+    /// P3 (arithmetic): the rounded-down quotient has the facts of [`facts`]. Two solvers show it over the integers in
+    /// `obligations/check.py`.
     equation "q = floor(a / b): q b <= a < q b + b, and q < 2^31 where a < 2^31 b"
     over "double word, word above 0"
     by sampled fn p3_quotient(s) {
@@ -155,7 +159,8 @@ property! {
     }
 }
 property! {
-    /// P3: what is known of a root holds of the floor: over the integers, in two solvers, `obligations/check.py`.
+    /// P3 (arithmetic): the rounded-down root has the facts of [`facts`]. Two solvers show it over the integers in
+    /// `obligations/check.py`.
     equation "r = floor(sqrt(x)) < 2^31 where x < 2^62"
     over "double word"
     by sampled fn p3_root(s) {
@@ -182,11 +187,11 @@ mod by_one_quotient {
     type Gain = <Fixed32 as Number>::Gain;
     type Energy = <Fixed32 as Number>::Energy;
 
-    /// A number larger than the divisions or roots of a law in a tick.
+    /// Number of rows of the table: more than a law's tick has divisions or roots.
     const ROWS: usize = 3;
     const HIGHEST: u64 = (1 << 31) - 1;
 
-    /// The code's next row, and the specification's.
+    /// The code's next row of the table, and the specification's.
     static DIVIDED: AtomicUsize = AtomicUsize::new(0);
     static AGAIN: AtomicUsize = AtomicUsize::new(0);
     static DIVIDEND: [AtomicU64; ROWS] = [const { AtomicU64::new(0) }; ROWS];
@@ -194,7 +199,7 @@ mod by_one_quotient {
     static QUOTIENT: [AtomicU64; ROWS] = [const { AtomicU64::new(0) }; ROWS];
     static PART: [AtomicU64; ROWS] = [const { AtomicU64::new(0) }; ROWS];
 
-    /// The code's quotient, with its part.
+    /// The code's quotient, with the part of the dividend that it accounts for.
     fn quotient(dividend: u64, divisor: u32) -> (u64, u64) {
         let (quotient, part): (u64, u64) = (kani::any(), kani::any());
         if divisor == 0 {
@@ -221,16 +226,18 @@ mod by_one_quotient {
         Signal::from_bits(if negative { -size } else { size })
     }
 
-    /// For [`touchstone_control::magnitude::divide_u32`].
+    /// Replaces [`touchstone_control::magnitude::divide_u32`] under the model checker: the code gets any result, and the same one
+    /// for equal arguments.
     pub fn divide(wide: u64, by: u32) -> (u64, u64) {
         quotient(wide, by)
     }
-    /// For [`touchstone_control::magnitude::Word::divides_within`].
+    /// Replaces [`touchstone_control::magnitude::Word::divides_within`] under the model checker: the code gets any result, and the
+    /// same one for equal arguments.
     pub fn divides_within(by: u32, wide: u64) -> Option<(u32, u64)> {
         let (quotient, part) = quotient(wide, by);
         (quotient <= HIGHEST).then_some((quotient as u32, part))
     }
-    /// Stands for [`Number::divisor`]: only the reciprocal uses its fields.
+    /// Replaces [`Number::divisor`] under the model checker: only the reciprocal uses its fields.
     pub fn divisor(k: Gain) -> Reciprocal32 {
         let divisor = k.to_bits().unsigned_abs();
         Reciprocal32 {
@@ -239,11 +246,12 @@ mod by_one_quotient {
             inverse: 0,
         }
     }
-    /// For [`Number::divide_by`].
+    /// Replaces [`Number::divide_by`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn divide_by(p: i64, k: &Reciprocal32) -> Signal {
         signed(quotient(p.unsigned_abs(), k.divisor).0, p < 0)
     }
-    /// Stands for [`Number::affordable`]; for a retreat beyond the format the energy left is unknown.
+    /// Replaces [`Number::affordable`] under the model checker. If the retreat is beyond the format, the energy that is left is
+    /// unknown.
     pub fn affordable(e: Energy, f: Signal) -> (Signal, Energy) {
         let energy = e.to_bits().max(0);
         let (moved, part) = quotient(energy.unsigned_abs(), f.to_bits().unsigned_abs());
@@ -254,7 +262,8 @@ mod by_one_quotient {
         };
         (signed(moved, false), Energy::from_bits(rest))
     }
-    /// For [`crate::spec::over`].
+    /// Replaces [`crate::spec::over`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn over(a: i128, b: i128) -> i128 {
         assert!(
             u64::try_from(a).is_ok() && u32::try_from(b).is_ok() && b > 0,
@@ -275,7 +284,7 @@ mod by_one_quotient {
         .into()
     }
 
-    /// The specification's product beside the parts of the code's quotients.
+    /// The specification's product, consistent with the parts that belong to the code's quotients.
     fn beside(a: u32, b: u32) -> u64 {
         let product = magnitude(a, b);
         let mut at = 0;
@@ -293,7 +302,8 @@ mod by_one_quotient {
         }
         product
     }
-    /// For [`crate::spec::times`].
+    /// Replaces [`crate::spec::times`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn times(a: i128, b: i128) -> i128 {
         let (a, b) = (word(a), word(b));
         product(a, b, beside(a.unsigned_abs(), b.unsigned_abs())).into()
@@ -318,14 +328,14 @@ mod by_one_quotient {
         ROOT[made].store(any, Relaxed);
         any
     }
-    /// For [`Number::root`].
+    /// Replaces [`Number::root`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn root(e: Energy) -> Signal {
         if e.to_bits() <= 0 {
             return Signal::ZERO;
         }
         signed(root_of(e.to_bits() as u64).into(), false)
     }
-    /// For [`Number::root_of_four`].
+    /// Replaces [`Number::root_of_four`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn root_of_four(k: Gain) -> Gain {
         if k.to_bits() <= 0 {
             return Gain::ZERO;
@@ -333,7 +343,8 @@ mod by_one_quotient {
         let radicand = u64::from(k.to_bits() as u32) << (Gain::FRAC_NBITS + 2);
         Gain::from_bits(root_of(radicand).min(HIGHEST as u32) as i32)
     }
-    /// For [`crate::spec::fba::root`].
+    /// Replaces [`crate::spec::fba::root`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn specified_root(x: i128) -> i128 {
         if x <= 0 {
             return 0;

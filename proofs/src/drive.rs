@@ -1,5 +1,5 @@
-//! The drive's arithmetic from a force to the power stage: the torque that fades in, its current, the current's voltage, compare values,
-//! angles, the mailbox of commands.
+//! The drive's arithmetic from a force to the power stage: the torque that fades in, its current, the current's voltage, compare
+//! values, angles, and the mailbox of commands.
 
 use crate::source::Source;
 use crate::{assume, cover, property, replaced_property, such};
@@ -25,8 +25,8 @@ fn any_value<S: Source>(s: &mut S) -> I16F16 {
 }
 
 property! {
-    /// P4: whatever voltage is asked for and whatever the bus has, each compare value leaves the shunts their time: no
-    /// overflow, no panic.
+    /// P4 (limits): for every requested and every bus voltage, each compare value of the timer leaves enough time to sample the
+    /// shunts; no overflow, no panic.
     equation "top - longest <= duty <= longest"
     over "timer, voltage vector, bus voltage"
     by minisat fn p4_duties32(s) {
@@ -43,21 +43,21 @@ property! {
         cover!(s, bus < 0, "no bus");
     }
 }
-/// `f s 2^-31`, rounded down.
+/// The product `f s 2^-31`, rounded down.
 fn part_of(force: i32, share: u32) -> i64 {
     (i64::from(force) * i64::from(share)).div_euclid(1 << 31)
 }
-/// Whether a product is zero or has the sign of its factors' product.
+/// Whether a product is 0 or has the sign of its factors' product.
 fn has_sign(found: i32, a: i32, b: i32) -> bool {
     found == 0 || a != 0 && b != 0 && (found < 0) == ((a < 0) != (b < 0))
 }
-/// Whether a part is between nothing and the whole.
+/// Whether `part` lies between 0 and `whole`.
 fn is_part(part: i64, whole: i64) -> bool {
     part >= whole.min(0) && part <= whole.max(0)
 }
 
 property! {
-    /// P3: the drive's product is that, rounded down and within a word.
+    /// P3 (arithmetic): the drive's product is the exact product, rounded down and limited to a word.
     equation "p = floor(x y 2^-k), not beyond the format, k = 16, 24, 31"
     over "two words"
     by kissat fn p3_product32(s) {
@@ -67,10 +67,10 @@ property! {
             1 => 24,
             _ => 31,
         };
-        // Of two words it does not wrap.
+        // A product of two words does not wrap.
         let exact = i64::from(x).wrapping_mul(i64::from(y));
         let found = product(x, y, digits);
-        // What a floor is, as obligations/check.py has it; at the end of the format, that it is beyond.
+        // The definition of rounding down, as in obligations/check.py. At the end of the format the exact product lies beyond.
         let back = i64::from(found) << digits;
         assert!(found == i32::MIN || back <= exact);
         assert!(found == i32::MAX || exact - back < 1 << digits);
@@ -78,14 +78,14 @@ property! {
     }
 }
 property! {
-    /// P3: a share of the way from one word to another, as the integrator's, is to the nearest.
+    /// P3 (arithmetic): a fraction of the difference between two words, as the integrator uses it, is rounded to the nearest.
     equation "p = floor(x s 2^-16 + 1/2), s < 2^16"
     over "two words, share"
     by kissat fn p3_part_of_way32(s) {
         let way = such!(s, s.i64(), |way| way.unsigned_abs() < 1 << 32, "type of words");
         let share = s.u16();
         let part = share_of(way, share);
-        // Of 33 bits and 16 it does not wrap.
+        // A product of 33 and 16 bits does not wrap.
         let exact = way.wrapping_mul(i64::from(share)) + (1 << 15);
         assert!(part << 16 <= exact && exact - (part << 16) < 1 << 16);
         cover!(s, part < 0, "back");
@@ -93,7 +93,8 @@ property! {
     }
 }
 property! {
-    /// P3: what is known of these holds of the floor: over the integers, in two solvers, `obligations/check.py`.
+    /// P3 (arithmetic): the rounded products have the facts that the model checker assumes of them. Two solvers show it over the
+    /// integers in `obligations/check.py`.
     equation "p = 0 or x y p > 0; p between 0 and x for y < 2^31 from 0 on; of a way the same"
     over "two words; two words, share"
     by sampled fn p3_parts_of_words(s) {
@@ -108,7 +109,7 @@ property! {
     }
 }
 
-/// For [`product`]: any of which [`p3_parts_of_words`] holds.
+/// Replaces [`product`] under the model checker: any result that has the facts of [`p3_parts_of_words`].
 #[cfg(kani)]
 pub fn any_product(a: i32, b: i32, shift: u32) -> i32 {
     let found = kani::any();
@@ -121,14 +122,14 @@ pub fn any_product(a: i32, b: i32, shift: u32) -> i32 {
     }
     found
 }
-/// Stands for [`part_of`]: the code's answer, if the code has asked for the same part.
+/// Replaces [`part_of`]: the code's answer, if the code has asked for the same product.
 #[cfg(kani)]
 pub fn same_part(force: i32, share: u32) -> i64 {
     let any: i32 = kani::any();
     let is_same = ASKED[0].load(Relaxed) == force && ASKED[1].load(Relaxed) == share.cast_signed();
     i64::from(if is_same { ASKED[2].load(Relaxed) } else { any })
 }
-/// Stands for [`share_of`]: any value that satisfies [`p3_parts_of_words`].
+/// Replaces [`share_of`]: any value that has the facts of [`p3_parts_of_words`].
 #[cfg(kani)]
 pub fn any_share(way: i64, _: u16) -> i64 {
     let found = kani::any();
@@ -142,7 +143,8 @@ static ASKED: [core::sync::atomic::AtomicI32; 3] =
 replaced_property! {
     [(touchstone_drive::units::product, crate::drive::any_product)
     (crate::drive::part_of, crate::drive::same_part)]
-    /// P4: a torque is the force's negative; while it fades in it is a share of that, never more, and of the other sign.
+    /// P4 (limits): the torque is the negative of the force. While it fades in, it is a fraction of that, never larger and never of
+    /// the force's sign.
     equation "τ = -floor(f s 2^-31), s < 2^31; τ = -f without"
     over "force, share or none; under the checker a part of which p3_parts_of_words holds"
     by cadical fn p4_fade_in32(s) {
@@ -156,7 +158,7 @@ replaced_property! {
         cover!(s, torque == highest, "the lowest force");
     }
 }
-/// For the quotient that a motor's coefficient is: any.
+/// Replaces the quotient that gives a motor's coefficient, under the model checker: any value.
 #[cfg(kani)]
 pub fn any_quotient(_: Si, _: Si) -> Si {
     Si::from_bits(kani::any())
@@ -164,13 +166,13 @@ pub fn any_quotient(_: Si, _: Si) -> Si {
 replaced_property! {
     [(touchstone_drive::units::product, crate::drive::any_product)
     (touchstone_control::quotient::quotient, crate::drive::any_quotient)]
-    /// P4: whatever torque is asked for, a motor's current is along `q` alone, turns it that way and is within what the temperature leaves of its limit;
-    /// the torque that is left of it is not larger, and the same where nothing was cut.
+    /// P4 (limits): for every requested torque, a motor's current is along `q` alone, turns the motor that way, and is within what
+    /// the temperature leaves of its limit. The torque that remains is not larger, and is the same if nothing was cut.
     equation "|i_q| <= i_max min(θ, 1), ±i_q τ >= 0, i_d = 0; |τ'| <= |τ|, τ' τ >= 0"
     over "torque, share of the current that the temperature leaves, direction of the encoder, current limit; torque constants whose inverse fits, under the checker whatever a product is"
     by kissat fn p4_current32(s) {
         let mut motor = DeviceSettings::default().motor;
-        // Neither is negative: the settings' ranges.
+        // The ranges of settings keep both from being negative.
         let (limit, constant) = (s.u32() >> 1, s.u64() >> 1);
         motor.current_limit_a = Si::from_bits(i64::from(limit) << 16);
         motor.torque_constant_n_m_per_a = Si::from_bits(constant.cast_signed());
@@ -201,8 +203,8 @@ replaced_property! {
 replaced_property! {
     [(touchstone_drive::units::product, crate::drive::any_product)
     (touchstone_drive::units::share_of, crate::drive::any_share)]
-    /// P4: a current controller's voltage is within the limit whatever the error and whatever it remembers; what it remembers is no more than
-    /// the limit or what it was.
+    /// P4 (limits): a current controller's voltage is within the limit, for every error and every memory. Its memory is at most the
+    /// limit or its former size.
     equation "|v| <= v_max, |s'| <= max(|s|, v_max)"
     over "gains, error, limit from 0 on, memory; under the checker any product, and a share of which p3_parts_of_words holds"
     by cadical fn p4_current_loop32(s) {
@@ -218,7 +220,8 @@ replaced_property! {
     }
 }
 property! {
-    /// P9: angles wrap: what is added is the distance, the short way, wherever the turn ends.
+    /// P9 (angles): angles wrap: adding an angle and subtracting again gives the distance, the short way round, wherever the turn
+    /// ends.
     equation "(a + b) - a = b"
     over "pair of angles"
     fn p9_angle16(s) {
@@ -231,7 +234,7 @@ property! {
     }
 }
 property! {
-    /// P3: sine and cosine stay within one, and the table is never left.
+    /// P3 (arithmetic): sine and cosine stay within ±1, and no index leaves the table.
     equation "|sin a| <= 1, |cos a| <= 1"
     over "angle"
     fn p3_sine16(s) {
@@ -242,7 +245,8 @@ property! {
     }
 }
 property! {
-    /// P3: from counts to the electrical angle, for every motor and encoder: no panic, and count 0 is angle 0.
+    /// P3 (arithmetic): the conversion from counts to the electrical angle does not panic for any motor and encoder, and count 0 is
+    /// angle 0.
     equation "angle(0) = 0"
     over "pole pairs, counts of a turn, count"
     by kissat fn p3_electrical_angle64(s) {
@@ -253,7 +257,7 @@ property! {
     }
 }
 property! {
-    /// P10: a command arrives as it was sent, through the words that two interrupts share.
+    /// P10 (fault machine): a drive command is decoded as it was sent, through the words that two interrupts share.
     equation "decode(encode(c)) = c"
     over "command"
     fn p10_command_arrives32(s) {
@@ -273,7 +277,8 @@ property! {
     }
 }
 property! {
-    /// P10: whatever bits arrive, the bridge is on for one pattern of the mode only, and off for what is not known.
+    /// P10 (fault machine): for every bit pattern in the mailbox, the bridge is on for one pattern of the mode only, and off for
+    /// unknown ones.
     equation "mode /= 2  =>  not Drive"
     over "five words"
     fn p10_unknown_is_off32(s) {
@@ -290,7 +295,7 @@ property! {
 mod tests {
     use touchstone_drive::hardware::{B_G431B_ESC1, IHM08M1, IHM16M1, SIMPLEFOC_MINI};
 
-    /// What `p4_duties32` assumes of a timer; a zero voltage is within its range as well.
+    /// Checks that the boards' timers are as `p4_duties32` assumes; a zero voltage is within their range as well.
     #[test]
     fn p4_the_boards_are_as_assumed() {
         for board in [IHM08M1, B_G431B_ESC1, IHM16M1, SIMPLEFOC_MINI] {

@@ -1,5 +1,5 @@
-//! The signed edges: every function of `Number` is total (P3), and those that the proofs stand on are the heart's functions of
-//! the magnitudes, with the sign put back.
+//! The signed functions of `Number`: each is total (P3). Those that the proofs build on equal the unsigned functions of
+//! `control::magnitude` ([`crate::heart`]) on the magnitudes, with the sign restored.
 
 use crate::format::Format;
 use crate::{assume, cover, property};
@@ -14,13 +14,14 @@ macro_rules! edges {
             type N = $number;
 
             property! {
-                /// P1: the signed step is the heart's step of the magnitudes; negative energies and forces count as zero.
+                /// P1 (energy): the signed passivity step is the unsigned step in [`crate::heart`] of the magnitudes; negative
+                /// energies and forces count as 0.
                 equation "(E', f') = heart(max(E, 0), max(f, 0), |d|, d >= 0)"
                 over "energy, force, displacement"
                 by $products fn p1_edge_step(s) {
                     let (energy, force, moved) = (N::any_energy(s), N::any_force(s), N::any_position(s));
                     let (after, shown) = N::passivity_step(energy.0, force.0, moved.0);
-                    // The operands in the words of the code: a solver that knows terms then sees the same products.
+                    // The operands are written as in the code, so that a solver with terms recognises the same products.
                     let heart = magnitude::passivity_step::<$word>(
                         energy.0.to_bits().max(0).unsigned_abs(),
                         force.0.max(Force::<N>::zero().0).to_bits().unsigned_abs(),
@@ -35,7 +36,7 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P1: the signed retreat is the heart's; negative energies count as zero.
+                /// P1 (energy): the signed retreat is the unsigned one in [`crate::heart`]; negative energies count as 0.
                 equation "(m, r) = heart(max(E, 0), |f|)"
                 over "force and stored energy"
                 by $quotients fn p1_edge_affordable(s) {
@@ -52,7 +53,7 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P1: force times displacement is the exact energy: its magnitude is the product of the magnitudes.
+                /// P1 (energy): force times displacement is the exact energy: its magnitude is the product of the magnitudes.
                 equation "W = f d"
                 over "force and displacement"
                 by $bits fn p1_edge_work(s) {
@@ -65,7 +66,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P1: the force that works a deficit off is the heart's quotient.
+                /// P1 (energy): the force that works off an energy deficit is energy divided by displacement, by the unsigned
+                /// function in [`crate::heart`].
                 equation "|E / d| = heart(|E|, |d|)"
                 over "displacement and energy"
                 by $quotients fn p1_edge_per(s) {
@@ -82,14 +84,15 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P2: a scaled signal keeps its sign and is the heart's `scale` of the magnitudes.
+                /// P2 (rounding): a scaled signal (position or force) keeps its sign; its magnitude is the unsigned `scale` in
+                /// [`crate::heart`] of the magnitudes.
                 equation "|r x| = heart(|r|, |x|), sign of x"
                 over "ratio >= 0 and signal"
                 by $bits fn p2_edge_scale(s) {
                     let (ratio, x) = (N::any_ratio(s), N::any_position(s));
                     assume!(s, ratio.0 >= 0, "validate");
                     let scaled = (ratio * x).0.to_bits();
-                    // The operands in the words of the code, as above.
+                    // The operands are written as in the code, as above.
                     let heart = magnitude::scale::<$word>(
                         ratio.0.to_bits() as $word,
                         x.0.to_bits().unsigned_abs(),
@@ -102,7 +105,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P6: the quotient keeps the sign of the tension and is the heart's quotient.
+                /// P6 (rounding): the quotient keeps the sign of the tension; its magnitude is the unsigned quotient in
+                /// [`crate::heart`].
                 equation "|p / k| = heart(|p|, |k|), sign of p"
                 over "stiffness above 0 and tension"
                 by $quotients fn p6_edge_divide(s) {
@@ -116,7 +120,7 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P2/P4: rounding a tension to a force towards zero takes less than a quantum and never adds to it.
+                /// P2/P4: rounding a tension to a force towards zero removes less than a quantum and never makes it larger.
                 equation "0 <= |p| - |f 2^b| < 2^b"
                 over "tension"
                 fn p2_edge_round_to_zero(s) {
@@ -131,7 +135,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P6: rounding upwards never gives less than the tension, unless it saturates, and less than a quantum more.
+                /// P6 (rounding): rounding a tension up never gives less than the tension, unless it saturates, and adds less than
+                /// a quantum.
                 equation "0 <= f 2^b - p < 2^b"
                 over "tension"
                 fn p6_edge_round_up(s) {
@@ -146,7 +151,7 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P3: everything else is total: no panic, no overflow, for all inputs whatever.
+                /// P3 (arithmetic): all other functions of `Number` are total: no panic and no overflow for any input.
                 equation "no panic, no overflow"
                 over "argument of every operation, all bits"
                 by $bits fn p3_total(s) {
@@ -164,7 +169,8 @@ macro_rules! edges {
                 }
             }
             property! {
-                /// P3: the narrowing of the width loses nothing: sums are exact or at the end of the range.
+                /// P3 (arithmetic): a sum of signals (positions and forces) is exact or at the end of the range; calculating it in
+                /// a wider word loses nothing.
                 equation "a + b = min(max(a + b, lowest), highest)"
                 over "pair of signals"
                 fn p3_sums_saturate(s) {
@@ -183,10 +189,11 @@ macro_rules! edges {
 }
 
 edges!(
-    /// At the width that the firmware runs.
+    /// At 32 bits, the width of the firmware.
     w32, Fixed32, u32, i64, products cvc5, quotients cvc5, bits kissat
 );
 edges!(
-    /// At 8 bits: where mutants are refuted quickly. Quotients are tried on all inputs (`examples/every.rs`).
+    /// At 8 bits, where the model checker refutes wrong changes of the code quickly. Quotients are tried on all inputs
+    /// (`examples/every.rs`).
     w8, Fixed8, u8, i16, products kissat, quotients sampled, bits cadical
 );

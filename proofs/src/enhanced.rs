@@ -1,4 +1,4 @@
-//! The enhanced law and its virtual mass.
+//! The enhanced SFA law and its virtual mass.
 
 use crate::facts::Facts32;
 use crate::format::Format;
@@ -20,8 +20,8 @@ macro_rules! enhanced {
             type F = $functions;
 
             property! {
-                /// P1 at the mass: whatever drives it and wherever it stands, the energy stays between 0 and its cap, the force
-                /// between 0 and the one wanted.
+                /// P1 (energy) at the virtual mass: for every drive and every position of the mass, the energy stays between 0 and
+                /// its cap, and the force between 0 and the requested one.
                 equation "0 <= E' <= cap, 0 <= f <= f_wanted"
                 over "valid configuration, position, drive, wanted force, stored energy"
                 by $solver fn p1_energy_stays(s) {
@@ -44,8 +44,9 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P1 at the mass, the books: the mass moves by exactly the displacement that is booked, and what is booked is
-                /// `E + f·d`, at most the cap; where the retreat is limited it is the heart's rest plus the saving.
+                /// P1 (energy) at the virtual mass: the mass moves by exactly the displacement that is booked. The booked energy is
+                /// `E + f·d`, at most the cap; if the retreat is limited, it is the rest of the division plus what the smaller
+                /// force saves.
                 equation "E' = E + f d', at most the cap, or E' = rest + (f_wanted - f) m with d' = -m"
                 over "valid configuration, position, drive, wanted force, stored energy"
                 by $books fn p1_books_are_right(s) {
@@ -65,7 +66,8 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P1 at the mass: it moves by exactly what was booked; the end of the range takes nothing away.
+                /// P1 (energy) at the virtual mass: it moves by exactly the displacement that was booked, also at the end of the
+                /// range of positions.
                 equation "x + d' = x + d' without saturation"
                 over "valid mass, position, drive, force"
                 by $solver fn p1_displacement_is_real(s) {
@@ -78,8 +80,8 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P6: rounding only dissipates: the displacement has the sign of the net force and never exceeds its
-                /// quotient. With `heart::p6_quotient` and the reciprocal's exactness: `|D d'| <= |N0 - f|`.
+                /// P6 (virtual mass): rounding only dissipates: the displacement has the sign of the net force and never exceeds
+                /// the exact quotient. With `heart::p6_quotient` and the reciprocal's exactness: `|D d'| <= |N0 - f|`.
                 equation "|d'| <= |(N0 - f) / D|, sign of N0 - f"
                 over "valid mass, position, drive, force"
                 by $sums fn p6_rounding_dissipates(s) {
@@ -96,7 +98,7 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P6: the sum of products that drives the mass cannot saturate: it is the exact sum.
+                /// P6 (virtual mass): the sum of products that drives the virtual mass cannot saturate: it is the exact sum.
                 equation "|M d + k_f s + C Δe| <= D 2^31 (2^7 at 8 bits)"
                 over "valid mass, its state, position, displacement"
                 by $solver fn p6_drive_is_exact(s) {
@@ -109,7 +111,8 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P6: under the force for a retreat the mass retreats no further than its forces say.
+                /// P6 (virtual mass): under the force for a retreat, the virtual mass retreats no further than the forces on it
+                /// demand.
                 equation "f 2^b >= N0 + D m, or f is the largest"
                 over "valid mass, drive, retreat >= 0"
                 by $sums fn p6_retreat_dissipates(s) {
@@ -123,7 +126,8 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P6: the stored energy of the coupling is never understated: the force behind it is at least `k_f s`.
+                /// P6 (virtual mass): the stored energy of the coupling is never understated: the force from which it is calculated
+                /// is at least `k_f s`.
                 equation "2 E_s >= (k_f s rounded up) s"
                 over "valid mass, stretch"
                 by $sums fn p6_stored_is_enough(s) {
@@ -145,7 +149,7 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P2: the offset is never negative, and changes by at most the step, towards the stiffness wanted.
+                /// P2 (offset): the offset is never negative. It changes by at most the step, towards the target stiffness.
                 equation "O' >= 0"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p2_offset(s) {
@@ -165,8 +169,9 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P1, hand-over: the mass starts with no more energy than the contact has: the coupling's share is taken off, a
-                /// stretch that is not covered is not granted, and the energy is not negative.
+                /// P1 (energy), hand-over: the virtual mass starts with no more energy than the contact has. The coupling's stored
+                /// energy is subtracted; if the energy does not cover the coupling's stretch, the mass starts without a stretch.
+                /// The energy is not negative.
                 equation "0 <= E' <= max(E, 0)"
                 over "valid configuration, memory at the end of a first contact, any energy up to the cap"
                 by $solver fn p1_hand_over(s) {
@@ -176,7 +181,7 @@ macro_rules! enhanced {
                         |state| law.holds(&state) && state.contact == Contact::First,
                         "invariant, kept by p4_first_contact"
                     );
-                                        // The last outward displacement is a fact; it may have cost more than was stored.
+                                        // The last outward displacement has happened; it may have cost more than was stored.
                     state.energy = N::any_energy(s);
                     assume!(s, state.energy <= law.energy_cap, "what tick passes: capped in the line before");
                     let before = state.energy;
@@ -188,8 +193,8 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P3, P4 and the invariant, before the first reversal: no panic, never pulls, at most the limit, invariant kept; without a
-                /// damper the answer is the wall's force.
+                /// P3, P4 and the invariant, before the first reversal: no panic, the force never pulls and is at most the limit,
+                /// the invariant is kept. Without a damper the result is the wall's force.
                 equation "0 <= f <= limit, 0 <= E <= cap, B = 0 => f = f_wall"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_first_contact(s) {
@@ -217,7 +222,8 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P3, P4 and the invariant, while augmenting: no panic, never pulls, at most the limit, and `E >= 0` kept.
+                /// P3, P4 and the invariant, while the law augments: no panic, the force never pulls and is at most the limit, and
+                /// `E >= 0` is kept.
                 equation "0 <= f <= limit, 0 <= E <= cap, O >= 0"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_augmenting(s) {
@@ -241,7 +247,7 @@ macro_rules! enhanced {
                 }
             }
             property! {
-                /// P7: whenever the contact ends, the force is 0 and only the position is remembered.
+                /// P7 (end of contact): whenever the contact ends, the force is 0 and only the position is kept.
                 equation "contact' = none  =>  f = 0, memory cleared"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p7_leaves(s) {
@@ -260,7 +266,7 @@ macro_rules! enhanced {
                         assert!(force == Force::zero());
                         assert_reached!(state == EnhancedState { last: e, ..EnhancedState::default() });
                     }
-                    // In first contact the surface is the undeformed wall's.
+                    // In the first contact phase the surface is that of the undeformed wall.
                     assert!(before.contact == Contact::Augmenting || e > Position::zero() || state.contact == Contact::Free);
                     cover!(s, before.contact == Contact::Augmenting && state.contact == Contact::Free, "leaves");
                 }
@@ -270,10 +276,10 @@ macro_rules! enhanced {
 }
 
 enhanced!(
-    /// At the width that the firmware runs, from the facts of [`crate::facts`].
+    /// At 32 bits, the width of the firmware, from the facts of [`crate::facts`].
     w32, Facts32, functions Functions32, by cadical, sums cadical, books cadical
 );
 enhanced!(
-    /// At 8 bits: where mutants are refuted quickly.
+    /// At 8 bits, where the model checker refutes wrong changes of the code quickly.
     w8, Fixed8, functions Fixed8, by cadical, sums cadical, books sampled
 );

@@ -1,7 +1,8 @@
-//! P11: a tick of the state estimator is a tick of its specification (`spec/estimator.rs`), what is shown and the whole memory.
+//! P11 (refinement): a tick of the state estimator is a tick of its specification (`spec/estimator.rs`), with results and the whole
+//! memory.
 //!
-//! Each product of a weight and a part is one unknown number for both sides ([`crate::weighed`]), so what a weight may be does not
-//! matter: any weights, of which no sum overflows (`estimator::p3_*` show it of those that settings give).
+//! Each product of a weight and a part is one unknown number for code and specification ([`crate::weighed`]). So the properties
+//! hold for any weights for which no sum overflows. `estimator::p3_*` show that for the weights that settings give.
 //!
 //! ```text
 //! apply(x, d, g, f) = spec(x, d, g, f)         p11_estimator_flow, p11_estimator_ahead
@@ -20,7 +21,7 @@ use touchstone_control::{Estimator, Fixed32, Force};
 
 type N = Fixed32;
 
-/// A flow of the specification.
+/// Converts a prediction (state transition over a time) to the specification's type.
 #[must_use]
 pub fn flow<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>) -> spec::Flow<COMMANDS> {
     spec::Flow {
@@ -30,7 +31,7 @@ pub fn flow<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>) -> spec::Flow<COMMA
         commands: flow.commands.map(|weights| weights.map(Int::from)),
     }
 }
-/// The coefficients of the specification.
+/// Converts the estimator's coefficients to the specification's type.
 #[must_use]
 pub fn specified(law: &Estimator<N>) -> spec::Estimator {
     spec::Estimator {
@@ -40,7 +41,7 @@ pub fn specified(law: &Estimator<N>) -> spec::Estimator {
         limit: law.limit.0.to_bits().into(),
     }
 }
-/// The motion as the specification has it.
+/// Converts a motion to the specification's type.
 #[must_use]
 pub fn motion(of: &EstimatedMotion<N>) -> spec::Motion {
     spec::Motion {
@@ -49,7 +50,7 @@ pub fn motion(of: &EstimatedMotion<N>) -> spec::Motion {
         g: of.pushed.0.into(),
     }
 }
-/// The memory as the specification has it.
+/// Converts the estimator's memory to the specification's type.
 #[must_use]
 pub fn memory(of: &EstimatorState<N>) -> spec::Memory {
     spec::Memory {
@@ -59,7 +60,7 @@ pub fn memory(of: &EstimatorState<N>) -> spec::Memory {
 }
 
 weighed_property! {
-    /// P11: the end of a flow is the specification's: of the one from sample to sample, with three commands.
+    /// P11 (refinement): the motion predicted from one sample to the next, with three commands, equals the specification's.
     equation "(x⁻, d⁻) = spec(x, d, g, f)"
     over "weights, motion in the invariant, commands"
     by minisat fn p11_estimator_flow(s) {
@@ -74,7 +75,8 @@ weighed_property! {
     }
 }
 weighed_property! {
-    /// P11: and of the one from a sample to when the next command acts, with two commands.
+    /// P11 (refinement): the motion predicted from a sample to when the next command acts, with two commands, equals the
+    /// specification's.
     equation "(x, d) = spec(x, d, g, f)"
     over "weights, motion in the invariant, commands"
     by minisat fn p11_estimator_ahead(s) {
@@ -89,7 +91,8 @@ weighed_property! {
     }
 }
 flowed_property! {
-    /// P11: the correction of a motion by what was measured is the specification's, and starts anew where that does.
+    /// P11 (refinement): the correction of a motion by a measured position equals the specification's; both restart on the same
+    /// inputs.
     equation "(x', d', g') = spec(x, d, g, f, e)"
     over "weights, motion in the invariant, commands, measured position"
     by minisat fn p11_estimator_corrected(s) {
@@ -106,7 +109,7 @@ flowed_property! {
     }
 }
 corrected_property! {
-    /// P11: a tick is the specification's: what is shown, and the memory.
+    /// P11 (refinement): a tick of the estimator equals the specification's, with results and memory.
     equation "(memory', e', Δe') = spec(memory, e)"
     over "weights, memory in the invariant or before the first sample, measured position"
     by minisat fn p11_estimator_tick(s) {
@@ -127,7 +130,7 @@ corrected_property! {
     }
 }
 property! {
-    /// P11: what was commanded is remembered, within the limit, before the older ones.
+    /// P11 (refinement): a commanded force, limited, becomes the latest of the remembered commands.
     equation "f' = (min(max(f, -limit), limit), f_1, f_2)"
     over "limit not negative, memory, force"
     by cadical fn p11_estimator_commanded(s) {

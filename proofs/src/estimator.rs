@@ -1,7 +1,7 @@
-//! The state estimator: no sum overflows, no state outgrows its range, at rest nothing moves.
+//! The state estimator: no sum overflows, no state leaves its range, and at rest nothing moves.
 //!
-//! All at full width and for every estimator whose weights are within what its settings allow ([`ok`]), not only for those of
-//! one device: a correction is proved for any gain up to its bound.
+//! All properties are at 32 bits. They hold for every estimator whose weights are within what settings allow ([`ok`]), not only for
+//! those of one device. A correction is proved for any gain up to its bound.
 
 use crate::source::Source;
 use crate::{bounded_property, cover, limited_property, property, reckoned, such};
@@ -12,12 +12,12 @@ use touchstone_control::{Estimator, Fixed32, Force, Number, Position};
 
 type N = Fixed32;
 
-/// The value 1 as a weight of motion, as a weight of torque, and as a state.
+/// The value 1 as a weight of motion, with 26 fractional bits.
 const ONE: i32 = 1 << 26;
 const ONE_TORQUE: i64 = 1 << 30;
 const RAD: i64 = 1 << Wide64::FRACTION;
 
-/// Any word; without the checker one of `0..=most`, or hardly a sample would be what settings give.
+/// Any word under the model checker. Otherwise one in `0..=most`, as hardly any other sample would be what settings give.
 fn weight<S: Source>(s: &mut S, most: i64) -> i32 {
     let x = s.i32();
     if s.shortcut() {
@@ -34,7 +34,7 @@ fn any_flow<S: Source, const COMMANDS: usize>(
 ) -> Flow<N, COMMANDS> {
     let one = i64::from(ONE);
     let limit = i64::from(limit.0.to_bits()).max(1);
-    // Of samples only: a division is nothing that the checker should follow for nothing.
+    // Only for samples: the checker need not follow a division.
     let share = if s.shortcut() {
         (2 * ONE_TORQUE).min(RAD / limit) * ticks / COMMANDS as i64
     } else {
@@ -48,14 +48,14 @@ fn any_flow<S: Source, const COMMANDS: usize>(
     }
 }
 
-/// Weight times limit; [`crate::reckoned`] says what the checker puts in its place, where the code asks for it as
-/// well.
+/// Product of a weight and the force limit; [`crate::reckoned`] says what replaces it under the model checker, here and in the
+/// code.
 fn times(weight: i32, limit: i64) -> i64 {
     i64::from(weight) * limit
 }
 
-/// Up to `ticks`: `V <= t`, `X <= t`, `βV <= 1`; what all commands together take from position or displacement, at the limit, is
-/// below 2 rad a tick.
+/// The bounds of a prediction of up to `ticks`: `V <= t`, `X <= t`, `βV <= 1`. All commands at the limit together reduce position
+/// or displacement by less than 2 rad per tick.
 fn flow_ok<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>, ticks: i32, limit: i64) -> bool {
     let within = |x: i32, most: i32| x >= 0 && x <= most;
     let most = 2 * RAD * i64::from(ticks);
@@ -72,7 +72,7 @@ fn flow_ok<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>, ticks: i32, limit: i
         && taken(1)
 }
 
-/// Any weights, on samples mostly such as settings give.
+/// Estimator with any weights; in random tests mostly weights that settings can give.
 pub fn any<S: Source>(s: &mut S) -> Estimator<N> {
     let one = i64::from(ONE);
     let limit = Force(fixed::types::I8F24::from_bits(weight(
@@ -87,7 +87,8 @@ pub fn any<S: Source>(s: &mut S) -> Estimator<N> {
     }
 }
 
-/// What settings can give: what [`Estimator::is_bounded`] sees to where the coefficients are made (`p8_estimator_bounded32`).
+/// Whether the weights are within what settings can give. The code checks it with [`Estimator::is_bounded`] when it calculates the
+/// coefficients (`p8_estimator_bounded32`).
 pub fn ok(estimator: &Estimator<N>) -> bool {
     let limit = i64::from(estimator.limit.0.to_bits());
     let [position, moved, pushed] = estimator.correction;
@@ -99,11 +100,11 @@ pub fn ok(estimator: &Estimator<N>) -> bool {
         && (0..=2 * ONE).contains(&pushed)
 }
 
-/// Any motion, on samples within the invariant.
+/// Any motion; in random tests one within the invariant.
 pub fn any_motion<S: Source>(s: &mut S) -> EstimatedMotion<N> {
     let mut state = |bits: u32| {
         let any = s.i64();
-        // Within ±2^bits at once, where that is no proof.
+        // Limits samples to ±2^bits at once; not for a proof.
         Wide64(if s.shortcut() { any >> (9 - bits) } else { any })
     };
     EstimatedMotion {
@@ -113,14 +114,14 @@ pub fn any_motion<S: Source>(s: &mut S) -> EstimatedMotion<N> {
     }
 }
 
-/// The invariant: `|x| <= 136 rad`, `|d| < 4 rad` a tick, `|g| < 4 rad` a tick².
+/// The invariant of a motion: `|x| <= 136 rad`, `|d| < 4 rad` per tick, `|g| < 4 rad` per tick².
 pub fn holds(motion: &EstimatedMotion<N>) -> bool {
     motion.position.0.unsigned_abs() <= 136 * RAD.unsigned_abs()
         && motion.moved.within(2)
         && motion.pushed.within(2)
 }
 
-/// Any commands within the limit.
+/// A list of past commands, each with any value within the limit.
 pub fn any_commands<S: Source>(s: &mut S, limit: Force<N>) -> [i32; TAPS] {
     let most = limit.0.to_bits().max(0);
     core::array::from_fn(|_| s.i32().clamp(-most, most))
@@ -136,7 +137,7 @@ pub fn any_measured<S: Source>(s: &mut S, before: &EstimatedMotion<N>) -> Positi
 }
 
 limited_property! {
-    /// P8: what the code looks at where it makes its coefficients is what is assumed of them here.
+    /// P8 (settings): the code's check of new coefficients (`is_bounded`) is the same as the assumption of these properties.
     equation "is_bounded = (V, X <= t, βV <= 1, Σ q f < 2 t, 0 <= α <= 1, 0 <= β, γ <= 2)"
     over "weights and limit"
     by minisat fn p8_estimator_bounded32(s) {
@@ -149,8 +150,8 @@ limited_property! {
     }
 }
 property! {
-    /// P3: from any motion in the invariant, under any commands within the limit, no sum of a flow overflows, and what comes
-    /// out is below 160 rad and 21 rad a tick.
+    /// P3 (no overflow): no sum of a prediction overflows, from any motion in the invariant and under any commands within the
+    /// limit. The result is below 160 rad and 21 rad per tick.
     equation "|x + V d + X g - Σ q f| < 160 rad"
     over "weights as settings give them, motion in the invariant, commands"
     by minisat fn p3_flow_fits32(s) {
@@ -166,8 +167,9 @@ property! {
     }
 }
 bounded_property! {
-    /// P3: a correction keeps the invariant, or the estimator starts anew at what was measured; no sum of it overflows; and a
-    /// correction of the position is at most what the surprise was. For any end of the flow before it that `p3_flow_fits32` allows.
+    /// P3 (no overflow): a correction keeps the invariant, or the estimator restarts at the measured position; no sum overflows.
+    /// The corrected position is at most as far from the measured one as before. This holds for any result of the prediction that
+    /// `p3_flow_fits32` allows.
     equation "|x' - e| <= |e - x⁻|, invariant"
     over "weights as settings give them, motion in the invariant, commands, measured position"
     by minisat fn p3_motion_stays32(s) {
@@ -181,7 +183,7 @@ bounded_property! {
             assert!(holds(&after));
             let surprise = N::widen(measured.0).minus_fitting(expected);
             let rest = N::widen(measured.0).minus_fitting(after.position);
-            // A part is cut downwards: by one of its steps at most.
+            // A part is rounded down, so it can be wrong by one of its steps.
             assert_reached!(rest.0.unsigned_abs() <= surprise.0.unsigned_abs() + (1 << 26));
         }
         cover!(s, after.is_some_and(|after| after.position != expected), "corrected");
@@ -189,7 +191,8 @@ bounded_property! {
     }
 }
 property! {
-    /// P2: at rest, as expected and without push and command, nothing moves, and what is shown is what was measured.
+    /// P2 (rounding): at rest, with the expected position and without push and command, the state does not change, and the result
+    /// is the measured position.
     equation "x = e, d = g = f = 0  =>  shown (e, 0), nothing changes"
     over "weights as settings give them, measured position"
     by minisat fn p2_rest_stays32(s) {
@@ -204,7 +207,8 @@ property! {
     }
 }
 property! {
-    /// P2: a signal becomes a state and a signal again; a state is shown to its nearest step, or at the end of the range.
+    /// P2 (rounding): a signal (position or force) that becomes a state and a signal again is unchanged. A state becomes the
+    /// nearest signal, or the end of the range.
     equation "narrow(widen(x)) = x, |2^30 narrow(w) - w| <= 2^29"
     over "signal, state"
     by cadical fn p2_narrow32(s) {

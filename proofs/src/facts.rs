@@ -1,12 +1,13 @@
-//! Numbers of which only proved facts are known: what lets the laws be proved at full width.
+//! Numbers of which only proved facts are known; with them the laws can be proved at 32 bits.
 //!
-//! No solver tried follows several 64-bit products and quotients through a whole tick. But the laws are generic over
-//! [`Number`], so they can run on one more: [`Facts32`] has the formats of `Fixed32` and its additions, comparisons and
-//! roundings, and of each product, quotient and root it knows only the facts below: any result that has them may come back.
-//! What holds for all such results holds for those of `Fixed32`, provided that `Fixed32` has the facts. That is
-//! what the harnesses of `facts::fixed32` prove at full width, and of a product's size two solvers over the integers. The law's source is the shipped one, nothing is stubbed.
+//! No solver tried follows several 64-bit products and quotients through a whole tick. But the laws are generic over [`Number`], so
+//! they can run on one more type. [`Facts32`] has the formats of `Fixed32` and its additions, comparisons and roundings. Of each
+//! product, quotient and root it knows only the facts below: any result that has them may come back. What holds for all such
+//! results holds for those of `Fixed32`, provided that `Fixed32` has the facts. The harnesses of `facts::fixed32` prove that at 32
+//! bits; the size of a product is shown by two solvers over the integers. The law's source is the shipped one; no function is
+//! replaced.
 //!
-//! Without the checker `Facts32` calls `Fixed32` and asserts the facts, so that every sampled test checks them too.
+//! Without the model checker, `Facts32` calls `Fixed32` and asserts the facts, so every sampled test checks them too.
 
 use touchstone_control::number::Wide64;
 use touchstone_control::{Fixed32, Number, Si};
@@ -15,21 +16,21 @@ type Signal = <Fixed32 as Number>::Signal;
 type Gain = <Fixed32 as Number>::Gain;
 type Energy = <Fixed32 as Number>::Energy;
 
-/// `Fixed32` reduced to proved facts.
+/// A number type like `Fixed32`, of whose products, quotients and roots only proved facts are known.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Facts32;
 
-/// The facts, one function each, so that assumption and proof are the same text.
+/// The facts, one function each, so that assumption and proof use the same text.
 pub mod fact {
-    /// Zero, or the sign of `x`.
+    /// Whether a result is 0 or has the sign of `x`.
     pub fn sign_of(result: i64, x: i64) -> bool {
         (x != 0 || result == 0) && (x <= 0 || result >= 0) && (x >= 0 || result <= 0)
     }
-    /// The sign of a product of two signed numbers, and a size that leaves room for one addition.
+    /// Facts of force times displacement: its sign, and a size that leaves room for one addition.
     pub fn work(result: i64, f: i64, d: i64) -> bool {
         result.unsigned_abs() <= 1 << 62 && sign_of(result, sign(f, d))
     }
-    /// The sign of a product, without one: a multiplication here would be what this file is there to avoid.
+    /// The sign of a product, found without a multiplication, which the solvers cannot follow.
     pub fn sign(f: i64, d: i64) -> i64 {
         if f == 0 || d == 0 {
             0
@@ -39,12 +40,12 @@ pub mod fact {
             -1
         }
     }
-    /// The size of a product: at most the gain times the largest magnitude of a signal.
+    /// Fact of a product: its size is at most the gain times the largest magnitude of a signal (position or force).
     pub fn product_size(result: i64, gain: i64) -> bool {
         gain < 0 || result.unsigned_abs() <= gain.unsigned_abs() << 31
     }
-    /// A passivity step: energy and force stay non-negative, the force never grows; inward the force stays and the energy does
-    /// not shrink, outward the energy does not grow.
+    /// Facts of a passivity step: energy and force stay non-negative, and the force never grows. Inward the force stays and the
+    /// energy does not shrink; outward the energy does not grow.
     pub fn step(after: i64, shown: i64, e: i64, f: i64, d: i64) -> bool {
         after >= 0
             && shown >= 0
@@ -55,17 +56,18 @@ pub mod fact {
                 after <= e
             }
     }
-    /// A retreat: non-negative, and no more left than there was.
+    /// Facts of a retreat: it is not negative, and the energy that is left is at most the energy before.
     pub fn affordable(moved: i64, rest: i64, e: i64) -> bool {
         moved >= 0 && rest >= 0 && rest <= e
     }
-    /// A root: non-negative, and 0 of nothing.
+    /// Facts of a root: it is not negative, and it is 0 if its argument is not positive.
     pub fn root(result: i64, e: i64) -> bool {
         result >= 0 && (e > 0 || result == 0)
     }
 }
 
-/// One operation: under the checker unknown but for its fact; otherwise computed, with its fact checked.
+/// Defines one operation. Under the model checker the result is unknown except for its fact; otherwise it is calculated, and its
+/// fact is checked.
 #[cfg(kani)]
 macro_rules! known {
     ($op:literal, $exact:expr, |$r:ident| $fact:expr) => {{
@@ -89,7 +91,7 @@ fn bits(x: Signal) -> i64 {
 fn signal(bits: i64) -> Signal {
     Signal::from_bits(bits as i32)
 }
-/// A result that is a word at all.
+/// Whether a result fits a word.
 fn word(bits: i64) -> bool {
     i32::try_from(bits).is_ok()
 }
@@ -154,7 +156,7 @@ impl Number for Facts32 {
     fn sub_product(a: i64, b: i64) -> i64 {
         Fixed32::sub_product(a, b)
     }
-    // That these two fit is checked by the checker, and by every sampled test.
+    // The model checker and every sampled test check that these two fit.
     fn add_fitting(a: i64, b: i64) -> i64 {
         Fixed32::add_fitting(a, b)
     }
@@ -202,7 +204,7 @@ impl Number for Facts32 {
     fn sub_energy(a: Energy, b: Energy) -> Energy {
         Fixed32::sub_energy(a, b)
     }
-    // That these two fit is checked by the checker, and by every sampled test.
+    // On samples mostly a short displacement, at which the law's force varies more.
     fn add_energy_fitting(a: Energy, b: Energy) -> Energy {
         Fixed32::add_energy_fitting(a, b)
     }
@@ -215,7 +217,7 @@ impl Number for Facts32 {
     fn modulus_fitting(a: Signal) -> Signal {
         Fixed32::modulus_fitting(a)
     }
-    // Nothing is known of it but that it is a word.
+    // Nothing is known of the result except that it is a word.
     fn scale_both_fitting(r: Signal, x: Signal, q: Signal, y: Signal) -> Signal {
         signal(known!(
             "ScaleBoth",
@@ -247,7 +249,7 @@ impl Number for Facts32 {
         } else {
             Fixed32::affordable(e, f)
         };
-        // Outside the contract nothing is known; the laws never leave it.
+        // Outside this contract nothing is known; the laws never leave it.
         let inside = stored >= 0 && force > 0;
         let moved = known!("Moved", bits(_exact_moved), |y| word(y)
             && (!inside || y >= 0));
@@ -270,13 +272,13 @@ impl Number for Facts32 {
     }
 }
 
-/// `Fixed32` has the facts.
+/// Proofs that the operations of `Fixed32` have the facts.
 pub mod fixed32 {
     use super::{Energy, Fixed32, Gain, Number, Signal, bits, fact};
     use crate::{assume, cover, property};
 
     property! {
-        /// P3, fact `Scale`.
+        /// P3 (arithmetic): `Fixed32` has the fact `Scale`: a scaled signal (position or force) is 0 or keeps its sign.
         equation "sign(|r| x) = sign(x) or 0"
         over "pair of words"
         by kissat fn p3_fact_scale(s) {
@@ -287,7 +289,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3, fact `Product`: its sign. `validate` keeps gains non-negative; it holds for all.
+        /// P3 (arithmetic): `Fixed32` has the fact `Product`: a product has the sign of its factors' product. It holds for all
+        /// gains, although `validate` keeps them non-negative.
         equation "sign(k x) = sign(k) sign(x)"
         over "pair of words"
         by kissat fn p3_fact_product_sign(s) {
@@ -298,8 +301,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3, fact `Product`: its size. The product is exact (`multiplied::p1_products_are_exact`), and of that the size is known over the
-        /// integers, in two solvers, `obligations/check.py`.
+        /// P3 (arithmetic): `Fixed32` has the fact `Product` on the size: at most the gain times 2^31. The product is exact
+        /// (`multiplied::p1_products_are_exact`); two solvers show its size over the integers in `obligations/check.py`.
         equation "|k x| <= k 2^31"
         over "pair of words"
         by sampled fn p3_fact_product_size(s) {
@@ -310,7 +313,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3, facts `Product` and `Work`: the size. Both are the same product of two words.
+        /// P3 (arithmetic): `Fixed32` has the facts `Product` and `Work` on the size: a product of two words is at most 2^62,
+        /// whatever the words stand for.
         equation "|f d| <= 2^62"
         over "pair of words"
         by kissat fn p3_fact_work_size(s) {
@@ -321,7 +325,7 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3, fact `Work`: its sign.
+        /// P3 (arithmetic): `Fixed32` has the fact `Work`: force times displacement has the sign of the product.
         equation "sign(f d) = sign(f) sign(d)"
         over "pair of words"
         by kissat fn p3_fact_work_sign(s) {
@@ -332,7 +336,7 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3, fact `Divide`.
+        /// P3 (arithmetic): `Fixed32` has the fact `Divide`: a quotient is 0 or has the dividend's sign.
         equation "sign(p / k) = sign(p) or 0"
         over "double word and word"
         by kissat fn p3_fact_divide(s) {
@@ -343,7 +347,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3, fact `DivideBy`.
+        /// P3 (arithmetic): `Fixed32` has the fact `DivideBy`: a quotient by a prepared divisor (stored reciprocal) is 0 or has the
+        /// dividend's sign.
         equation "sign(p / k) = sign(p) or 0"
         over "double word and word"
         by kissat fn p3_fact_divide_by(s) {
@@ -354,7 +359,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3, fact `Per`.
+        /// P3 (arithmetic): `Fixed32` has the fact `Per`: energy divided by displacement has a size, of which nothing else is
+        /// known.
         equation "|E / d| >= 0"
         over "double word and word"
         by kissat fn p3_fact_per(s) {
@@ -364,7 +370,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3, fact `Root`: 0 of nothing; a word by its type.
+        /// P3 (arithmetic): `Fixed32` has the fact `Root`: the root of an energy that is not positive is 0. By its type a root fits
+        /// a word.
         equation "E <= 0  =>  root(E) = 0"
         over "double word"
         by kissat fn p3_fact_root(s) {
@@ -376,7 +383,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3, facts `Moved` and `Rest`.
+        /// P3 (arithmetic): `Fixed32` has the facts `Moved` and `Rest`: a retreat is not negative, and the energy that is left is
+        /// between 0 and the energy before.
         equation "m >= 0, 0 <= r <= E"
         over "stored energy, force above 0"
         by minisat fn p3_fact_affordable(s) {
@@ -388,7 +396,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3, facts `StepEnergy` and `StepForce`, outward.
+        /// P3 (arithmetic): `Fixed32` has the facts `StepEnergy` and `StepForce`: in an outward passivity step neither energy nor
+        /// force grows or gets negative.
         equation "0 <= E' <= E, 0 <= f' <= f"
         over "stored energy, force, displacement below 0"
         by minisat fn p3_fact_step_outward(s) {
@@ -400,7 +409,8 @@ pub mod fixed32 {
         }
     }
     property! {
-        /// P3, facts `StepEnergy` and `StepForce`, inward.
+        /// P3 (arithmetic): `Fixed32` has the facts `StepEnergy` and `StepForce`: in an inward passivity step the energy does not
+        /// shrink, and the force stays.
         equation "E' >= E, f' = f"
         over "stored energy, force, displacement from 0"
         by kissat fn p3_fact_step_inward(s) {

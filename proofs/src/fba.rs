@@ -1,6 +1,6 @@
-//! Force bounding: `f <= sqrt(4 E c_i/T)`, so that no next displacement whatever makes the energy negative.
+//! Force bounding (FBA): `f <= sqrt(4 E c_i/T)`, so that no next displacement can make the energy negative.
 //!
-//! In quanta, with `b` the fractional bits of a gain, three facts of the code make one of arithmetic:
+//! Let `b` be the number of fractional bits of a gain. In quanta, three facts about the code give one fact of arithmetic:
 //!
 //! ```text
 //! f 2^b <= bound root      p5_force_below_bound
@@ -27,7 +27,8 @@ macro_rules! fba {
             type F = $functions;
 
             property! {
-                /// P5: the bound times the root, rounded towards zero, is the largest force; with a deficit it is 0.
+                /// P5 (force bounding): the largest force is the bound times the root of the energy, rounded towards zero; with an
+                /// energy deficit it is 0.
                 equation "f 2^b <= bound root(E); E <= 0  =>  f = 0"
                 over "valid configuration, energy"
                 by $sums fn p5_force_below_bound(s) {
@@ -43,8 +44,8 @@ macro_rules! fba {
                 }
             }
             property! {
-                /// P1, P3, P4 and the invariant: one tick does not panic, shows at most the limit, never pulls, keeps the
-                /// invariant; its energy is the port's with the counted damping, capped from above only.
+                /// P1, P3, P4 and the invariant: one tick does not panic, its force is at most the limit and never pulls, and it
+                /// keeps the invariant. The law's energy is the port's with the counted damping, limited from above only.
                 equation "0 <= f <= limit, E <= cap, (E >= 0 or f = 0)"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_tick_keeps_invariant(s) {
@@ -66,7 +67,7 @@ macro_rules! fba {
                 }
             }
             property! {
-                /// P5: the force of a tick is at most the largest that its energy allows.
+                /// P5 (force bounding): the force of a tick is at most the largest that its energy allows.
                 equation "f <= largest(E')"
                 over "valid configuration, memory in the invariant, position inside"
                 by $sums fn p5_tick_is_bounded(s) {
@@ -88,7 +89,8 @@ macro_rules! fba {
                 }
             }
             property! {
-                /// P1: the energy of a tick is the sum of what was, the work of the force that acted, and the damper's part.
+                /// P1 (energy): the energy after a tick is the energy before, plus the work of the force that acted, plus what the
+                /// damper dissipated.
                 equation "E' = min(E + f Δe + c Δe², cap)"
                 over "valid configuration, memory in the invariant, position inside"
                 by $sums fn p1_energy_is_the_sum(s) {
@@ -108,7 +110,7 @@ macro_rules! fba {
                     let loss = i128::from(F::of_energy(damping_loss(law.device_damping, moved).0));
                     let cap = i128::from(F::of_energy(law.energy_cap.0));
                     let worked = i128::from(F::of_energy(before.energy.0)) + work;
-                    // Only a deficit of the whole format, 32 kJ, would be cut off.
+                    // Only a deficit of the whole format, 32 kJ, would be limited.
                     let lowest = -2 * cap;
                     assert!(worked < lowest || i128::from(F::of_energy(state.energy.0)) == (worked + loss).min(cap));
                     cover!(s, state.energy < before.energy, "gives");
@@ -116,8 +118,8 @@ macro_rules! fba {
                 }
             }
             property! {
-                /// P5: what the counted damping leaves out by rounding is less than a quantum of force over the displacement,
-                /// so that a deficit can never be larger than that.
+                /// P5 (force bounding): rounding makes the counted damping too small by less than a quantum of force over the
+                /// displacement. So an energy deficit can never be larger than that.
                 equation "|f_c 2^b| <= |c Δe|, loss >= 0"
                 over "valid configuration, displacement"
                 by $sums fn p5_damping_rounds_down(s) {
@@ -132,7 +134,7 @@ macro_rules! fba {
                 }
             }
             property! {
-                /// P5: the bound that a controller is built with is at most what the damping, as stored, allows.
+                /// P5 (force bounding): the bound that a new controller stores is at most what its stored damping allows.
                 equation "bound² <= c 2^(b+2)"
                 over "damping"
                 by $bound fn p5_bound_of_damping(s) {
@@ -145,7 +147,7 @@ macro_rules! fba {
                 }
             }
             property! {
-                /// P7: outside the wall the force is 0 and nothing is remembered.
+                /// P7 (end of contact): outside the wall the force is 0 and nothing is remembered.
                 equation "e <= 0  =>  f = 0, memory cleared"
                 over "valid configuration, memory whatever, position outside"
                 fn p7_leaves(s) {
@@ -164,10 +166,10 @@ macro_rules! fba {
 }
 
 fba!(
-    /// At the width that the firmware runs, from the facts of [`crate::facts`].
+    /// At 32 bits, the width of the firmware, from the facts of [`crate::facts`].
     w32, Facts32, functions Functions32, by cadical, sums cadical, bound sampled
 );
 fba!(
-    /// At 8 bits: where mutants are refuted quickly.
+    /// At 8 bits, where the model checker refutes wrong changes of the code quickly.
     w8, Fixed8, functions Fixed8, by cadical, sums kissat, bound cadical
 );

@@ -1,4 +1,4 @@
-//! Any value of a number format, and its bits as an `i64`.
+//! Number formats for properties: values with any bits, and the bits of a value as an `i64`.
 
 use core::ops::{Add, Mul, Neg, Shl, Shr, Sub};
 
@@ -10,7 +10,7 @@ use touchstone_control::{
     Tension,
 };
 
-/// Integers in which sums of a format's products are exact.
+/// Integers that are wide enough for exact sums of a format's products.
 pub trait Exact:
     Copy
     + Ord
@@ -25,49 +25,50 @@ pub trait Exact:
 impl Exact for i128 {}
 impl Exact for i32 {}
 
-/// A number format whose values a property can choose and look into.
+/// A number format whose values a property can choose freely and read as bits.
 pub trait Format: Number {
-    /// Bits of a signal.
+    /// Number of bits of a signal (position or force).
     const BITS: u32;
-    /// Fractional bits of a gain.
+    /// Number of fractional bits of a gain (stiffness).
     const GAIN_BITS: u32;
-    /// Half the largest gain, rounded down.
+    /// Half the largest gain (stiffness), as bits, rounded down.
     const HALF_GAIN: i64;
-    /// The lowest signal.
+    /// Bits of the lowest signal (position or force).
     const LOWEST: Self::Signal;
-    /// The highest signal.
+    /// Bits of the highest signal (position or force).
     const HIGHEST: Self::Signal;
-    /// Fractional bits of a signal.
+    /// Number of fractional bits of a signal (position or force).
     const SIGNAL_BITS: u32;
-    /// Four times the width, and no more: each further bit costs a solver dearly.
+    /// Integer type of four times the width of a signal (position or force). It is no wider, as each further bit costs a solver
+    /// much time.
     type Exact: Exact;
-    /// Bits as such an integer.
+    /// Converts bits to that wide integer type.
     fn exact(bits: i64) -> Self::Exact;
-    /// Any position.
+    /// A position with any bits, from the source of inputs.
     fn any_position<S: Source>(s: &mut S) -> Position<Self>;
-    /// Any force.
+    /// A force with any bits, from the source of inputs.
     fn any_force<S: Source>(s: &mut S) -> Force<Self>;
-    /// Any stiffness, negative ones (that no setting gives) included.
+    /// A stiffness with any bits, from the source of inputs. It may be negative, which no setting allows.
     fn any_stiffness<S: Source>(s: &mut S) -> Stiffness<Self>;
-    /// Any compliance.
+    /// A compliance with any bits, from the source of inputs.
     fn any_compliance<S: Source>(s: &mut S) -> Compliance<Self>;
-    /// Any ratio.
+    /// A ratio with any bits, from the source of inputs.
     fn any_ratio<S: Source>(s: &mut S) -> Ratio<Self>;
-    /// Any energy.
+    /// An energy with any bits, from the source of inputs.
     fn any_energy<S: Source>(s: &mut S) -> Energy<Self>;
-    /// Any tension.
+    /// A tension (gain times signal) with any bits, from the source of inputs.
     fn any_tension<S: Source>(s: &mut S) -> Tension<Self>;
-    /// The bits of a position or force.
+    /// The bits of a position or force as an integer.
     fn of_signal(x: Self::Signal) -> i64;
-    /// The bits of a ratio or compliance.
+    /// The bits of a ratio or compliance as an integer.
     fn of_signal_ratio(x: Self::Ratio) -> i64;
-    /// The bits of a stiffness.
+    /// The bits of a stiffness as an integer.
     fn of_gain(x: Self::Gain) -> i64;
-    /// The bits of an energy.
+    /// The bits of an energy as an integer.
     fn of_energy(x: Self::Energy) -> i64;
-    /// The bits of a tension.
+    /// The bits of a tension as an integer.
     fn of_tension(x: Self::Product) -> i64;
-    /// The energy cap of every law: a quarter of the format.
+    /// Energy cap that the proofs use for every law: a quarter of the format's range.
     fn energy_cap() -> Energy<Self>;
 }
 

@@ -1,12 +1,11 @@
-//! Numbers of which it is known besides that their operations are functions: what lets sums and equalities be proved at full
-//! width.
+//! Numbers whose operations are also known to be functions; with them sums and equalities can be proved at 32 bits.
 //!
-//! That a tick's energy is what was, plus the work, plus the damper's part, does not depend on what a product *is*, only on
-//! both sides having the same one. [`Functions32`] is [`Facts32`] with that added: equal arguments give equal results.
-//! An equality that holds for whatever functions have the facts holds for those of `Fixed32`; that these are the exact
-//! products and the heart's quotients is `edges::w32`. Nothing is stubbed, the law's source is the shipped one.
+//! A tick's energy is the energy before, plus the work, plus the damper's part. This sum does not depend on what a product *is*,
+//! only on both sides having the same one. [`Functions32`] is [`Facts32`] with that added: equal arguments give equal results. An
+//! equality that holds for all functions that have the facts holds for those of `Fixed32`. `edges::w32` proves that those are the
+//! exact products and the quotients of `heart`. The law's source is the shipped one; no function is replaced.
 //!
-//! Without the checker every operation is that of `Fixed32`, which needs no memory to be a function.
+//! Without the model checker every operation is that of `Fixed32`, which is a function without any record.
 
 use crate::facts::Facts32;
 use touchstone_control::number::Wide64;
@@ -16,21 +15,21 @@ type Signal = <Facts32 as Number>::Signal;
 type Gain = <Facts32 as Number>::Gain;
 type Energy = <Facts32 as Number>::Energy;
 
-/// `Fixed32` reduced to proved facts and to being functions.
+/// A number type like [`Facts32`] in which equal arguments also give equal results.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Functions32;
 
-/// The answers of an operation so far.
+/// Records of the answers that an operation has given.
 #[cfg(kani)]
 mod memo {
     use core::sync::atomic::{AtomicI64, AtomicUsize, Ordering::Relaxed};
 
-    /// More questions than one tick and its property ask of one operation; further ones are answered without memory, which
-    /// proves less, never more.
+    /// Number of rows of a record: more calls than one tick and its property make of one operation. Further calls are not recorded,
+    /// which proves less, never more.
     const ROWS: usize = 6;
     type Row = [AtomicI64; 5];
 
-    /// Three arguments and two results a row; not all operations have as many.
+    /// Record of one operation: per row three arguments and two results, of which some operations use fewer.
     pub struct Memo {
         used: AtomicUsize,
         rows: [Row; ROWS],
@@ -46,7 +45,7 @@ mod memo {
             }
         }
 
-        /// Assumes that the result is the one given before, if there was one.
+        /// Assumes that the result equals the one recorded for the same arguments, if there is one.
         pub fn same(&self, arguments: [i64; 3], results: [i64; 2]) {
             let used = self.used.load(Relaxed);
             let mut known = false;
@@ -78,7 +77,7 @@ mod memo {
     }
 }
 
-/// The result of an operation; under the checker the one that its arguments had before.
+/// Defines an operation. Under the model checker, arguments that were asked before get the same result.
 macro_rules! function {
     ([$($argument:expr),*], $result:expr, |$r:ident| [$($bits:expr),*]) => {{
         let $r = $result;
@@ -204,7 +203,7 @@ impl Number for Functions32 {
     fn sub_energy(a: Energy, b: Energy) -> Energy {
         Facts32::sub_energy(a, b)
     }
-    // That these two fit is checked by the checker, and by every sampled test.
+    // The model checker and every sampled test check that these two fit.
     fn add_energy_fitting(a: Energy, b: Energy) -> Energy {
         Facts32::add_energy_fitting(a, b)
     }
@@ -217,7 +216,7 @@ impl Number for Functions32 {
     fn modulus_fitting(a: Signal) -> Signal {
         Facts32::modulus_fitting(a)
     }
-    // Without memory, which proves less, never more: no property asks for it twice.
+    // Not recorded, which proves less, never more: no property asks for it twice.
     fn scale_both_fitting(r: Signal, x: Signal, q: Signal, y: Signal) -> Signal {
         Facts32::scale_both_fitting(r, x, q, y)
     }

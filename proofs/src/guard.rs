@@ -1,13 +1,13 @@
 //! The energy guard: one tick from every memory, for every configuration that `Guard::new` can give.
 //!
-//! That the account is a lower bound of the true one is on paper, `docs/energy-guard.md`. What is proved here is that the code
-//! keeps that account: the sum, its ends, the reserve, the bound on the force.
+//! That the guard's account is a lower bound of the true energy account is proved on paper, in `docs/energy-guard.md`. The
+//! properties here prove that the code keeps that account: the sum, its limits, the reserve, and the bound on the force.
 //!
 //! ```text
 //! f D <= A  if  D/reach <= 1      p1_force_is_paid
 //! B' = min(sum, C), at least R    p1_account_is_the_sum
 //! 0 <= R <= B' <= C               p1_account_stays
-//! |f| <= |wanted|, same sign      p4_force_never_grows
+//! |f| <= |requested|, same sign   p4_force_never_grows
 //! ```
 
 use crate::format::Format;
@@ -16,17 +16,17 @@ use crate::valid::Valid;
 use crate::{assume, cover, property, such};
 use touchstone_control::{Energy, Fixed8, Fixed32, Force, Guard, GuardState, Position, Stiffness};
 
-/// A quarter of a signal's format, in bits.
+/// A quarter of a signal's range, as bits.
 fn quarter<N: Format>() -> i64 {
     N::of_signal(N::HIGHEST) >> 2
 }
 
-/// A position of at most a quarter, and not negative.
+/// Whether a position is at least 0 and at most a quarter of the range.
 pub fn room<N: Format>(x: &Position<N>) -> bool {
     *x >= Position::zero() && N::of_signal(x.0) <= quarter::<N>()
 }
 
-/// The product of two signed words.
+/// The exact product of two signed words of the format.
 pub fn times<N: Format>(a: i64, b: i64) -> N::Exact {
     N::exact(a) * N::exact(b)
 }
@@ -74,7 +74,7 @@ impl<N: Format> Valid<N> for Guard<N> {
             older: force(s),
         }
     }
-    /// Whether the coefficients are in their formats, and small enough for their products, as `Guard::new` guarantees.
+    /// Whether the coefficients fit their formats and are small enough for their products, as `Guard::new` guarantees.
     fn valid(&self) -> bool {
         let most = N::exact(quarter::<N>());
         let bits = |x: Energy<N>| N::exact(N::of_energy(x.0));
@@ -118,13 +118,13 @@ impl<N: Format> Valid<N> for Guard<N> {
         state.account <= self.capacity
             && allowed(state.force)
             && allowed(state.older)
-            // A deficit, after overspeed: no force, and one that the format holds.
+            // An energy deficit after an over-speed: no force acts, and the format holds the deficit.
             && (state.account >= Energy::zero()
                 || still && N::of_energy(state.account.0) > -(N::of_energy(N::energy_cap().0)))
     }
 }
 
-/// Whether the displacement of a tick is overspeed.
+/// Whether the displacement of a tick is an over-speed.
 fn too_fast<N: Format>(law: &Guard<N>, moved: Position<N>) -> bool {
     moved > law.furthest || moved < Position::zero() - law.furthest
 }
@@ -137,8 +137,8 @@ macro_rules! guard {
             type N = $number;
 
             property! {
-                /// P1, P3, P4 and the invariant: one tick does not panic, no sum leaves its format, the account stays between the
-                /// reserve and the capacity after every displacement up to the furthest, whatever was wanted.
+                /// P1, P3, P4 and the invariant: one tick does not panic, and no sum leaves its format. The account stays between
+                /// reserve and capacity, for every displacement up to the largest and every requested force.
                 equation "0 <= R <= B' <= C"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
                 by $solver fn p1_account_stays(s) {
@@ -166,8 +166,9 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P1: the account is the exact sum of what was, the refill, the work of each force over its own part of the way, the
-                /// trusted damping, and the charge for the change; not below the reserve, not above the capacity.
+                /// P1 (energy): the account is the exact sum of the account before, the refill, the work of each force over its own
+                /// part of the displacement, the trusted damping, and the charge for the change of force. It is not below the
+                /// reserve and not above the capacity.
                 equation "B' = max(min(B + P T + f Δ - g u - |g| q + c m m, C), R)"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
                 by $sum fn p1_account_is_the_sum(s) {
@@ -206,7 +207,8 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P1: what the stray adds is never gained: the product of the change with its own share has the sign of a square.
+                /// P1 (energy): the charge for an unknown position at the change of force never adds energy: the change of force
+                /// times its own scaled value has the sign of a square.
                 equation "g floor(κ' g) >= 0, up to a quantum"
                 over "valid configuration, change of force"
                 by $solver fn p1_stray_is_charged(s) {
@@ -218,15 +220,15 @@ macro_rules! guard {
                     let charged = change_bits * N::exact(N::of_signal(under.0));
                     let quantum = change_bits.max(-change_bits);
                     assert!(charged >= -quantum);
-                    // Rounded down by less than the quantum that the slack holds.
+                    // Rounded down by less than the quantum that `slack` contains.
                     let exact = N::exact(N::of_signal_ratio(law.stray.0)) * (change_bits * change_bits);
                     assert!((charged + quantum) << N::SIGNAL_BITS >= exact);
                     cover!(s, charged > none && change < Force::zero(), "a fall of the force");
                 }
             }
             property! {
-                /// P1: the force is paid over every displacement up to the reach: the rounding of the reciprocal, of the energy and of the
-                /// force are all to that side.
+                /// P1 (energy): the account covers the force over every displacement up to the reach. Reciprocal, energy and force
+                /// are all rounded to that side.
                 equation "D r <= 1  =>  |f| y <= A for every y <= D"
                 over "valid configuration, free energy, reach, displacement"
                 by $solver fn p1_force_is_paid(s) {
@@ -250,7 +252,7 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P4: the guard never makes a force larger, nor turns it round.
+                /// P4 (limits): the guard never makes a force larger and never reverses it.
                 equation "|f| <= |f_wanted|, f f_wanted >= 0"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
                 by $solver fn p4_force_never_grows(s) {
@@ -269,7 +271,8 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P4: more energy never allows less force, and none allows none: a softer wall, and no step.
+                /// P4 (limits): more energy never allows less force, and no energy allows none. So the wall gets softer without a
+                /// step.
                 equation "A <= A'  =>  f(A) <= f(A'), f(0) = 0"
                 over "valid configuration, pair of energies"
                 by $solver fn p4_force_follows_the_account(s) {
@@ -286,7 +289,7 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P1: at rest and without force the account takes in the refill, and nothing else.
+                /// P1 (energy): at rest and without a force, the account grows by the refill, and by nothing else.
                 equation "Δ = 0, f = 0  =>  B' = min(B + P T, C)"
                 over "valid configuration, account"
                 by $solver fn p1_refill(s) {
@@ -307,7 +310,7 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P1: with a deficit no force is shown, and nothing is owed by the forces remembered.
+                /// P1 (energy): with an energy deficit the force is 0, and no remembered force reduces the account.
                 equation "B < 0  =>  f = 0, B' >= B"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
                 by $solver fn p1_deficit(s) {
@@ -331,7 +334,7 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P4: overspeed is told, leaves no force, never adds to the account, and keeps the invariant.
+                /// P4 (limits): an over-speed is reported, leaves no force, never adds to the account, and keeps the invariant.
                 equation "|Δ| > d  =>  overspeed, f = 0, B' <= B"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
                 by $solver fn p4_overspeed(s) {
@@ -352,8 +355,8 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P1: switched off after a tick that commands none, what is left is without the reserve of the older force; else nothing is.
-                /// The invariant holds.
+                /// P1 (energy): switching off keeps the invariant. After a tick that commands no force, the account is reduced by
+                /// the reserve of the older force. Otherwise nothing is left of it.
                 equation "f = 0: 0 <= B' = B - R; f != 0: B' = min(B, 0); f' = 0"
                 over "valid configuration, memory in the invariant"
                 by $solver fn p1_switched_off(s) {
@@ -379,7 +382,7 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P4: what is told of the force commanded in the end never grows what is remembered.
+                /// P4 (limits): a report of the force that was commanded in the end never makes the remembered force larger.
                 equation "|f'| <= |f|"
                 over "valid configuration, memory in the invariant, force"
                 by $solver fn p4_commanded(s) {
@@ -403,12 +406,13 @@ macro_rules! guard {
 }
 
 guard!(
-    /// At the width that the firmware runs: the same bodies on samples. Products of three unknowns are more than a solver follows
-    /// there.
+    /// At 32 bits, the width of the firmware: the same bodies in random tests, as no solver follows products of three unknown
+    /// numbers at that width.
     w32, Fixed32, by sampled, sum sampled
 );
 guard!(
-    /// At 8 bits, where a solver has every case; but for the account's sum, which is proved at 32 (`refines::w32::p11_guard`, `p11_guard_booked`).
+    /// At 8 bits, where a solver covers every case. The account's sum is proved at 32 bits instead (`refines::w32::p11_guard`,
+    /// `p11_guard_booked`).
     w8, Fixed8, by cadical, sum sampled
 );
 
@@ -418,7 +422,8 @@ mod accepted {
     use crate::source::{Sampler, sample};
     use touchstone_control::{ChangeOfForce, GuardSettings, GuardedDevice, Si};
 
-    /// P8: whatever `Guard::new` accepts is valid, its memory at power-up satisfies the invariant, and its reach is paid.
+    /// P8 (settings): every guard that `Guard::new` accepts is valid, its memory at power-up satisfies the invariant, and its
+    /// account covers the force over its reach.
     fn body<N: Format>(s: &mut Sampler) {
         let mut value =
             |bits: u32| Si::from_bits(i64::from(s.u32()) << 8 >> (s.bits(5) as u32) << 6 >> bits);

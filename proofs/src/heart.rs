@@ -1,7 +1,8 @@
-//! The unsigned heart, `touchstone_control::magnitude`: one nonlinear fact per property.
+//! The unsigned functions of `touchstone_control::magnitude`, on which all signed arithmetic builds: one nonlinear fact per
+//! property.
 //!
-//! Magnitudes of signed words are at most `2^(BITS-1)`; energies at most the signed limit of the double width. That is all
-//! that is assumed, and the types of the callers enforce it.
+//! Magnitudes of signed words are at most `2^(BITS-1)`; energies are at most the signed limit of the double width. The properties
+//! assume no more than that, and the types of the callers enforce it.
 
 use crate::{assume, cover, property, replaced_property};
 use touchstone_control::magnitude::{
@@ -17,7 +18,7 @@ macro_rules! heart {
             const FULL: $wide = $wide::MAX >> 1;
 
             property! {
-                /// P1, inward: the wall stores exactly the work, at most the signed limit; the force stays.
+                /// P1 (energy), inward: the wall stores exactly the work, at most the signed limit; the force stays.
                 equation "E' = min(E + f d, highest), f' = f"
                 over "energy, force, displacement"
                 by $bits fn p1_step_inward(s) {
@@ -34,7 +35,7 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P1, outward, with enough energy: exactly the work is given, the force stays.
+                /// P1 (energy), outward, with enough energy: the wall gives exactly the work, and the force stays.
                 equation "f d <= E  =>  E' = E - f d, f' = f"
                 over "energy, force, displacement"
                 by $products
@@ -52,8 +53,8 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P1, outward, without enough: the energy that is left is the rest of the division, so that exactly the
-                /// work of the quotient is given.
+                /// P1 (energy), outward, without enough energy: the energy that is left is the rest of the division, so the wall
+                /// gives exactly the work of the reduced force.
                 equation "f d > E  =>  E' = E - floor(E / d) d"
                 over "energy, force, displacement"
                 by $products fn p1_step_clamped_energy(s) {
@@ -70,7 +71,8 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P1, outward, without enough: the force is that quotient; the two limits beside it never bind.
+                /// P1 (energy), outward, without enough energy: the reduced force is energy divided by displacement. The two limits
+                /// of the force in the code never bind.
                 equation "f d > E  =>  f' = floor(E / d)"
                 over "energy, force, displacement"
                 by $products fn p1_step_clamped_force(s) {
@@ -84,7 +86,8 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P1/P4, outward, without enough: the force shrinks, and no more than needed: less than `moved` is left.
+                /// P1/P4, outward, without enough energy: the force shrinks by no more than needed, as less than `moved` of energy
+                /// is left.
                 equation "f d > E  =>  f' <= f, E' < d"
                 over "energy, force, displacement"
                 by $products
@@ -100,7 +103,8 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P1 for the enhanced law: what a retreat costs at full force and what is left make up the energy.
+                /// P1 (energy) for the enhanced law: the work of a retreat at full force and the energy that is left sum to the
+                /// energy before.
                 equation "r = E - f m >= 0"
                 over "energy and force"
                 by $products
@@ -121,8 +125,8 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P1, the lemma behind the clamp, and its second witness by another solver: the division accounts for at most
-                /// the energy, and less than `moved` is left.
+                /// P1 (energy): the division accounts for at most the energy, and less than `moved` is left. The reduced force
+                /// relies on this lemma; a second solver confirms it.
                 equation "q d <= E < q d + d"
                 over "energy and displacement"
                 by $bits fn p1_divide(s) {
@@ -137,7 +141,7 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P1 by the SAT solver: outward, the energy never grows and never passes zero.
+                /// P1 (energy) by the SAT solver: in an outward step the energy never grows and never gets negative.
                 equation "0 <= E' <= E"
                 over "energy, force, displacement"
                 by minisat fn p1_step_remainder(s) {
@@ -150,8 +154,8 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P5: a digit is kept, with its square, if that square does not exceed the radicand, and else nothing changes:
-                /// by induction `square = root² <= radicand` for the whole root.
+                /// P5 (roots): a digit of a root is kept, with its square, if that square does not exceed the radicand; otherwise
+                /// nothing changes. By induction `square = root² <= radicand` for the whole root.
                 equation "s' = r'² <= E, or nothing changed"
                 over "radicand, candidate, root so far"
                 by $products fn p5_root_digit(s) {
@@ -169,7 +173,8 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P2: a gain rounds towards zero: `scale(g, x) · 2^bits <= g·x`.
+                /// P2 (rounding): scaling a signal (position or force) by a gain rounds towards zero: `scale(g, x) · 2^bits <=
+                /// g·x`.
                 equation "(g x >> b) 2^b <= g x"
                 over "gain and signal"
                 by $bits
@@ -186,7 +191,7 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P6: a quotient rounds towards zero: `quotient·divisor <= dividend`.
+                /// P6 (rounding): a quotient rounds towards zero: `quotient·divisor <= dividend`.
                 equation "q d <= n"
                 over "dividend and divisor"
                 by $products
@@ -206,19 +211,19 @@ macro_rules! heart {
 }
 
 heart!(
-    /// At the width that the firmware runs.
+    /// At 32 bits, the width of the firmware.
     w32, u32, u64, products cvc5, bits kissat
 );
 heart!(
-    /// At 8 bits: where mutants are refuted quickly.
+    /// At 8 bits, where the model checker refutes wrong changes of the code quickly.
     w8, u8, u16, products kissat, bits kissat
 );
 
-/// The whole root, at 8 bits: 32 products in a row do not finish at full width, where the digit and induction carry it.
+/// The whole root, at 8 bits. At 32 bits no solver finishes with 32 products in a row; there one digit and induction prove it.
 pub mod root8 {
     use super::*;
     property! {
-        /// P5/P3: the square found never exceeds the radicand, and the next one would; no overflow.
+        /// P5/P3: the square found never exceeds the radicand, and the next larger square does; no overflow.
         equation "r² <= E < (r + 1)²"
         over "radicand"
         fn p5_root(s) {
@@ -234,7 +239,7 @@ pub mod root8 {
     }
 }
 
-/// Quotients by a divisor that stays.
+/// Quotients by a prepared divisor (stored reciprocal), which is used for many dividends.
 pub mod reciprocal {
     use super::*;
     use fixed::FixedI32;
@@ -242,8 +247,8 @@ pub mod reciprocal {
     use touchstone_control::{Fixed32, Number};
 
     property! {
-        /// P3/P6: the quotient by a prepared divisor is the plain one, at 8 bits, of every dividend by every divisor: two divisions and a
-        /// product are slower for a solver than that.
+        /// P3/P6: the quotient by a prepared divisor (stored reciprocal) is the plain quotient, for every dividend and divisor at 8
+        /// bits. All inputs are tried, as a solver takes longer for two divisions and a product.
         equation "q = min(floor(n / d), highest)"
         over "word and double word"
         by sampled fn p6_reciprocal_8(s) {
@@ -257,7 +262,8 @@ pub mod reciprocal {
         }
     }
     property! {
-        /// P3/P6: the same at full width, where `obligations/` has its arithmetic over the integers.
+        /// P3/P6: the quotient by a prepared divisor (stored reciprocal) is the plain quotient, in random tests at 32 bits.
+        /// `obligations/` proves its arithmetic over the integers.
         equation "q = min(floor(n / d), highest)"
         over "double word and word"
         by sampled fn p6_reciprocal_32(s) {
@@ -270,7 +276,8 @@ pub mod reciprocal {
         }
     }
     property! {
-        /// P6: the quotient is the leading digits of a product, scaled dividend times inverse: of inverses of one digit and two.
+        /// P6 (rounding): the quotient by a prepared divisor is the leading digits of a product: the scaled dividend times the
+        /// stored inverse. It is proved for inverses with one binary digit set and with two.
         equation "q = ((n 2^scale + 1) inverse / 2^64) / 2^31"
         over "dividend below 2^62; inverses 2^63 and 2^62 + 2^33, divisors 2^31"
         by cadical fn p6_leading_digits32(s) {
@@ -286,7 +293,8 @@ pub mod reciprocal {
     replaced_property! {
         [(touchstone_control::reciprocal::Reciprocal32::new, crate::heart::reciprocal::told_divisor)
         (touchstone_control::reciprocal::Reciprocal32::quotient, crate::heart::reciprocal::any_quotient)]
-        /// P6: a number is divided by its magnitude, by the prepared divisor's, and has the sign of the dividend, whatever a quotient is.
+        /// P6 (rounding): a signed dividend is divided by its magnitude, with the magnitude of the prepared divisor, and the
+        /// quotient gets the dividend's sign. This holds for any quotient of magnitudes.
         equation "q(p, k) = sign(p) q(|p|, |k|)"
         over "product, gain; under the checker whatever a quotient of magnitudes is"
         by cadical fn p6_divide_by32(s) {
@@ -300,7 +308,7 @@ pub mod reciprocal {
         }
     }
 
-    /// Stands for `Reciprocal32::new`: it records the divisor.
+    /// Replaces `Reciprocal32::new` under the model checker: it records the divisor.
     #[cfg(kani)]
     pub fn told_divisor(divisor: u32) -> Reciprocal32 {
         Reciprocal32 {
@@ -309,7 +317,8 @@ pub mod reciprocal {
             inverse: 0,
         }
     }
-    /// Stands for `Reciprocal32::quotient`: any magnitude of a number; the same for the same question.
+    /// Replaces `Reciprocal32::quotient` under the model checker: any magnitude that fits a word, and the same one for equal
+    /// arguments.
     #[cfg(kani)]
     pub fn any_quotient(by: &Reciprocal32, dividend: u64) -> u32 {
         use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -318,7 +327,7 @@ pub mod reciprocal {
         let question = [1, by.divisor.into(), dividend];
         let same = (0..3).all(|at| ASKED[at].load(Relaxed) == question[at]);
         kani::assume(!same || ASKED[3].load(Relaxed) == u64::from(answer));
-        // Of nothing there is none.
+        // The quotient of 0 is 0.
         kani::assume(answer <= i32::MAX as u32 && (dividend > 0 || answer == 0));
         for at in 0..3 {
             ASKED[at].store(question[at], Relaxed);
@@ -332,14 +341,14 @@ pub mod reciprocal {
 pub mod algebra32 {
     use super::*;
     property! {
-        /// P1 for the enhanced law: work and saving of a smaller force add up to the work of the full one, so that with
-        /// `p1_affordable` rest plus saving is exactly the energy minus the work.
+        /// P1 (energy) for the enhanced law: the work of a smaller force and the work it saves sum to the work of the full force.
+        /// So with `p1_affordable`, rest plus saving is exactly the energy minus the work.
         equation "(f_w - f) m + f m = f_w m"
         over "pair of forces, retreat"
         by cvc5 fn p1_smaller_force(s) {
             let (saved_force, smaller, moved) = (s.u64(), s.u64(), s.u64());
             assume!(s, saved_force <= 1 << 31 && smaller <= 1 << 31 && moved <= 1 << 31, "types of the callers");
-            // At most 2^32 · 2^31: nothing wraps. (With the checks of that beside the identity no solver finishes.)
+            // At most 2^32 · 2^31, so nothing wraps. No solver finishes if it also has to check for wrapping.
             let work = smaller.wrapping_mul(moved);
             let saved = saved_force.wrapping_mul(moved);
             assert!(saved.wrapping_add(work) == saved_force.wrapping_add(smaller).wrapping_mul(moved));

@@ -1,22 +1,22 @@
-//! Properties that are proved about the control laws: each is a body, which Kani runs for all inputs and the tests on
-//! seeded samples.
+//! Properties that are proved about the control laws. Each is a body that Kani runs for all inputs and that the tests run on seeded
+//! samples.
 //!
-//! `cargo xtask prove` runs all of them and writes their table below `target/`; `cargo test -p touchstone-proofs` runs
-//! the sampled form and the exhaustive 8-bit form on stable Rust.
+//! `cargo xtask prove` runs all of them and writes their table below `target/`; `cargo test -p touchstone-proofs` runs the sampled
+//! form and the exhaustive 8-bit form on stable Rust.
 //!
-//! Read from the bottom: [`heart`] (unsigned magnitudes), [`edges`] (signed numbers around them), one file per law,
-//! the filter, settings, the encoder and the fault machine, the drive's arithmetic.
+//! To read the proofs from the bottom, begin with [`heart`] (unsigned magnitudes) and [`edges`] (signed numbers built on them). One
+//! file per law follows, then filter, settings, encoder, fault machine and the drive's arithmetic.
 // Bodies name the checker's macros only under the checker.
 #![cfg_attr(kani, allow(missing_docs))]
-// The one file-wide cast habit: samples of `bits` bits are narrowed on purpose.
+// Samples of `bits` bits are narrowed by casts on purpose.
 #![allow(clippy::missing_panics_doc)]
-// The list of what a property replaces is long.
+// The list of functions that a property replaces is long.
 #![recursion_limit = "1024"]
 
-/// An assertion after which no cover comes as a statement of its block: under the checker it is one itself, as an assertion that nothing reaches says
-/// nothing. Where one comes, that shows it, and `assert!` is enough. The gate sees to it that each is one or the other (but those with words
-/// of their own, which stand in the place of the code), and has the checker ask for no other assertion. A trace of each that is reached took
-/// a quarter of its time.
+/// An assertion that is not followed by a cover in its block. Under the model checker it is a cover as well, as an assertion that
+/// is never reached proves nothing. If a cover follows, that cover shows that the assertion is reached, and `assert!` is enough.
+/// The proof gate checks that every assertion is of one of these two forms, except for those with a message, which replace parts of
+/// the code. So the gate switches off the checker's own reachability checks of assertions, which took a quarter of its time.
 macro_rules! assert_reached {
     ($condition:expr $(,)?) => {{
         #[cfg(kani)]

@@ -1,20 +1,20 @@
-//! Multiplication for the checker: one product for one question, at 32 bits.
+//! Multiplication for the model checker at 32 bits: any result that has the known facts, and the same result for the same question.
 //!
-//! That a tick is its specification does not depend on what a product *is*: both sides multiply the same numbers and then add, shift
-//! and compare what comes out. No solver follows these products at full width; so a `multiplied_property!` puts the functions of this
-//! file in the place of the code's multiplications and of the specification's. A product is there any number that has the facts of
-//! [`facts`], and the specification's next question gets the code's answer if it is the same question. What holds for every such
-//! product holds for the product.
+//! That a tick equals its specification does not depend on what a product *is*. Code and specification multiply the same numbers,
+//! and then add, shift and compare the results. No solver follows these products at 32 bits, so a `multiplied_property!` replaces
+//! the multiplications of code and specification by the functions of this file. A product is here any number that has the facts of
+//! [`facts`]. The specification's next question gets the code's answer if it is the same question. What holds for every such
+//! product holds for the real one.
 //!
 //! ```text
 //! a <= c, b <= d  implies  a b <= c d                 p3_product_in_order, obligations/check.py
 //! 2^k b = b << k, (2^31 - 1) b = (b << 31) - b        p3_product_known, obligations/check.py
 //! a b = c b + (a - c) b                               p3_product_adds_up, obligations/check.py
-//! what the code multiplies by are the products        p1_products_are_exact, edges::p1_edge_work
+//! the code's multiplications are exact products       p1_products_are_exact, edges::p1_edge_work
 //! ```
 //!
-//! Questions are told apart by their order: those of the settings come first, then the memory's, the code's, and the specification's.
-//! Who asks in another order than the code gets an answer of which nothing is known, which proves less, never more.
+//! Questions are recognised by their order: first those of the settings, then those of the memory, the code and the specification.
+//! A question that comes in another order than the code's gets an answer of which nothing is known. That proves less, never more.
 
 use crate::{cover, property};
 use touchstone_control::magnitude::Word;
@@ -23,14 +23,14 @@ use touchstone_control::{Fixed32, Number};
 type Signal = <Fixed32 as Number>::Signal;
 type Gain = <Fixed32 as Number>::Gain;
 
-/// The known facts of products of magnitudes.
+/// The facts of products of magnitudes that the model checker assumes.
 pub mod facts {
-    /// The product of smaller factors is not larger.
+    /// Whether two products are in order: smaller factors give a product that is not larger.
     #[must_use]
     pub fn in_order([a, b]: [u32; 2], less: u64, [c, d]: [u32; 2], more: u64) -> bool {
         a > c || b > d || less <= more
     }
-    /// The products of two parts of a factor are together that of the whole.
+    /// Whether two products add up to a third: a factor is split into two parts, whose products sum to the product of the whole.
     #[must_use]
     pub fn adds_up(
         [a, b]: [u32; 2],
@@ -42,10 +42,10 @@ pub mod facts {
     ) -> bool {
         b != d || b != f || a < c || a - c != e || part <= whole && whole - part == rest
     }
-    /// Factors whose products are known without a multiplication: a share of 1, a quarter of the format, its largest number, its
-    /// lowest number's magnitude.
+    /// Factors whose products are known without a multiplication: a ratio of 1, a quarter of the format, its largest number, and
+    /// the magnitude of its lowest number.
     pub const FACTORS: [u32; 4] = [1 << 24, 1 << 29, (1 << 31) - 1, 1 << 31];
-    /// Their products.
+    /// The products of [`FACTORS`] with `b`, without a multiplication.
     #[must_use]
     pub fn products(b: u32) -> [u64; 4] {
         let b = u64::from(b);
@@ -54,7 +54,8 @@ pub mod facts {
 }
 
 property! {
-    /// P3: the product of smaller factors is not larger: over the integers, in two solvers, `obligations/check.py`.
+    /// P3 (arithmetic): the product of smaller factors is not larger. Two solvers show it over the integers in
+    /// `obligations/check.py`.
     equation "a <= c and b <= d implies a b <= c d"
     over "two pairs of words"
     by sampled fn p3_product_in_order(s) {
@@ -64,8 +65,8 @@ property! {
     }
 }
 property! {
-    /// P3: the products of two parts of a factor are together that of the whole: over the integers, in two solvers,
-    /// `obligations/check.py`.
+    /// P3 (arithmetic): the products of two parts of a factor sum to the product of the whole. Two solvers show it over the
+    /// integers in `obligations/check.py`.
     equation "a b = c b + (a - c) b"
     over "three words"
     by sampled fn p3_product_adds_up(s) {
@@ -77,7 +78,7 @@ property! {
     }
 }
 property! {
-    /// P3: a product with a power of two is a shift, one with the largest number a shift and a difference, as over the integers.
+    /// P3 (arithmetic): a product with a power of two is a shift, and one with the largest number is a shift and a difference.
     equation "2^k b = b << k, (2^31 - 1) b = (b << 31) - b"
     over "word"
     by sampled fn p3_product_known(s) {
@@ -87,7 +88,8 @@ property! {
     }
 }
 property! {
-    /// P1: the code's product of a gain and a signal is the product, and so is that of two magnitudes.
+    /// P1 (energy): the code's product of a gain and a signal (position or force) is the exact product, and so is that of two
+    /// magnitudes.
     equation "p = k x"
     over "gain and signal, two magnitudes"
     by kissat fn p1_products_are_exact(s) {
@@ -100,8 +102,8 @@ property! {
     }
 }
 
-/// A property that at the shipped width has the multiplications of this file, `multiplied`, and at 8 bits the code's own, `plain`.
-/// `and [..]` names further pairs.
+/// Defines a property that uses the multiplications of this file at 32 bits (`multiplied`), and the code's own at 8 bits (`plain`).
+/// `and [..]` names further replaced pairs.
 #[macro_export]
 macro_rules! multiplied_property {
     (plain and [$($pair:tt)*] $($property:tt)*) => {
@@ -126,14 +128,14 @@ macro_rules! multiplied_property {
     };
 }
 
-/// The next product is the memory's first, the code's, the specification's.
+/// Marks of whose products follow (memory, code, specification); without the model checker they do nothing.
 #[cfg(not(kani))]
 mod questions {
-    /// Marks the following questions as those of the memory.
+    /// Marks that the products from now on are those of the law's memory.
     pub fn of_memory() {}
-    /// Marks the following questions as those of the code.
+    /// Marks that the products from now on are those of the code.
     pub fn of_code() {}
-    /// Marks the following questions as those of the specification.
+    /// Marks that the products from now on are those of the specification.
     pub fn of_specification() {}
 }
 #[cfg(not(kani))]
@@ -148,14 +150,14 @@ mod by_one_product {
     use core::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
     use touchstone_control::{Fixed32, Number};
 
-    /// First rows of the memory's and of the code's questions, and the end: more than any property needs.
+    /// Rows of the record of products: where those of the memory and of the code begin, and the end, which no property reaches.
     const MEMORY: usize = 5;
     const CODE: usize = 6;
     const END: usize = 13;
-    /// Row of the next question, and which side asks.
+    /// Row of the next product in the record, and whether the specification asks for it.
     static AT: AtomicUsize = AtomicUsize::new(0);
     static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
-    /// The row after the code's last.
+    /// The row of the record after the code's last product.
     static ASKED: AtomicUsize = AtomicUsize::new(CODE);
     static LEFT: [AtomicU32; END] = [const { AtomicU32::new(0) }; END];
     static RIGHT: [AtomicU32; END] = [const { AtomicU32::new(0) }; END];
@@ -172,17 +174,17 @@ mod by_one_product {
         AT.store(CODE, Relaxed);
         SPECIFIES.store(1, Relaxed);
     }
-    /// Whether the specification asks.
+    /// Whether the specification is asking.
     pub fn specifies() -> bool {
         SPECIFIES.load(Relaxed) == 1
     }
 
-    /// Factors and product of a row.
+    /// Factors and product in a row of the table.
     fn row(at: usize) -> ([u32; 2], u64) {
         let factors = [LEFT[at].load(Relaxed), RIGHT[at].load(Relaxed)];
         (factors, FOUND[at].load(Relaxed))
     }
-    /// The row after the code's last question.
+    /// The row of the record after the code's last product.
     fn asked() -> usize {
         if specifies() {
             ASKED.load(Relaxed)
@@ -190,7 +192,7 @@ mod by_one_product {
             AT.load(Relaxed)
         }
     }
-    /// Assumes that a product is in order with every product that the code has asked for.
+    /// Assumes that a product is in order with every product that the code has asked for (`facts::in_order`).
     pub fn in_order_with_the_code(factors: [u32; 2], found: u64) {
         let (mut of, end) = (CODE, asked());
         while of < END && of < end {
@@ -202,8 +204,7 @@ mod by_one_product {
             of += 1;
         }
     }
-    /// Assumes that a product is the sum of two parts, the second of which is each product that the code has asked
-    /// for.
+    /// Assumes that a product is the sum of two parts, for each product that the code has asked for as the second part.
     pub fn adds_up_with_the_code(factors: [u32; 2], whole: u64, parts: [u32; 2], part: u64) {
         let (mut of, end) = (CODE, asked());
         while of < END && of < end {
@@ -212,7 +213,7 @@ mod by_one_product {
             of += 1;
         }
     }
-    /// Assumes the facts of a single product.
+    /// Assumes that a product is in order with the products of the factors [`facts::FACTORS`], which are known.
     pub fn known([a, b]: [u32; 2], found: u64) {
         let known = [facts::products(a), facts::products(b)];
         let mut i = 0;
@@ -224,7 +225,7 @@ mod by_one_product {
         }
     }
 
-    /// The product of two magnitudes.
+    /// The product of two magnitudes: any number with the known facts.
     pub fn magnitude(a: u32, b: u32) -> u64 {
         let at = AT.load(Relaxed);
         AT.store(at + 1, Relaxed);
@@ -249,7 +250,7 @@ mod by_one_product {
         any
     }
 
-    /// A magnitude with the sign of a product.
+    /// A magnitude with the sign of the product `a b`.
     pub fn signed(a: i32, b: i32, size: u64) -> i64 {
         if (a < 0) == (b < 0) {
             size as i64
@@ -260,7 +261,7 @@ mod by_one_product {
     fn product_of(a: i32, b: i32) -> i64 {
         signed(a, b, magnitude(a.unsigned_abs(), b.unsigned_abs()))
     }
-    /// A word of the specification.
+    /// A number of the specification as a 32-bit word.
     pub fn word(x: i128) -> i32 {
         assert!(
             i32::try_from(x).is_ok(),
@@ -269,23 +270,25 @@ mod by_one_product {
         x as i32
     }
 
-    /// For [`touchstone_control::magnitude::Word::times`].
+    /// Replaces [`touchstone_control::magnitude::Word::times`] under the model checker: the code gets any result, and the same one
+    /// for equal arguments.
     pub fn words(a: u32, b: u32) -> u64 {
         magnitude(a, b)
     }
-    /// For [`Number::product`].
+    /// Replaces [`Number::product`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn product(k: Gain, x: Signal) -> i64 {
         product_of(k.to_bits(), x.to_bits())
     }
-    /// For [`Number::work`].
+    /// Replaces [`Number::work`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn work(f: Signal, d: Signal) -> <Fixed32 as Number>::Energy {
         <Fixed32 as Number>::Energy::from_bits(product_of(f.to_bits(), d.to_bits()))
     }
-    /// For [`crate::spec::times`].
+    /// Replaces [`crate::spec::times`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn times(a: i128, b: i128) -> i128 {
         i128::from(product_of(word(a), word(b)))
     }
-    /// For [`crate::guard::times`].
+    /// Replaces [`crate::guard::times`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn exact<N: Format>(a: i64, b: i64) -> N::Exact {
         N::exact(times(a.into(), b.into()) as i64)
     }

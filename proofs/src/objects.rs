@@ -1,12 +1,13 @@
-//! Virtual objects at 8 bits, each against where its surface is by Pythagoras: the closest point, and the way out in a direction.
+//! Virtual objects at 8 bits: closest surface point, and way out in a direction. Each is compared with the surface by Pythagoras.
 //!
-//! All inputs of each are tried (`cargo xtask prove --every objects`): products and roots of three axes are beyond the solvers.
+//! All inputs of each object are tried (`cargo xtask prove --every objects`), as solvers cannot follow products and roots on three
+//! axes.
 //!
 //! ```text
 //! ball       R - depth = floor |v|, normal along v          p4_ball_nearest
 //! box        depth = min (h_i - |x_i|), outside -floor |..| p4_box_nearest
 //! cylinder   depth = min (R - |v|, h - |z|), less at a rim  p4_cylinder_nearest
-//! plate      depth below the face on the side it came from  p4_plate_keeps_its_side
+//! plate      depth below the face on the side of entry      p4_plate_keeps_its_side
 //! way out    the longest that stays inside                  p4_*_exit
 //! ```
 
@@ -19,9 +20,9 @@ use touchstone_control::{Fixed8, Number, Position};
 
 pub(crate) type N = Fixed8;
 
-/// 1 of a signal; directions end a quantum below.
+/// The value 1 of a signal (position or force), in quanta; components of directions end one quantum below.
 pub(crate) const ONE: i64 = 1 << <N as Format>::SIGNAL_BITS;
-/// The centre of every object here.
+/// The centre of every object in these properties, in quanta.
 const CENTRE: [i64; 3] = [3, -6, 3];
 
 pub(crate) fn position(bits: i64) -> Position<N> {
@@ -33,65 +34,66 @@ pub(crate) fn vector(bits: [i64; 3]) -> Vector<Position<N>> {
 pub(crate) fn bits(x: Position<N>) -> i64 {
     N::of_signal(x.0)
 }
-/// A number of this many bits with a sign.
+/// A signed number of this many bits.
 pub(crate) fn signed<S: Source>(s: &mut S, width: u32) -> i64 {
     s.bits(width).cast_signed() - (1 << (width - 1))
 }
-/// Three such numbers.
+/// A place with three signed coordinates of this many bits.
 pub(crate) fn place<S: Source>(s: &mut S, width: u32) -> [i64; 3] {
     [signed(s, width), signed(s, width), signed(s, width)]
 }
-/// The direction of a vector of this many bits an axis.
+/// The direction of a vector whose components have this many bits; `None` for the zero vector.
 pub(crate) fn direction<S: Source>(s: &mut S, width: u32) -> Option<Direction<N>> {
     Direction::of(vector(place(s, width)))
 }
-/// One of the six directions along the axes.
+/// A random one of the six directions along the axes.
 pub(crate) fn axis<S: Source>(s: &mut S) -> Direction<N> {
     Direction::along((s.bits(2) % 3) as usize, s.bool())
 }
 pub(crate) fn squares(v: [i64; 3]) -> i64 {
     v.iter().map(|x| x * x).sum()
 }
-/// Each component's size.
+/// The components of a direction, in quanta.
 pub(crate) fn parts(u: &Direction<N>) -> [i64; 3] {
     u.0.map(N::of_signal)
 }
-/// A place relative to the centre.
+/// A place relative to [`CENTRE`], in quanta.
 fn from_centre(at: [i64; 3]) -> [i64; 3] {
     let ([x, y, z], [a, b, c]) = (at, CENTRE);
     [x - a, y - b, z - c]
 }
-/// Whether `length` is the root, rounded down.
+/// Whether `length` is the square root of `square`, rounded down.
 pub(crate) fn is_root(length: i64, square: i64) -> bool {
     length >= 0 && length * length <= square && (length + 1) * (length + 1) > square
 }
-/// Where a way along a direction ends, in quanta and their [`ONE`]th parts.
+/// Where a way of this length along a direction ends, in quanta with the fractional bits of [`ONE`].
 pub(crate) fn end(from: [i64; 3], way: i64, u: &Direction<N>) -> [i64; 3] {
     let ([x, y, z], [a, b, c]) = (from, parts(u));
     [x * ONE + way * a, y * ONE + way * b, z * ONE + way * c]
 }
-/// Whether a place is at this distance from the centre, within a number of quanta.
+/// Whether a place has this distance from the centre, to within a number of quanta.
 fn is_at(end: [i64; 3], radius: i64, quanta: i64) -> bool {
     let (least, most) = ((radius - quanta).max(0) * ONE, (radius + quanta) * ONE);
     (least * least..=most * most).contains(&squares(end))
 }
-/// The directions that an object names.
+/// The directions in which an object reports ways out.
 pub(crate) fn ways(object: &impl Surface<N>) -> Vec<Direction<N>> {
     let mut found = Vec::new();
     object.ways(&mut |way| found.push(way));
     found
 }
-/// The two directions along an axis.
+/// Both directions along an axis.
 fn both(axis: usize) -> [Direction<N>; 2] {
     [false, true].map(|against| Direction::along(axis, against))
 }
 
 property! {
-    /// P4: a ball's surface is its radius from its centre, along the place; at the centre the side stays, and is up where there was none.
+    /// P4 (geometry): the depth in a ball is its radius minus the distance from its centre, and the normal points along the place.
+    /// At the centre the last side stays, and is up if there was none.
     equation "depth = R - floor |v|, normal = v/|v|"
     over "places of 5 bits an axis from the centre, radius up to 31 quanta, side or none"
     by sampled fn p4_ball_nearest(s) {
-        // From the centre: of places from the origin samples hardly ever meet it.
+        // The place is relative to the centre; samples of places from the origin would hardly ever meet it.
         let (radius, v, side) = (s.bits(5).cast_signed(), place(s, 5), axis(s));
         let none = Direction([position(0).0; 3]);
         let side = if s.bool() { none } else { side };
@@ -108,7 +110,7 @@ property! {
     }
 }
 property! {
-    /// P4: from inside a ball the way out ends on its surface, to three quanta.
+    /// P4 (geometry): from inside a ball the way out ends on its surface, to within three quanta.
     equation "| |v + t u| - R | <= 3 quanta"
     over "inside; even places of 5 bits an axis, even radii up to 30 quanta, directions of 3 bits an axis"
     by sampled fn p4_ball_exit(s) {
@@ -128,7 +130,8 @@ property! {
     }
 }
 property! {
-    /// P4: out of a box the depth is the distance, rounded down; in it that to the nearest face, along whose axis the normal is.
+    /// P4 (geometry): outside a box the depth is minus the distance, rounded down. Inside it is the distance to the nearest face,
+    /// and the normal is along that face's axis.
     equation "inside: depth = min (h_i - |x_i|); outside: -floor sqrt Σ max(|x_i| - h_i, 0)²"
     over "places of 4 bits an axis, half lengths from 1 to 8 quanta, side"
     by sampled fn p4_box_nearest(s) {
@@ -164,7 +167,7 @@ property! {
     }
 }
 property! {
-    /// P4: from inside a box the way out is the longest that passes no face, towards zero.
+    /// P4 (geometry): from inside a box the way out is the longest that passes no face, rounded towards zero.
     equation "t = min floor((h_i ∓ x_i) / |u_i|) over u_i ≠ 0"
     over "inside; places of 4 bits an axis, half lengths from 1 to 4 quanta, directions of 3 bits an axis"
     by sampled fn p4_box_exit(s) {
@@ -193,12 +196,12 @@ property! {
     }
 }
 
-/// How far, in quanta, a normal at a cylinder's rim may lead aside over the way from it.
+/// Largest sideways error of the point to which a normal at a cylinder's rim leads, in quanta.
 const RIM: f64 = 2.5;
 /// Step between the sizes of cylinders, in quanta.
 const STEP: i64 = 3;
 
-/// A radius, half a length, an axis and a place seen from the centre: the part across the axis, and that along it.
+/// A cylinder, a place, and that place seen from the cylinder's centre: its part across the axis and along it.
 fn round<S: Source>(s: &mut S) -> (Cylinder<N>, [i64; 3], [i64; 3], i64) {
     let mut size = || position(STEP * (1 + s.bits(2).cast_signed()));
     let (radius, half) = (size(), size());
@@ -215,7 +218,8 @@ fn round<S: Source>(s: &mut S) -> (Cylinder<N>, [i64; 3], [i64; 3], i64) {
 }
 
 property! {
-    /// P4: a cylinder's surface is its radius from its axis and its half length from its middle; beyond both, at the rim, to three quanta.
+    /// P4 (geometry): a cylinder's surface is a radius from its axis and a half length from its middle. Outside of both, at the
+    /// rim, the depth is right to within three quanta.
     equation "depth = min (R - floor |v|, h - |z|); at a rim -3 <= |depth| - sqrt((floor |v| - R)² + (|z| - h)²) <= 0"
     over "places of 4 bits an axis, three times as large, radii and half lengths from 3 to 12 quanta, axis, side"
     by sampled fn p4_cylinder_nearest(s) {
@@ -237,7 +241,7 @@ property! {
         if wall < 0 && cap < 0 {
             let square = wall * wall + cap * cap;
             assert!(depth <= 0 && depth * depth <= square && (3 - depth) * (3 - depth) >= square);
-            // Of the way from the rim, of which each part along an axis was shortened by up to two quanta.
+            // The normal is compared with the way from the rim, whose parts along the axes were shortened by up to two quanta.
             let mut way = across.map(|x| x as f64 * -wall as f64 / (squares(across) as f64).sqrt());
             way[axis] = (along.signum() * -cap) as f64;
             let size = way.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -254,7 +258,8 @@ property! {
     }
 }
 property! {
-    /// P4: from inside a cylinder the way out ends on its wall or on an end, to three quanta, and within both.
+    /// P4 (geometry): from inside a cylinder the way out ends on its wall or on an end face, to within three quanta, and beyond
+    /// neither.
     equation "| |v + t u| - R | <= 3 quanta, or | |z + t u_z| - h | <= 3 quanta"
     over "inside; places of 4 bits an axis, three times as large, radii and half lengths from 3 to 12 quanta, axis, directions of 3 bits an axis"
     by sampled fn p4_cylinder_exit(s) {
@@ -278,7 +283,7 @@ property! {
     }
 }
 
-/// A plate, a place, and the place seen from its centre.
+/// A plate, a place, and that place seen from the plate's centre.
 fn plate<S: Source>(s: &mut S, width: u32, at: u32) -> (Plate<N>, [i64; 3], [i64; 3]) {
     let mut half = || 1 + s.bits(width).cast_signed();
     let half = [half(), half(), half()];
@@ -289,14 +294,15 @@ fn plate<S: Source>(s: &mut S, width: u32, at: u32) -> (Plate<N>, [i64; 3], [i64
     };
     (Plate { body, axis }, at, from_centre(at))
 }
-/// Whether a place is over a plate.
+/// Whether a place is over a plate, so that a way along its normal meets the plate.
 fn is_over(plate: &Plate<N>, x: [i64; 3]) -> bool {
     let half = plate.body.half.0.map(bits);
     (0..3).all(|i| i == plate.axis.min(2) || x[i].abs() <= half[i])
 }
 
 property! {
-    /// P4: over a plate the HIP is on the side from which it came, however deep it is below that face; elsewhere a plate is a box.
+    /// P4 (geometry): over a plate the HIP is on the side from which it came, however deep it is below that face. Elsewhere a plate
+    /// acts as a box.
     equation "depth = h - x, normal = e (from above); h + x, -e (from below)"
     over "places of 4 bits an axis, half lengths from 1 to 8 quanta, axis, side: above, below, none"
     by sampled fn p4_plate_keeps_its_side(s) {
@@ -322,7 +328,8 @@ property! {
     }
 }
 property! {
-    /// P4: through a plate the way out leads to the face on the side from which the HIP came, or nowhere.
+    /// P4 (geometry): through a plate the way out leads to the face on the side from which the HIP came; if the direction does not
+    /// lead there, there is none.
     equation "t = depth / floor(normal·u) towards zero, of an axis of 127/128; none for normal·u <= 0 or beside"
     over "places of 3 bits an axis, half lengths from 1 to 4 quanta, axis, side, directions of 3 bits an axis"
     by sampled fn p4_plate_exit(s) {
@@ -334,7 +341,7 @@ property! {
         };
         let way = plate.exit(vector(at), &u, &side).map(bits);
         let seen = plate.nearest(vector(at), &side);
-        // Of an axis that is a quantum shorter than 1, rounded down.
+        // The axis' direction is a quantum shorter than 1; the cosine is rounded down.
         let cosine = (parts(&u)[axis] * parts(&side)[axis]).div_euclid(ONE);
         if !is_over(&plate, x) || cosine <= 0 {
             assert_reached!(way.is_none());

@@ -1,4 +1,4 @@
-//! The three bounds of the offset's step (P2), thesis (3.7) to (3.11), on the shipped arithmetic itself.
+//! The three bounds of the offset's step (P2), thesis (3.7) to (3.11), for the shipped arithmetic.
 
 use crate::format::Format;
 use crate::functions::Functions32;
@@ -16,8 +16,8 @@ macro_rules! offset {
             type F = $functions;
 
             property! {
-                /// P2: the step is at most each of the three bounds, whatever they are, and not negative if they are not. (That
-                /// the bounds are what thesis (3.7) to (3.11) say is `heart::w32::p2_scale`.)
+                /// P2 (offset): the step is at most each of the three bounds, for any bounds, and not negative if they are not.
+                /// `heart::w32::p2_scale` shows that the bounds are those of thesis (3.7) to (3.11).
                 equation "ΔO <= each bound"
                 over "three bounds, all bits"
                 fn p2_least(s) {
@@ -34,7 +34,8 @@ macro_rules! offset {
                 }
             }
             property! {
-                /// P2, first bound: `ΔO <= of_ideal · |wanted - shown|`, with `c/k_v` or `c/k_de` for `of_ideal`.
+                /// P2 (offset), first bound: `ΔO <= of_ideal · |requested - rendered force|`, where `of_ideal` is `c/k_v` or
+                /// `c/k_de`.
                 equation "0 <= ΔO <= c |f_wanted - |f||"
                 over "valid shares, forces, penetration"
                 by $sums fn p2_bound_of_ideal(s) {
@@ -48,7 +49,8 @@ macro_rules! offset {
                 }
             }
             property! {
-                /// P2, second bound: `ΔO <= b/k_v · |f|`, but at least one quantum is allowed, or no force were a trap.
+                /// P2 (offset), second bound: `ΔO <= b/k_v · |f|`. At least one quantum is allowed, as otherwise the offset would
+                /// stay at a force of 0.
                 equation "ΔO <= b |f|, at least a quantum"
                 over "valid shares, forces, penetration"
                 by $sums fn p2_bound_of_force(s) {
@@ -62,7 +64,7 @@ macro_rules! offset {
                 }
             }
             property! {
-                /// P2, third bound: `ΔO <= a · |e|`.
+                /// P2 (offset), third bound: `ΔO <= a · |e|`.
                 equation "ΔO <= a |e|"
                 over "valid shares, forces, penetration"
                 by $sums fn p2_bound_of_penetration(s) {
@@ -79,10 +81,10 @@ macro_rules! offset {
 }
 
 offset!(
-    /// At the width that the firmware runs.
+    /// At 32 bits, the width of the firmware.
     w32, Fixed32, functions Functions32, sums cadical
 );
 offset!(
-    /// At 8 bits: where mutants are refuted quickly.
+    /// At 8 bits, where the model checker refutes wrong changes of the code quickly.
     w8, Fixed8, functions Fixed8, sums cadical
 );

@@ -1,4 +1,4 @@
-//! Small parts of laws, guard and settings, each by itself.
+//! Small parts of laws, guard and settings, each proved alone.
 //!
 //! ```text
 //! x_f' = x_f + d', M d = N0 with no stretch   p6_mass_moves
@@ -24,8 +24,8 @@ use touchstone_control::{
 type N = Fixed8;
 
 property! {
-    /// P6: the mass moves by its step, as far as positions go; uncoupled it is driven by its own motion alone, which is its drive without a stretch and
-    /// with a hand at rest.
+    /// P6 (virtual mass): the virtual mass moves by its step, up to the end of the range of positions. Without coupling it is
+    /// driven by its own motion alone: its drive without a stretch and with a hand at rest.
     equation "x_f' = x_f + d', d = d'; N0(x = x_f, Δx = 0) = M d"
     over "any virtual mass, its position and motion, a step"
     fn p6_mass_moves(s) {
@@ -43,7 +43,7 @@ property! {
     }
 }
 property! {
-    /// P1: the guard starts with a full account and no force.
+    /// P1 (energy): the guard starts with a full energy account and no force.
     equation "B = C, f = f' = 0"
     over "any configuration"
     fn p1_guard_starts_full(s) {
@@ -54,7 +54,8 @@ property! {
     }
 }
 property! {
-    /// P11: the first tick of a damped spring with a smoothed velocity is the spring's, of a device at rest; what is shown is the spring's.
+    /// P11 (refinement): the first tick of a damped spring with a smoothed velocity is that of the spring on a device at rest; its
+    /// view is the spring's.
     equation "f = spring(e, 0)"
     over "any spring, any share of the smoothing, position, displacement"
     fn p11_damped_first(s) {
@@ -75,7 +76,8 @@ property! {
     }
 }
 property! {
-    /// P8: a length in centimetres or millimetres has a hundred or a thousand times the number, as far as settings go.
+    /// P8 (settings): a length in centimetres or millimetres is a hundred or a thousand times the number of metres, up to the end
+    /// of the range of settings.
     equation "x cm = 100 x, x mm = 1000 x"
     over "setting of 64 bits, unit"
     by kissat fn p8_length_unit(s) {
@@ -94,7 +96,8 @@ property! {
     }
 }
 property! {
-    /// P8: accepted settings of the guard are of a device with a force limit and an encoder in their ranges, and with a delay and a lag that are not negative.
+    /// P8 (settings): accepted settings of the guard belong to a device whose force limit and encoder count are in their ranges;
+    /// delay and lag are not negative.
     equation "0 <= limit <= 1000, 0 <= count <= 0.1, delay >= 0, lag >= 0"
     over "delay, lag, force limit and count of 64 bits each, any rate; other settings as by default"
     by kissat fn p8_guard_settings(s) {
@@ -112,7 +115,7 @@ property! {
     }
 }
 property! {
-    /// P8: an accepted bandwidth of the estimator is from a 500th to a fifth of the control rate.
+    /// P8 (settings): an accepted bandwidth of the estimator is from a 500th to a fifth of the control rate.
     equation "rate/500 <= p <= rate/5"
     over "bandwidth of 64 bits, at 300 Hz, 1 kHz and 100 kHz; other settings as by default"
     by minisat fn p8_estimator_bandwidth(s) {

@@ -1,14 +1,16 @@
-//! The pieces of the enhanced law's tick for the checker: one answer for one question.
+//! The parts of the enhanced law's tick for the model checker: any answer, and the same answer for the same question.
 //!
-//! That a tick puts its pieces together as its specification does not depend on what they answer. A `composed_property!` puts the
-//! functions of this file in the place of the offset, of what drives the mass, of the paid move, of the thesis' passivity controller and of the coupling, in the code and
-//! in the specification: the code gets any answer, the specification the same if it asks the same, any other if not. That the
-//! answers are the same is `refines_enhanced::w32::p11_offset`, `p11_mass_forces`, `p11_move_*` and
-//! `refines::w32::p11_passive`. What the moves and the passivity controller need is
-//! asserted here, what the offset and the books need is what the case assumes.
+//! That a tick puts its parts together as its specification does not depend on what they answer. A `composed_property!` replaces
+//! these parts in code and specification: the offset, the drive of the virtual mass, the paid move, the thesis' passivity
+//! controller, and the coupling. The code gets any answer. The specification gets the same if it asks the same, and any other if
+//! not.
+//!
+//! `refines_enhanced::w32::p11_offset`, `p11_mass_forces`, `p11_move_*` and `refines::w32::p11_passive` prove that the real answers
+//! are equal. What moves and passivity controller need is asserted in this file; what offset and energy bookkeeping need is assumed
+//! by the harness.
 
-/// A property of a tick that is put together from its pieces: at the shipped width with those of this file, `multiplied`; at 8 bits
-/// with its own, `plain`.
+/// Defines a property of a tick that is put together from its parts: at 32 bits from those of this file (`multiplied`), at 8 bits
+/// from its own (`plain`).
 #[macro_export]
 macro_rules! composed_property {
     ($products:ident $($property:tt)*) => {
@@ -32,7 +34,7 @@ macro_rules! composed_property {
     };
 }
 
-/// A property of the guard's tick, in which the booking's result is given.
+/// Defines a property of the guard's tick in which the sum of the energy account is replaced by any answer.
 #[macro_export]
 macro_rules! booked_property {
     ($products:ident $($property:tt)*) => {
@@ -46,7 +48,7 @@ macro_rules! booked_property {
     };
 }
 
-/// A property of a tick in which nothing is handed over.
+/// Defines a property of a tick in which the contact is not handed over to the virtual mass.
 #[macro_export]
 macro_rules! first_property {
     ($products:ident $($property:tt)*) => {
@@ -80,7 +82,7 @@ mod by_one_answer {
     const WORDS: usize = 9;
     type Words = [i64; WORDS];
 
-    /// A question of the code to a piece, and its answer. Each piece is asked once in a tick.
+    /// Record of the code's call of a part of the tick: arguments and result. Each part is called once in a tick.
     struct Piece {
         asked: AtomicUsize,
         question: [AtomicI64; WORDS],
@@ -156,7 +158,7 @@ mod by_one_answer {
         N::of_signal(f.0).into()
     }
 
-    /// For [`EnhancedSfa::offset`].
+    /// Replaces [`EnhancedSfa::offset`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn offset<N: Format>(
         _: &EnhancedSfa<N>,
         state: &EnhancedState<N>,
@@ -189,7 +191,8 @@ mod by_one_answer {
         OFFSET.told(question, [N::of_signal(any.0), 0, 0]);
         any
     }
-    /// For [`Enhanced::offset`].
+    /// Replaces [`Enhanced::offset`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn specified_offset(_: &Enhanced, m: &Memory, e: Int) -> Int {
         let question = words([
             m.contact as Int,
@@ -206,7 +209,7 @@ mod by_one_answer {
         OFFSET.again(question, [any.into(), 0, 0])[0].into()
     }
 
-    /// For [`VirtualMass::drive`]; `enhanced::p6_drive_is_exact` has the bound.
+    /// Replaces [`VirtualMass::drive`] under the model checker; `enhanced::p6_drive_is_exact` proves the bound of its answer.
     pub fn drive<N: Format>(
         law: &VirtualMass<N>,
         mass: &MassState<N>,
@@ -221,13 +224,15 @@ mod by_one_answer {
         );
         any
     }
-    /// For [`Enhanced::drive`].
+    /// Replaces [`Enhanced::drive`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn specified_drive(_: &Enhanced, mass: Int, mass_moved: Int, e: Int, moved: Int) -> Int {
         let any: i64 = kani::any();
         DRIVE.again(words([mass, mass_moved, e, moved]), [any, 0, 0])[0].into()
     }
 
-    /// For [`EnhancedSfa::affordable_move`].
+    /// Replaces [`EnhancedSfa::affordable_move`] under the model checker: the code gets any result, and the same one for equal
+    /// arguments.
     pub fn affordable_move<N: Format>(
         law: &EnhancedSfa<N>,
         from: Position<N>,
@@ -265,7 +270,8 @@ mod by_one_answer {
         *energy = any.0;
         (any.1, any.2)
     }
-    /// For [`Enhanced::paid_move`].
+    /// Replaces [`Enhanced::paid_move`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn paid_move(
         _: &Enhanced,
         energy: Int,
@@ -281,7 +287,7 @@ mod by_one_answer {
         (told[0].into(), told[1].into(), told[2].into())
     }
 
-    /// For [`Number::passivity_step`], whose energy the law cuts at the cap.
+    /// Replaces [`Number::passivity_step`] under the model checker; the law limits the step's energy to its cap.
     pub fn passivity_step(
         e: <Fixed32 as Number>::Energy,
         f: <Fixed32 as Number>::Signal,
@@ -299,14 +305,15 @@ mod by_one_answer {
         );
         (any.0.0, any.1.0)
     }
-    /// For [`crate::spec::tdpa::passive`].
+    /// Replaces [`crate::spec::tdpa::passive`] under the model checker: the specification gets the result that the code got for
+    /// equal arguments.
     pub fn passive(energy: Int, wanted: Int, moved: Int, _: Int) -> (Int, Int) {
         let any: (i64, i32) = (kani::any(), kani::any());
         let told = STEP.again(words([energy, wanted, moved]), [any.0, any.1.into(), 0]);
         (told[0].into(), told[1].into())
     }
 
-    /// For [`VirtualMass::coupling`].
+    /// Replaces [`VirtualMass::coupling`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn coupling<N: Format>(
         _: &VirtualMass<N>,
         mass: &MassState<N>,
@@ -320,13 +327,15 @@ mod by_one_answer {
         );
         any
     }
-    /// For [`Enhanced::coupled`].
+    /// Replaces [`Enhanced::coupled`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn coupled(_: &Enhanced, mass: Int, mass_moved: Int, e: Int, moved: Int) -> Int {
         let any: i32 = kani::any();
         COUPLING.again(words([mass, mass_moved, e, moved]), [any.into(), 0, 0])[0].into()
     }
 
-    /// For [`Guard::booked`]; that it is far from the format's end is `refines::w32::p11_guard_booked`.
+    /// Replaces [`Guard::booked`] under the model checker. `refines::w32::p11_guard_booked` proves that its answer is far from the
+    /// format's end.
     pub fn booked<N: Format>(
         _: &Guard<N>,
         state: &GuardState<N>,
@@ -353,7 +362,8 @@ mod by_one_answer {
         BOOKED.told(words(question), [N::of_energy(any.0), 0, 0]);
         any
     }
-    /// For [`crate::spec::guard::Guard::booked`].
+    /// Replaces [`crate::spec::guard::Guard::booked`] under the model checker: the specification gets the result that the code got
+    /// for equal arguments.
     pub fn specified_booked(
         _: &crate::spec::guard::Guard,
         m: &crate::spec::guard::Memory,
@@ -368,12 +378,12 @@ mod by_one_answer {
         .into()
     }
 
-    /// Stands for a hand-over that a case excludes, so that the checker does not follow the code behind it.
+    /// Replaces a hand-over that cannot occur in the harness's case, so that the model checker does not follow the code behind it.
     pub fn no_hand_over<N: Format>(_: &EnhancedSfa<N>, _: &mut EnhancedState<N>) {
         assert!(false, "the case has no hand-over");
         kani::assume(false);
     }
-    /// Marks the following questions as those of the specification.
+    /// Replaces the specification's hand-over, which cannot occur in the harness's case.
     pub fn no_specified_hand_over(_: &Enhanced, m: &Memory) -> Memory {
         assert!(false, "the case has no hand-over");
         kani::assume(false);

@@ -1,12 +1,12 @@
-//! Objects of planes at 8 bits: half-spaces, bodies of many planes, edges and concave corners.
+//! Virtual objects made of planes, at 8 bits: half-spaces, bodies of many planes, edges and concave corners.
 //!
-//! All inputs of each are tried (`cargo xtask prove --every planes`).
+//! All inputs of each object are tried (`cargo xtask prove --every planes`).
 //!
 //! ```text
 //! plane      depth = h - floor(n·x)                          p4_plane_nearest
-//! facets     the plane that is nearest, the one that was     p4_facets_nearest
+//! facets     nearest plane; at a tie the last tick's         p4_facets_nearest
 //! edge       below both: the higher; else the distance       p4_edge_nearest
-//! corner     what is free of it is an edge                   p4_corner_nearest
+//! corner     its free space is an edge                       p4_corner_nearest
 //! ```
 
 use crate::objects::{N, ONE, axis, bits, direction, parts, place, position, signed, vector, ways};
@@ -17,12 +17,12 @@ use touchstone_control::space::environment::{
 };
 use touchstone_control::space::{Direction, Nearest, Shape, Surface};
 
-/// `floor(u·v)` of a direction and a vector.
+/// The scalar product `floor(u·v)` of a direction and a vector.
 fn along(u: &Direction<N>, v: [i64; 3]) -> i64 {
     let ([a, b, c], [x, y, z]) = (parts(u), v);
     (a * x + b * y + c * z).div_euclid(ONE)
 }
-/// `depth / cosine` towards zero, as far as the format goes; `None` where the direction does not lead out.
+/// `depth / cosine`, rounded towards zero and limited to the format; `None` if the direction does not lead out.
 fn slanted(depth: i64, cosine: i64) -> Option<i64> {
     (cosine > 0).then(|| depth.signum() * (depth.abs() * (ONE - 1) / cosine).min(ONE - 1))
 }
@@ -34,8 +34,8 @@ fn plane(normal: Direction<N>, height: i64) -> Plane<N> {
 }
 
 property! {
-    /// P4: how deep a place is below a plane is the plane's height less the part of the place along the normal, rounded down; a plane seen from below
-    /// has the opposite of both.
+    /// P4 (geometry): the depth of a place below a plane is the plane's height minus the place's part along the normal, rounded
+    /// down. A plane seen from below has the opposite normal and height.
     equation "depth = h - floor(n·x)"
     over "normals and places of 3 bits an axis, heights of 6 bits"
     by sampled fn p4_plane_nearest(s) {
@@ -54,7 +54,8 @@ property! {
     }
 }
 property! {
-    /// P4: the way out through a plane is the depth over the cosine, and there is none along it or inwards.
+    /// P4 (geometry): the way out through a plane is the depth divided by the cosine. Along the plane or inwards there is no way
+    /// out.
     equation "t = depth / floor(n·u) towards zero, of a 1 of 127/128"
     over "normals and directions of 3 bits an axis, depths of 7 bits"
     by sampled fn p4_plane_exit(s) {
@@ -69,7 +70,7 @@ property! {
     }
 }
 
-/// Three planes across axes, some of them without a direction.
+/// Three planes across axes; some have no direction.
 fn facets<S: Source>(s: &mut S) -> [Plane<N>; 3] {
     [(); 3].map(|()| {
         let normal = match s.bits(2) {
@@ -83,7 +84,8 @@ fn facets<S: Source>(s: &mut S) -> [Plane<N>; 3] {
 }
 
 property! {
-    /// P4: in a body of planes the nearest plane counts, of planes as near the one that was and else the first; one without a direction does not.
+    /// P4 (geometry): in a body of planes the nearest plane counts. At a tie it is the plane of the last tick, otherwise the first
+    /// one. A plane without a direction does not count.
     equation "depth = min depth_i"
     over "three planes along x, y, against x or none, heights and places of 3 bits along two axes, side"
     by sampled fn p4_facets_nearest(s) {
@@ -108,7 +110,7 @@ property! {
     }
 }
 property! {
-    /// P4: the way out of a body of planes is the shortest of those through each.
+    /// P4 (geometry): the way out of a body of planes is the shortest of the ways through its planes.
     equation "t = min t_i"
     over "three planes along x, y, against x or none, heights and places of 3 bits along two axes, directions of 2 bits along them"
     by sampled fn p4_facets_exit(s) {
@@ -128,7 +130,7 @@ property! {
     }
 }
 
-/// Two planes whose normals lie in a plane, and a place in it.
+/// Two planes, and a place in the plane of their normals.
 fn two<S: Source>(s: &mut S, width: u32) -> Option<([Plane<N>; 2], [i64; 3])> {
     let mut one = || {
         let normal = Direction::of(vector([signed(s, 3), 0, signed(s, 3)]))?;
@@ -137,7 +139,7 @@ fn two<S: Source>(s: &mut S, width: u32) -> Option<([Plane<N>; 2], [i64; 3])> {
     let planes = [one()?, one()?];
     Some((planes, [3 * signed(s, width), 0, 3 * signed(s, width)]))
 }
-/// Heights over both, `n₁·n₂` and the square of the sine.
+/// Heights of a place above two planes, the cosine `n₁·n₂`, and the square of the sine.
 fn seen_from(planes: &[Plane<N>; 2], at: [i64; 3]) -> ([i64; 2], i64, i64) {
     let above = planes
         .each_ref()
@@ -146,17 +148,18 @@ fn seen_from(planes: &[Plane<N>; 2], at: [i64; 3]) -> ([i64; 2], i64, i64) {
     let cosine = along(&one.normal, parts(&other.normal));
     (above, cosine, ONE * ONE - cosine * cosine)
 }
-/// `a b` of two signals towards zero.
+/// The product `a b` of two signals (positions and forces), rounded towards zero.
 fn times(a: i64, b: i64) -> i64 {
     a * b / ONE
 }
 
-/// How exact the distance to an edge is, and how far over that way its normal may lead aside of both planes', in quanta.
+/// Largest error of the distance to an edge, and of its normal's sideways error over that distance, in quanta.
 const EDGE: i64 = 7;
 
 property! {
-    /// P4: below two planes the higher plane counts; above one, from where its foot is below the other, that one; else the edge itself, to seven quanta
-    /// where the planes stand by more than 30 degrees, and between their normals.
+    /// P4 (geometry): below two planes the higher plane counts. Above one plane that plane counts, if the foot of the perpendicular
+    /// is below the other. Otherwise the edge counts: to seven quanta if the planes meet at more than 30 degrees, with a normal
+    /// between theirs.
     equation "depth = -max(a, b);  a > 0 and b - (n·m) a <= 0: -a;  else depth² = (a² + b² - 2 (n·m) a b)/(1 - (n·m)²), to 7 quanta"
     over "normals of 3 bits along two axes, heights of 2 bits, four times as large, places of 4 bits along two axes, three times as large"
     by sampled fn p4_edge_nearest(s) {
@@ -180,11 +183,11 @@ property! {
             other
         } else {
             assume!(s, sine2 > ONE * ONE / 4, "Edge::new: flatter edges are less exact, as it says");
-            // By the law of cosines, of the two heights.
+            // Square of the distance to the edge from both heights, by the law of cosines.
             let (square, far) = (ONE * ONE * (a * a + b * b) - 2 * cosine * ONE * a * b, -depth);
             assert!(far >= 0 && (far + EDGE) * (far + EDGE) * sine2 >= square);
             assert!((far - EDGE).max(0) * (far - EDGE).max(0) * sine2 <= square);
-            // Between both normals.
+            // The normal lies between those of both planes.
             let turn = |u: &Direction<N>, v: &Direction<N>| parts(u)[0] * parts(v)[2] - parts(u)[2] * parts(v)[0];
             let sign = turn(&one, &other).signum();
             let aside = EDGE * ONE * ONE;
@@ -196,7 +199,7 @@ property! {
     }
 }
 property! {
-    /// P4: the way out of an edge is the shorter of those through its planes.
+    /// P4 (geometry): the way out of an edge is the shorter of the ways through its two planes.
     equation "t = min(t_1, t_2)"
     over "normals of 3 bits along two axes, heights of 2 bits, four times as large, places of 3 bits along two axes, three times as large, an axis"
     by sampled fn p4_edge_exit(s) {
@@ -213,7 +216,8 @@ property! {
     }
 }
 property! {
-    /// P4: a concave corner is what an edge of both planes seen from below leaves free: inside below either, and the normal of its closest point the other way.
+    /// P4 (geometry): the free space of a concave corner is an edge of both planes seen from below. A place inside is below either
+    /// plane, and its normal is the opposite of that edge's.
     equation "nearest = -(nearest of the free space)"
     over "normals of 3 bits along two axes, heights of 2 bits, four times as large, places of 4 bits along two axes, three times as large"
     by sampled fn p4_corner_nearest(s) {
@@ -225,7 +229,7 @@ property! {
         let free = Edge::new(planes.map(|plane| plane.flipped())).nearest(vector(at), &Direction::default());
         assert!(bits(seen.depth) == -bits(free.depth));
         assert!(parts(&seen.normal) == parts(&free.normal).map(|x| -x));
-        // Of the opposite normal the part is rounded the other way.
+        // With the opposite normal the part along it is rounded the other way.
         let below = |plane: &Plane<N>| -along(&plane.normal.opposite(), at) - bits(plane.height);
         let inside = planes.iter().any(|plane| below(plane) < 0);
         assert!(inside == (bits(seen.depth) > 0) || inside && bits(seen.depth) == 0);
@@ -235,8 +239,8 @@ property! {
     }
 }
 property! {
-    /// P4: the way out of a concave corner is the longer of those through the planes that the place is below, and only where it ends above both, to four
-    /// quanta.
+    /// P4 (geometry): the way out of a concave corner is the longer of the ways through the planes that the place is below. It
+    /// exists only if it ends above both planes, to four quanta.
     equation "t = max over planes below of depth / (n·u)"
     over "normals of 3 bits along two axes, heights of 2 bits, four times as large, places of 3 bits along two axes, three times as large, an axis"
     by sampled fn p4_corner_exit(s) {
@@ -249,7 +253,7 @@ property! {
             let free = plane.normal.opposite();
             let below = along(&free, at) + bits(plane.height);
             if below > 0 {
-                // The cosine of the normal that is turned about twice.
+                // The cosine with the normal that was reversed twice.
                 let out = slanted(below, along(&plane.normal, parts(&u)));
                 longest = longest.and_then(|longest| Some(out?.max(longest)));
             }
@@ -266,7 +270,7 @@ property! {
     }
 }
 property! {
-    /// P4: an object that is chosen at run time is that object.
+    /// P4 (geometry): an object whose shape is chosen at run time acts as that shape.
     equation "shape(object) = object"
     over "each of the seven, places of 4 bits an axis, an axis, a side"
     by sampled fn p4_shape_is_its_object(s) {

@@ -1,17 +1,17 @@
-//! Products and quotients of settings for the checker: one answer for one question (`answers.rs`); and what stands in the place of
-//! validation (`stand_ins.rs`).
+//! Products and quotients of settings for the model checker: any answer, and the same answer for the same question (`answers.rs`).
+//! Validation is replaced as well (`stand_ins.rs`).
 //!
-//! What a coefficient is made of does not depend on what its products and quotients are. A `reckoned_property!` puts any number in the
-//! place of each, and whoever asks the same question again, the code or its specification, gets the same answer (of the estimator's long
-//! numbers, whose order is the same, the specification's n-th question the code's n-th). Of the numbers of the
-//! estimator, of 56 fractional bits, nothing else is known; of an answer in settings is:
+//! How coefficients follow from settings does not depend on what the products and quotients are. A `reckoned_property!` replaces
+//! each by any number. Code or specification gets the same answer if it asks the same question again. For the estimator's 56-bit
+//! numbers, the specification's n-th question gets the answer to the code's n-th, and nothing else is known of that answer. Of an
+//! answer in settings one fact is known:
 //!
 //! ```text
 //! a, b >= 0  =>  a b >= 0, a / b >= 0     accepted::p8_product64, p8_quotient_sign64
 //! ```
 
-/// A property of settings and their coefficients, in which this file's products and quotients replace the code's. `and
-/// [..]` names further pairs.
+/// Defines a property of settings and their coefficients, in which this file's products and quotients replace the code's. `and
+/// [..]` names further replaced pairs.
 #[macro_export]
 macro_rules! reckoned_property {
     (and [$($pair:tt)*] $($property:tt)*) => {
@@ -30,7 +30,7 @@ macro_rules! reckoned_property {
     };
 }
 
-/// Properties of the guard's coefficients, for all settings that validation accepts.
+/// Defines a property of the guard's coefficients that holds for all accepted settings; validation is replaced.
 #[macro_export]
 macro_rules! validated_property {
     ($($property:tt)*) => {
@@ -40,7 +40,7 @@ macro_rules! validated_property {
         }
     };
 }
-/// A property of what is built from guards; each guard only holds its arguments.
+/// Defines a property of a type that contains guards; each guard is replaced by one that only holds its arguments.
 #[macro_export]
 macro_rules! guarded_property {
     ($($property:tt)*) => {
@@ -50,9 +50,9 @@ macro_rules! guarded_property {
         }
     };
 }
-/// The same for the coefficients of a law, which may use prepared divisors and a root. The settings are in the ranges
-/// that validation guarantees. The values that follow from several settings come first, and whether the enhanced law
-/// is a spring for them; `p11_derived64` shows that these equal the specification's.
+/// Defines a property of a law's coefficients, in which products, quotients, prepared divisors and a root are replaced. The
+/// settings are in the ranges that validation guarantees. Values that follow from several settings are replaced as well, and so is
+/// whether the enhanced law is a spring; `p11_derived64` proves those equal.
 #[macro_export]
 macro_rules! lawful_property {
     ($plain:ident $($property:tt)*) => {
@@ -70,7 +70,7 @@ macro_rules! lawful_property {
         }
     };
 }
-/// A property of the estimator's weights at the torque limit, with its products replaced.
+/// Defines a property of the estimator's weights at the force limit, in which its products are replaced.
 #[macro_export]
 macro_rules! limited_property {
     ($($property:tt)*) => {
@@ -81,8 +81,8 @@ macro_rules! limited_property {
         }
     };
 }
-/// The same for the estimator's flows and its correction: its long products and quotients, and the device's motion
-/// over a time, are replaced.
+/// Defines a property of the estimator's predictions and correction, in which its 56-bit products and quotients and the device's
+/// motion over a time are replaced.
 #[macro_export]
 macro_rules! timed_property {
     ($($property:tt)*) => {
@@ -98,7 +98,7 @@ macro_rules! timed_property {
         }
     };
 }
-/// The same for the estimator's coefficients: its ratios, and whole flows and corrections, are replaced;
+/// Defines a property of the estimator's coefficients, in which its ratios, whole predictions and corrections are replaced;
 /// `timed_property!` is about those.
 #[macro_export]
 macro_rules! flow_property {
@@ -123,10 +123,10 @@ macro_rules! flow_property {
     };
 }
 
-/// Marks that the following calls come from the specification.
+/// Marks of who asks for products and quotients (code or specification); without the checker they do nothing.
 #[cfg(not(kani))]
 mod questions {
-    /// For sampled properties, which need no distinction.
+    /// Does nothing: properties in random tests do not record who asks.
     pub fn of_specification() {}
 }
 #[cfg(not(kani))]

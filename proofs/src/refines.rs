@@ -1,14 +1,14 @@
-//! P11: a tick of the code is a tick of its specification, force and whole memory, to the last bit.
+//! P11 (refinement): a tick of the code is a tick of its specification, force and whole memory, to the last bit.
 //!
-//! `spec/` has no `Number` and shares nothing with the code. At the shipped 32 bits the checker compares the two for every
-//! configuration, memory and sample, with products, quotients and roots of which facts are known (`multiplied.rs`, `divided.rs`).
-//! The same bodies run on samples at 8 bits as well, and `proofs/tests/spec_*.rs` on millions of ticks.
+//! `spec/` uses no `Number` and shares nothing with the code. At 32 bits the model checker compares code and specification for
+//! every configuration, memory and sample. Products, quotients and roots are known only by facts (`multiplied.rs`, `divided.rs`).
+//! The same bodies run in random tests at 8 bits as well, and `proofs/tests/spec_*.rs` compare millions of ticks.
 //!
 //! ```text
 //! tick(state, e, Δe) = spec(state, e, Δe)     p11_*
 //! ```
 //!
-//! The enhanced law's are in [`crate::refines_enhanced`].
+//! The properties of the enhanced law are in [`crate::refines_enhanced`].
 
 use crate::format::Format;
 use crate::source::Source;
@@ -22,7 +22,7 @@ use touchstone_control::{
     Stiffness,
 };
 
-/// Any sample whatever.
+/// A sample with any position and any displacement.
 pub fn any_sample<N: Format, S: Source>(s: &mut S) -> Sample<N> {
     Sample {
         e: N::any_position(s),
@@ -41,7 +41,7 @@ macro_rules! refines {
 
             multiplied_property! {
                 $products
-                /// P11, spring with damping.
+                /// P11 (refinement): the tick of a spring with damping equals its specification.
                 equation "f = spec(e, Δe), inside' = (e > 0)"
                 over "valid configuration, sample"
                 by $solver fn p11_spring(s) {
@@ -60,7 +60,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11, the thesis' passivity controller: energy and force at a displacement that is known.
+                /// P11 (refinement): the thesis' passivity controller equals its specification: energy and force for a displacement
+                /// that is already known.
                 equation "(E', f) = spec(E, f_wanted, d)"
                 over "stored energy, wanted force not negative, displacement"
                 by $solver fn p11_passive(s) {
@@ -78,7 +79,7 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11, TDPA with the thesis' observer, inside.
+                /// P11 (refinement): the tick of TDPA with the thesis' observer, inside the wall, equals its specification.
                 equation "(E', f) = spec(E, e, Δe)"
                 over "valid configuration, memory in the invariant, sample inside"
                 by $solver fn p11_tdpa_thesis(s) {
@@ -99,7 +100,7 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11, TDPA with the exact observer, inside: the energy.
+                /// P11 (refinement): the energy of TDPA with the exact observer, inside the wall, equals its specification.
                 equation "E' = spec(E, e, Δe)"
                 over "valid configuration, memory in the invariant, sample inside"
                 by $solver fn p11_tdpa_exact_energy(s) {
@@ -120,7 +121,7 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11, TDPA with the exact observer, inside: the force.
+                /// P11 (refinement): the force of TDPA with the exact observer, inside the wall, equals its specification.
                 equation "f = spec(E, e, Δe)"
                 over "valid configuration, memory in the invariant, sample inside"
                 by $solver fn p11_tdpa_exact_force(s) {
@@ -141,7 +142,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11, force bounding, inside, with the bound that `Controller::new` takes of the damping.
+                /// P11 (refinement): the tick of force bounding, inside the wall, equals its specification; `Controller::new`
+                /// calculates its bound from the damping.
                 equation "(E', f) = spec(E, f(n-1), e, Δe)"
                 over "valid configuration, memory in the invariant, sample inside"
                 by $solver fn p11_fba(s) {
@@ -163,7 +165,7 @@ macro_rules! refines {
             }
             multiplied_property! {
                 $products
-                /// P11, SFA, original and continuous, from every memory.
+                /// P11 (refinement): the tick of SFA, original and continuous, equals its specification from every memory.
                 equation "(memory', f) = spec(memory, e, Δe)"
                 over "valid configuration with a limit above 0 and ratios not negative, memory in the invariant, sample"
                 by $solver fn p11_sfa(s) {
@@ -188,7 +190,8 @@ macro_rules! refines {
             }
             multiplied_property! {
                 $products
-                /// P11, guard: what is booked, with a position taken when the force changed.
+                /// P11 (refinement), guard: the sum of the energy account equals its specification, with a position that was read
+                /// when the force changed.
                 equation "B' = spec(B, f, g, Δ, Δ_before)"
                 over "valid configuration, memory in the invariant, displacement, way before the change, wanted force"
                 by $solver fn p11_guard_booked(s) {
@@ -213,7 +216,8 @@ macro_rules! refines {
             }
             booked_property! {
                 $products
-                /// P11, guard: a tick that is neither overspeed nor a deficit: account and force.
+                /// P11 (refinement), guard: account and force equal the specification's in a tick without over-speed and without an
+                /// energy deficit.
                 equation "(B', f, f(n-1)') = spec(B, f, g, Δ, Δ_before, f_wanted)"
                 over "valid configuration, memory in the invariant, displacement, way before the change, wanted force"
                 by $solver fn p11_guard(s) {
@@ -239,7 +243,7 @@ macro_rules! refines {
             }
             booked_property! {
                 $products
-                /// P11, guard: overspeed.
+                /// P11 (refinement), guard: a tick with over-speed equals its specification.
                 equation "(B', f, f(n-1)') = spec(B, f, g, Δ, Δ_before, f_wanted)"
                 over "valid configuration, memory in the invariant, displacement, way before the change, wanted force"
                 by $solver fn p11_guard_over(s) {
@@ -266,7 +270,7 @@ macro_rules! refines {
             }
             booked_property! {
                 $products
-                /// P11, guard: a deficit.
+                /// P11 (refinement), guard: a tick with an energy deficit equals its specification.
                 equation "(B', f, f(n-1)') = spec(B, f, g, Δ, Δ_before, f_wanted)"
                 over "valid configuration, memory in the invariant, displacement, way before the change, wanted force"
                 by $solver fn p11_guard_deficit(s) {
@@ -293,7 +297,7 @@ macro_rules! refines {
             }
             booked_property! {
                 $products
-                /// P11, guard: switched off.
+                /// P11 (refinement), guard: switching off equals its specification.
                 equation "(B', f', f(n-1)') = spec(B, f, f(n-1))"
                 over "valid configuration, memory in the invariant"
                 by $solver fn p11_guard_switched_off(s) {
@@ -317,7 +321,8 @@ macro_rules! refines {
             }
             booked_property! {
                 $products
-                /// P11, guard: a tick without a position taken when the force changed is one that did not move before.
+                /// P11 (refinement), guard: a tick without a position at the change of force equals one in which the device did not
+                /// move before the change.
                 equation "tick(Δ) = tick(Δ, 0)"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
                 by $solver fn p11_guard_without_change(s) {
@@ -344,10 +349,10 @@ macro_rules! refines {
 }
 
 refines!(
-    /// At 8 bits, on samples.
+    /// At 8 bits, in random tests.
     w8, Fixed8, at8, by sampled, products plain
 );
 refines!(
-    /// The shipped width: products, quotients and roots are unknown but for their facts.
+    /// At 32 bits, the width of the firmware: of products, quotients and roots only proved facts are known.
     w32, Fixed32, at32, by minisat, products multiplied
 );

@@ -1,8 +1,8 @@
-//! P11: the enhanced law's tick, piece by piece, and put together: as `refines.rs`.
+//! P11 (refinement): the enhanced law's tick and each of its parts equal their specification, as in `refines.rs`.
 //!
 //! ```text
 //! tick(state, e, Δe) = spec(state, e, Δe)     p11_enhanced_*, p11_augmenting_*
-//! its pieces alike                            p11_offset, p11_mass_forces, p11_move_*, p11_hand_over_*
+//! each part = its specification               p11_offset, p11_mass_forces, p11_move_*, p11_hand_over_*
 //! ```
 
 use crate::format::Format;
@@ -20,7 +20,7 @@ use touchstone_control::{
     Stiffness,
 };
 
-/// An enhanced law whose divisors belong to its own stiffnesses, with `k_f + k_v`.
+/// An enhanced law whose divisors belong to its own stiffnesses, together with `k_f + k_v`.
 fn any_enhanced<N: Format, S: Source>(
     s: &mut S,
     observer: ObserverForm,
@@ -41,7 +41,7 @@ fn any_enhanced<N: Format, S: Source>(
     (law, series)
 }
 
-/// Valid, a ratio of forces not negative, springs that can be divided by.
+/// Whether the law is valid, its ratio of forces is not negative, and its springs can be divided by.
 fn enhanced_ok<N: Format>((law, series): &(EnhancedSfa<N>, Stiffness<N>)) -> bool {
     law.valid()
         && N::of_signal_ratio(law.compliance.0) >= 0
@@ -64,7 +64,7 @@ macro_rules! refines {
 
             divided_property! {
                 $products
-                /// P11, enhanced law, outside and at the touch.
+                /// P11 (refinement), enhanced law: the tick outside the wall and at the touch equals its specification.
                 equation "(memory', f) = spec(memory, e, Δe)"
                 over "valid configuration, memory in the invariant outside, sample"
                 by $solver fn p11_enhanced_touch(s) {
@@ -85,7 +85,8 @@ macro_rules! refines {
             }
             first_property! {
                 $products
-                /// P11, enhanced law, the first contact, until it turns back.
+                /// P11 (refinement), enhanced law: the tick in the first contact phase, until the motion reverses, equals its
+                /// specification.
                 equation "(memory', f) = spec(memory, e, Δe)"
                 over "valid configuration, memory in the invariant in first contact, sample that does not turn back inside"
                 by $solver fn p11_enhanced_first(s) {
@@ -111,7 +112,7 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11, enhanced law, the hand-over to the mass, with its force kept.
+                /// P11 (refinement), enhanced law: the hand-over to the virtual mass that keeps the force equals its specification.
                 equation "memory' = spec(memory)"
                 over "valid configuration that keeps the force, memory in the invariant in first contact, a deficit included"
                 by $solver fn p11_hand_over_force(s) {
@@ -134,7 +135,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11, enhanced law, the hand-over to the mass, at rest between its springs.
+                /// P11 (refinement), enhanced law: the hand-over that puts the virtual mass at rest between its springs equals its
+                /// specification.
                 equation "memory' = spec(memory)"
                 over "valid configuration that starts without an offset, memory in the invariant in first contact, a deficit included"
                 by $solver fn p11_hand_over_rest(s) {
@@ -157,7 +159,7 @@ macro_rules! refines {
             }
             multiplied_property! {
                 $products
-                /// P11, enhanced law, the step of the offset (Algorithm 3.1, lines 7 to 13).
+                /// P11 (refinement), enhanced law: the step of the offset equals its specification (Algorithm 3.1, lines 7 to 13).
                 equation "O' = spec(memory, e)"
                 over "valid configuration, memory in the invariant after the first contact, position"
                 by $solver fn p11_offset(s) {
@@ -175,7 +177,8 @@ macro_rules! refines {
             }
             composed_property! {
                 $products
-                /// P11, enhanced law with the exact observer, after the first contact: the mass, its energy, the force on the hand.
+                /// P11 (refinement), enhanced law with the exact observer: the tick after the first contact phase equals its
+                /// specification: virtual mass, energy and force on the hand.
                 equation "(memory', f) = spec(memory, e, Δe)"
                 over "valid configuration, memory in the invariant after the first contact, sample"
                 by $solver fn p11_augmenting_exact(s) {
@@ -196,7 +199,8 @@ macro_rules! refines {
             }
             composed_property! {
                 $products
-                /// P11, enhanced law with the thesis' observer, after the first contact.
+                /// P11 (refinement), enhanced law with the thesis' observer: the tick after the first contact phase equals its
+                /// specification.
                 equation "(memory', f) = spec(memory, e, Δe)"
                 over "valid configuration, memory in the invariant after the first contact, sample"
                 by $solver fn p11_augmenting_thesis(s) {
@@ -216,7 +220,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11, enhanced law: what drives the mass, and what the coupling shows.
+                /// P11 (refinement), enhanced law: the drive of the virtual mass and the coupling's force equal their
+                /// specification.
                 equation "N0 = M d + k_f (e - x) + C Δe, f = floor(k_f (e - x) + C (Δe - d))"
                 over "valid configuration, memory in the invariant after the first contact, sample"
                 by $solver fn p11_mass_forces(s) {
@@ -239,7 +244,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11, enhanced law: the mass' move that the energy pays for at the wanted force.
+                /// P11 (refinement), enhanced law: the move of the virtual mass equals its specification if the energy covers it at
+                /// the requested force.
                 equation "(E', f, d') = spec(E, N0, f_wanted)"
                 over "valid configuration, position, drive, wanted force, stored energy"
                 by $solver fn p11_move_at_full_force(s) {
@@ -262,7 +268,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11, enhanced law: the mass' move that the energy pays for with less force.
+                /// P11 (refinement), enhanced law: the move of the virtual mass equals its specification if the energy covers it
+                /// only with a smaller force.
                 equation "(E', f, d') = spec(E, N0, f_wanted)"
                 over "valid configuration, position, drive, wanted force, stored energy"
                 by $solver fn p11_move_held_back(s) {
@@ -285,7 +292,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11, enhanced law: the mass is pulled out, without a force.
+                /// P11 (refinement), enhanced law: the move of the virtual mass equals its specification if the mass is pulled out
+                /// without a force.
                 equation "(E', f, d') = spec(E, N0, f_wanted)"
                 over "valid configuration, position, drive, wanted force, stored energy"
                 by $solver fn p11_move_pulled_out(s) {
@@ -310,10 +318,10 @@ macro_rules! refines {
 }
 
 refines!(
-    /// At 8 bits, on samples.
+    /// At 8 bits, in random tests.
     w8, Fixed8, at8, by sampled, products plain
 );
 refines!(
-    /// The shipped width: products, quotients and roots are unknown but for their facts.
+    /// At 32 bits, the width of the firmware: of products, quotients and roots only proved facts are known.
     w32, Fixed32, at32, by minisat, products multiplied
 );

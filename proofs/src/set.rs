@@ -1,10 +1,10 @@
-//! P11: what settings become is what their specification says, at 32 bits.
+//! P11 (refinement): coefficients of guard and estimator follow from settings as their specification says, at 32 bits.
 //!
 //! ```text
 //! Guard::new(settings, device) = spec(settings, device)              p11_guard_validated32, p11_guard_settings32
-//! what it is warned of                                               p11_guard_warned64
+//! its warnings                                                       p11_guard_warned64
 //! settings.estimator(rate, limit) = spec(settings, rate, limit)      p11_estimator_validated32, p11_estimator_settings32
-//! its flows, of any device                                           p11_flow_tick32, p11_flow_ahead32
+//! its predictions, of any device                                     p11_flow_tick32, p11_flow_ahead32
 //! its correction, of any device and angle                            p11_correction32
 //! V, X of two devices                                                p11_integrals64
 //! ```
@@ -23,7 +23,7 @@ use touchstone_control::{
 
 type N = Fixed32;
 
-/// Any number; on samples mostly from 0 to `most`.
+/// Any setting; in random tests mostly from 0 to `most`.
 pub fn setting<S: Source>(s: &mut S, most: i64) -> Si {
     let bits = s.i64();
     Si::from_bits(if s.shortcut() {
@@ -33,17 +33,17 @@ pub fn setting<S: Source>(s: &mut S, most: i64) -> Si {
     })
 }
 
-/// A setting's count of 2^-32.
+/// A setting as an integer, in units of 2^-32.
 #[must_use]
 pub fn bits(x: Si) -> Int {
     x.to_bits().into()
 }
 
-/// Any settings of the guard with any device; on samples often such as are accepted.
+/// Any settings of the guard with any device; in random tests often ones that are accepted.
 pub fn any_guard_settings<S: Source>(s: &mut S) -> (GuardSettings, GuardedDevice) {
     const ONE: i64 = 1 << 32;
     let rate_hz = s.u32();
-    // Of samples only: a division is nothing that the checker should follow for nothing.
+    // Only for samples: the checker need not follow a division.
     let (rate_hz, tick) = if s.shortcut() {
         let rate_hz = 1 + rate_hz % 10_000;
         (rate_hz, ONE / i64::from(rate_hz))
@@ -73,7 +73,7 @@ pub fn any_guard_settings<S: Source>(s: &mut S) -> (GuardSettings, GuardedDevice
     (settings, device)
 }
 
-/// A person's settings and a device as the specification has them.
+/// Converts a user's guard settings and device to the specification's type.
 #[must_use]
 pub fn specified_settings(
     settings: &GuardSettings,
@@ -99,7 +99,7 @@ pub fn specified_settings(
 }
 
 reckoned_property! {
-    /// P11: what validation of the guard's settings lets through is what its specification does.
+    /// P11 (refinement): validation of the guard's settings accepts exactly the settings that the specification accepts.
     equation "accepted = spec(settings, device)"
     over "settings of the guard, rate, force limit, count"
     by minisat fn p11_guard_validated32(s) {
@@ -113,7 +113,7 @@ reckoned_property! {
     }
 }
 reckoned_property! {
-    /// P11: what the guard's settings are warned of is what their specification says.
+    /// P11 (refinement): the warnings for the guard's settings equal the specification's.
     equation "needed > capacity, refill = 0; needed = f D (1 + late) + f δ/2"
     over "settings of the guard in their ranges, rate, force limit, count"
     by minisat fn p11_guard_warned64(s) {
@@ -128,7 +128,7 @@ reckoned_property! {
     }
 }
 validated_property! {
-    /// P11: the guard that settings become which validation lets through, and whether they become one, is the specification's.
+    /// P11 (refinement): for accepted settings the guard, or its refusal, equals the specification's.
     equation "Guard::new(settings, device) = spec(settings, device)"
     over "settings of the guard, rate, force limit, count"
     by minisat fn p11_guard_settings32(s) {
@@ -167,7 +167,8 @@ fn any_device<S: Source>(s: &mut S) -> (DeviceInTicks, estimator::Device) {
 }
 
 timed_property! {
-    /// P11: the flow of a device over a tick, and whether words hold it, is the specification's.
+    /// P11 (refinement): the coefficients that predict a device's motion over a tick equal the specification's, and fit words for
+    /// the same devices.
     equation "V, X, β V, q (X(s) - X(r)), q (V(s) - V(r)) of a tick"
     over "loss, q, delay"
     by minisat fn p11_flow_tick32(s) {
@@ -181,7 +182,8 @@ timed_property! {
     }
 }
 timed_property! {
-    /// P11: the same ahead, to when the next command begins to act.
+    /// P11 (refinement): the coefficients that predict a device's motion from a sample to the next command's start equal the
+    /// specification's, and fit words for the same devices.
     equation "V, X, β V, q (X(s) - X(r)), q (V(s) - V(r)) of the delay"
     over "loss, q, delay"
     by minisat fn p11_flow_ahead32(s) {
@@ -195,7 +197,7 @@ timed_property! {
     }
 }
 timed_property! {
-    /// P11: what corrects the estimator, and whether words hold it, is the specification's.
+    /// P11 (refinement): the estimator's correction gains equal the specification's, and fit words for the same devices.
     equation "α = 1 - z³/ρ, V γ = (1 - z)³, V β = 2 + ρ - 3z - α - X γ"
     over "loss, angle of the poles"
     by minisat fn p11_correction32(s) {
@@ -210,7 +212,7 @@ timed_property! {
         cover!(s, expected.is_none(), "refused");
     }
 }
-/// Any settings of the estimator and a rate, Hz. On samples many of them are valid ones.
+/// Any settings of the estimator and a rate in Hz; in random tests many of them are valid.
 fn any_estimator_settings<S: Source>(s: &mut S) -> (EstimatorSettings, u32) {
     const ONE: i64 = 1 << 32;
     let rate = s.u32();
@@ -228,7 +230,7 @@ fn any_estimator_settings<S: Source>(s: &mut S) -> (EstimatorSettings, u32) {
     };
     (settings, rate)
 }
-/// A person's settings as the specification has them.
+/// Converts a user's estimator settings to the specification's type.
 fn specified_estimator(settings: &EstimatorSettings) -> estimator::Settings {
     estimator::Settings {
         bandwidth: bits(settings.bandwidth_hz),
@@ -239,7 +241,7 @@ fn specified_estimator(settings: &EstimatorSettings) -> estimator::Settings {
 }
 
 reckoned_property! {
-    /// P11: what validation of the estimator's settings lets through is what its specification does.
+    /// P11 (refinement): validation of the estimator's settings accepts exactly the settings that the specification accepts.
     equation "accepted = spec(settings, rate, limit)"
     over "settings of the estimator, rate, force limit"
     by minisat fn p11_estimator_validated32(s) {
@@ -254,7 +256,8 @@ reckoned_property! {
     }
 }
 property! {
-    /// P8: a ratio of the estimator's settings is rounded down, to its last digit or the largest number: of any number to one.
+    /// P8 (settings): a ratio of the estimator's settings is rounded down to its last digit, and limited to the largest number.
+    /// This holds for any numerator with the denominator 1.
     equation "r = floor(a 2^56 / b), or highest"
     over "number not negative, to a setting of one"
     by kissat fn p8_ratio64(s) {
@@ -266,7 +269,8 @@ property! {
     }
 }
 flow_property! {
-    /// P11: the estimator that accepted settings become, and whether they become one, is the specification's; one that is made is bounded.
+    /// P11 (refinement): for accepted settings the estimator, or its refusal, equals the specification's; an estimator that is
+    /// accepted is bounded.
     equation "settings.estimator(rate, limit) = spec(settings, rate, limit)"
     over "settings of the estimator, rate, force limit"
     by minisat fn p11_estimator_settings32(s) {
@@ -284,7 +288,8 @@ flow_property! {
     }
 }
 property! {
-    /// P11: how far a device moves in a time, and a push moves it, are the specification's sums: of two devices and times, to the last digit.
+    /// P11 (refinement): `V` (how far a device's motion carries it in a time) and `X` (how far a push moves it) equal the
+    /// specification's sums to the last digit, for two devices and times.
     equation "V = Σ (-β)^k t^(k+1)/(k+1)!, X = Σ (-β)^k t^(k+2)/(k+2)!"
     over "loss 5/4 over one tick, 1/8 over two"
     by minisat fn p11_integrals64(s) {

@@ -1,4 +1,4 @@
-//! P11: what settings of a law become is what their specification says, at 32 bits.
+//! P11 (refinement): the coefficients of a law follow from settings as their specification says, at 32 bits.
 //!
 //! ```text
 //! settings.derived() = spec(settings)                              p11_derived64
@@ -9,7 +9,7 @@
 //!     enhanced                                                      p11_enhanced_settings32
 //! ```
 //!
-//! Of settings that validation accepts, in the ranges that `accepted::p8_validated` has of them.
+//! The settings are accepted ones, in the ranges that `accepted::p8_validated` proves.
 
 use crate::accepted::{any_settings, in_ranges};
 use crate::set::bits;
@@ -58,14 +58,14 @@ fn told(settings: &Settings) -> of_law::Settings {
     }
 }
 
-/// The law that settings become; none where they are refused.
+/// The law for the settings; `None` if they are refused.
 fn made(settings: &Settings) -> Option<AnyLaw<N>> {
     let found = AnyLaw::new(settings).ok();
     reckoned::of_specification();
     found
 }
 reckoned_property! {
-    /// P11: damping and inertia per tick are the specification's, and whether the enhanced law is a spring.
+    /// P11 (refinement): damping and inertia per tick equal the specification's, and so is whether the enhanced law is a spring.
     equation "2 c_i/T, m/T², c_f/T, c_env/T, c_i/T, b/T;  k_de <= k_v"
     over "settings of the law"
     by minisat fn p11_derived64(s) {
@@ -84,7 +84,7 @@ reckoned_property! {
         cover!(s, found.mass_per_tick2 > settings.filter.mass, "a mass");
     }
 }
-/// A spring.
+/// Checks that the spring for the settings equals the specification's.
 fn spring_is_specified<S: Source>(s: &mut S, settings: &Settings) {
     let accepted = settings.validate().is_ok();
     let found = made(settings);
@@ -111,7 +111,7 @@ fn spring_is_specified<S: Source>(s: &mut S, settings: &Settings) {
 }
 lawful_property! {
     not_plain
-    /// P11: the spring that settings become, and whether they become one, is the specification's.
+    /// P11 (refinement): the spring for the settings, or its refusal, equals the specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, limit"
     over "settings of the law"
     by minisat fn p11_spring_settings32(s) {
@@ -122,7 +122,7 @@ lawful_property! {
 }
 lawful_property! {
     not_plain
-    /// P11: the same of one with virtual damping.
+    /// P11 (refinement): the spring with virtual damping for the settings, or its refusal, equals the specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, b/T, limit"
     over "settings of the law"
     by minisat fn p11_damped_settings32(s) {
@@ -133,7 +133,7 @@ lawful_property! {
 }
 lawful_property! {
     plain
-    /// P11: the enhanced law is the damped spring up to `k_v` (§3.1), the specification's.
+    /// P11 (refinement): for `k_de` up to `k_v` the enhanced law is the damped spring (§3.1) of the specification.
     equation "k_de <= k_v  =>  AnyLaw::new(settings) = spec(settings): k_de, (b/T) k_de/k_v, limit"
     over "settings of the law, soft"
     by minisat fn p11_soft_settings32(s) {
@@ -145,7 +145,7 @@ lawful_property! {
 }
 lawful_property! {
     not_plain
-    /// P11: the passivity controller that settings become, and whether they become one, is the specification's.
+    /// P11 (refinement): the TDPA law for the settings, or its refusal, equals the specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, c_i/T, limit"
     over "settings of the law"
     by minisat fn p11_tdpa_settings32(s) {
@@ -168,7 +168,8 @@ lawful_property! {
 }
 lawful_property! {
     not_plain
-    /// P11: the force bounding that settings become, and whether they become one, is the specification's: its bound is of the damping as stored.
+    /// P11 (refinement): the force bounding law for the settings, or its refusal, equals the specification's. Its bound belongs to
+    /// the damping as it is stored.
     equation "AnyLaw::new(settings) = spec(settings): k_de, c_i/T, sqrt(4 c_i/T), limit"
     over "settings of the law"
     by minisat fn p11_fba_settings32(s) {
@@ -192,7 +193,7 @@ lawful_property! {
         cover!(s, expected.is_none() && accepted, "refused");
     }
 }
-/// Successive force augmentation.
+/// Checks that the SFA law for the settings equals the specification's.
 fn sfa_is_specified<S: Source>(s: &mut S, settings: &Settings, update: Update) {
     let accepted = settings.validate().is_ok();
     let found = made(settings);
@@ -211,7 +212,7 @@ fn sfa_is_specified<S: Source>(s: &mut S, settings: &Settings, update: Update) {
 }
 lawful_property! {
     not_plain
-    /// P11: the successive force augmentation that settings become, and whether they become one, is the specification's.
+    /// P11 (refinement): the original SFA law for the settings, or its refusal, equals the specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, k_v, k_c/k_v - 1, 1/k_v, limit"
     over "settings of the law"
     by minisat fn p11_sfa_settings32(s) {
@@ -222,7 +223,7 @@ lawful_property! {
 }
 lawful_property! {
     not_plain
-    /// P11: the same of the continuous one.
+    /// P11 (refinement): the continuous SFA law for the settings, or its refusal, equals the specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, k_v, k_c/k_v - 1, 1/k_v, limit"
     over "settings of the law"
     by minisat fn p11_sfa_continuous_settings32(s) {
@@ -234,8 +235,8 @@ lawful_property! {
 
 lawful_property! {
     not_plain
-    /// P11: the enhanced law that settings become, and whether they become one, is the specification's: what its offset goes towards, (3.5) with
-    /// a compensated mass, and what its divisors divide by, included.
+    /// P11 (refinement): the enhanced law for the settings, or its refusal, equals the specification's. That includes the target
+    /// stiffness of its offset (thesis 3.5 with a compensated mass) and its prepared divisors.
     equation "AnyLaw::new(settings) = spec(settings): k_de, k_de k_f/(k_f - k_de), b/T, k_v, a, b/k_v, c/k_v or c/k_de, m/T², k_f, c_f/T, their sum, k_f + k_v, credit, limit"
     over "settings of the law"
     by minisat fn p11_enhanced_settings32(s) {

@@ -1,8 +1,8 @@
-//! P11: what settings of three axes become is what their specification says, at 32 bits.
+//! P11 (refinement): coefficients on three axes follow from settings as their specification says, at 32 bits.
 //!
 //! ```text
 //! settings.friction(unit, rate, damping) = spec(settings, unit, rate, damping)      p11_friction_settings32
-//! a length in a unit, and what is per length; a law's settings in it                p11_per_length64, p11_law_in_unit64
+//! a length in a unit, a quantity per length, a law's settings in it                 p11_per_length64, p11_law_in_unit64
 //! VectorGuard::new = two guards', one of them with √3 of a count                    p11_vector_guard_settings32
 //! ```
 
@@ -33,7 +33,7 @@ fn si(x: Int) -> Si {
 }
 
 reckoned_property! {
-    /// P11: the friction that settings become, and whether they become one, is the specification's.
+    /// P11 (refinement): the friction for the settings, or its refusal, equals the specification's.
     equation "0 < k <= 2 b/T, 0 <= μ_k <= μ_s <= 10  =>  k/u, μ_s u/k, μ_k u/k"
     over "settings of friction, unit, rate, damping"
     by minisat fn p11_friction_settings32(s) {
@@ -62,7 +62,7 @@ reckoned_property! {
     }
 }
 reckoned_property! {
-    /// P11: what is per length is divided by what of the unit are a metre.
+    /// P11 (refinement): a quantity per metre becomes one per unit by division by the number of units in a metre.
     equation "k per u = k/u"
     over "setting of 64 bits, unit"
     by minisat fn p11_per_length64(s) {
@@ -75,7 +75,8 @@ reckoned_property! {
     }
 }
 reckoned_property! {
-    /// P11: a law's settings in a unit: what is per length, the loan, and neither guard nor states nor a velocity of its own.
+    /// P11 (refinement): in a law's settings in another unit of length, quantities per length and the loan are converted. Guard,
+    /// estimator and velocity filter are off.
     equation "k, b, m per u; E u"
     over "settings of any law, unit"
     by minisat fn p11_law_in_unit64(s) {
@@ -109,8 +110,8 @@ reckoned_property! {
     }
 }
 guarded_property! {
-    /// P11: the guard of three axes is that of lengths with √3 of a count, and a quantum more where a position is rounded; a change is paid as
-    /// along an axis.
+    /// P11 (refinement): the guard of three axes is that of lengths with √3 of an encoder count, and one quantum more where a
+    /// position is rounded. A change of force is charged as along one axis.
     equation "VectorGuard::new = (Guard::new(√3 δ), δ + q, i + q, slack of δ)"
     over "settings of the guard, rate, force limit, count; under the checker a guard of which each word is one that it was told"
     by minisat fn p11_vector_guard_settings32(s) {
@@ -119,7 +120,7 @@ guarded_property! {
         reckoned::of_specification();
         assume!(s, device.count >= Si::ZERO, "GuardSettings::validate");
         let of_axis = Guard::<N>::new(&settings, &device).ok();
-        // A little more than the root of three, to seven digits.
+        // A little more than the square root of 3, to seven digits.
         let count = si(times(bits(device.count), 7_439_101_971));
         let of_length = Guard::<N>::new(&settings, &GuardedDevice { count, ..device }).ok();
         let expected = of_axis.zip(of_length).map(|(of_axis, of_length)| VectorGuard::of(Guard {

@@ -1,8 +1,9 @@
-//! P8: what validation accepts satisfies everything that the other properties assume; what it starts with, their invariants.
+//! P8 (settings): accepted settings satisfy everything that the other properties assume, and the first memory satisfies the
+//! invariants.
 //!
-//! Settings are 32.32 fixed-point numbers, and a controller multiplies and divides them in 128 bits: no solver follows that.
-//! So this one is split. Conversions to the format are proved for every value (`p8_conversions32`), and whole controllers are
-//! built from sampled settings on both sides of every bound, and each is checked against the assumptions, in every test run.
+//! Settings are 32.32 fixed-point numbers, and a controller multiplies and divides them in 128 bits, which no solver follows. So
+//! the property is split. Conversions to the format are proved for every value (`p8_conversions32`). In every test run, whole
+//! controllers are built from sampled settings on both sides of every bound, and each is checked against the assumptions.
 
 use crate::facts::Facts32;
 use crate::format::Format;
@@ -12,8 +13,8 @@ use touchstone_control::law::{EnhancedState, FbaState, SfaState, SpringState, Td
 use touchstone_control::{AnyLaw, Controller, Fixed32, Number, Si};
 
 property! {
-    /// P8: a setting that is converted has the value set, towards zero, and not negative where it must not be; what does
-    /// not fit is refused.
+    /// P8 (settings): a setting is converted to the format with rounding towards zero, and stays non-negative where it must. A
+    /// setting that does not fit is refused.
     equation "bits' = bits >> shift, or refused"
     over "setting of 64 bits"
     by minisat fn p8_conversions32(s) {
@@ -40,7 +41,7 @@ property! {
 }
 
 property! {
-    /// P8: what every law starts with satisfies its invariant.
+    /// P8 (settings): the first memory of every law satisfies the law's invariant.
     equation "invariant(initial memory)"
     over "configuration; SFA: valid"
     fn p8_initial32(s) {
@@ -60,7 +61,7 @@ property! {
     }
 }
 
-/// Whether a controller satisfies what the properties assume of its law.
+/// Whether a controller satisfies what the properties assume about its law.
 pub fn satisfies_assumptions<N: Format>(controller: &Controller<N>) -> bool {
     let guarded = controller.guard.as_ref();
     if guarded.is_some_and(|it| !(it.guard.valid() && it.guard.holds(&it.state))) {
@@ -99,7 +100,7 @@ mod tests {
     };
 
     fn si(s: &mut Sampler, base: Si) -> Si {
-        // Around a base value, anywhere, or nothing at all.
+        // A value around a base value, any value, or zero.
         match s.bits(3) {
             0 => Si::from_bits(s.i64()),
             1 => Si::ZERO,
@@ -222,7 +223,7 @@ mod tests {
         }
     }
 
-    /// Checks both sides of every bound, one quantum apart.
+    /// Checks both sides of every documented bound, one quantum apart.
     #[test]
     fn p8_every_bound_is_where_it_is_said_to_be() {
         type Put = fn(&mut Settings, Si);

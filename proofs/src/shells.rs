@@ -1,4 +1,4 @@
-//! Shells of three axes, and the wall of their parts, at 8 bits.
+//! Laws on three axes (shells), and the wall that is made of them, at 8 bits.
 //!
 //! All inputs of each are tried (`cargo xtask prove --every shells`).
 //!
@@ -21,7 +21,7 @@ use touchstone_control::space::{
 };
 use touchstone_control::{AnyLaw, Energy, Force, Number, Position};
 
-/// A spring that is never at its limit.
+/// A spring whose force never reaches its limit.
 fn spring(stiff: i64) -> Held<N, Spring<N>> {
     Held::new(Spring {
         desired: stiffness(stiff),
@@ -30,7 +30,7 @@ fn spring(stiff: i64) -> Held<N, Spring<N>> {
     })
 }
 
-/// A law that pushes with a quantum, wherever it is.
+/// A test law that pushes with one quantum of force everywhere.
 #[derive(Debug, Clone, Copy)]
 struct Pushes;
 
@@ -50,7 +50,8 @@ impl Along<N> for Pushes {
 }
 
 property! {
-    /// P4: one law along the normal is that law, told penetration and displacement, and its force points out.
+    /// P4 (geometry): a three-axis law (shell) with one law along the normal passes penetration and displacement to that law, and
+    /// its force points out of the object.
     equation "F = n f(e, m)"
     over "stiffness of 3 bits, normals of 3 bits an axis, depths of 5 bits"
     by sampled fn p4_magnitude_is_the_law(s) {
@@ -66,7 +67,7 @@ property! {
         let size = law.tick(Sample { e: position(depth), moved: Position::zero() });
         assert!(told == normal.times_force(size) && of_shell.tick(&touched) == told);
         assert!(shell.law == law && law.touches() == (depth > 0));
-        // The second tick is told how far the HIP has moved along the normal of the first.
+        // In the second tick the law gets the HIP's displacement along the normal of the first tick.
         let mut damped = spring(stiff);
         damped.law.damping = stiffness(40);
         let mut shell = Magnitude::new(damped);
@@ -76,7 +77,7 @@ property! {
         let then = touch(there, normal, depth + 2);
         let expected = damped.tick(deeper);
         assert!((along(&normal.opposite(), there) - 2).abs() > 2 || shell.tick(&then) == normal.times_force(expected));
-        // Chosen at run time it is the same law.
+        // A law that is chosen at run time is the same law.
         let mut any = AnyLaw::Spring(law.law, SpringState::default());
         let same = Sample { e: position(depth), moved: Position::zero() };
         assert!(Along::tick(&mut any, same) == size && any.touches() == law.touches());
@@ -88,7 +89,8 @@ property! {
     }
 }
 property! {
-    /// P4: a law an axis is told the size of its part of the penetration, with a minus outside, and pushes to the side of the surface.
+    /// P4 (geometry): a three-axis law (shell) with one law per axis passes to each the size of its part of the penetration,
+    /// negative outside. Each pushes towards the surface.
     equation "F_i = ± f_i(|n_i| e)"
     over "stiffness of 2 bits an axis, normals of 3 bits an axis, depths of 5 bits, from outside at rest"
     by sampled fn p4_per_axis_is_three_laws(s) {
@@ -105,14 +107,14 @@ property! {
         assert!(of_shell.tick(&touched) == told);
         for (i, &stiff) in stiff.iter().enumerate() {
             let part = parts(&normal)[i];
-            // Towards zero.
+            // Rounded towards zero.
             let e = part.abs() * depth / ONE;
             let mut law = spring(stiff);
             let size = law.tick(Sample { e: position(e), moved: Position::zero() });
             let size = N::of_signal(size.0);
             assert_reached!(force_bits(told)[i] == if part < 0 { -size } else { size });
         }
-        // A coordinate of 0 is on the positive side, whatever the law of its axis wants there.
+        // A component of 0 counts as positive, whatever force its law gives there.
         let pushing = PerAxis::new([Pushes; 3], leaving).tick(&touched);
         for (i, part) in parts(&normal).into_iter().enumerate() {
             assert_reached!(force_bits(pushing)[i] == if part < 0 { -1 } else { 1 });
@@ -122,8 +124,8 @@ property! {
 }
 
 property! {
-    /// P4: each of three laws is told its part of the displacement along the normal of the last tick: on a surface that does not turn the change of its own
-    /// penetration, bit for bit.
+    /// P4 (geometry): each of three laws gets its part of the displacement along the normal of the last tick. On a surface that
+    /// does not turn it is the change of the law's own penetration, bit for bit.
     equation "m_i = e_i - e_i'; |n_i'| m where the surface turned or the closest point jumped"
     over "normals of 3 bits along two axes, depths of 4 bits, places of 3 bits along two axes; turned or not"
     by sampled fn p4_per_axis_is_told_its_part(s) {
@@ -151,7 +153,7 @@ property! {
             let moved = if straight { e - part(before, was) } else { part(before, inwards) };
             let size = damped(i).tick(Sample { e: position(e), moved: position(moved) });
             let size = N::of_signal(size.0);
-            // A component of 0 keeps the side that it had.
+            // A component of 0 keeps the sign that it had.
             let negative = if after == 0 { before < 0 } else { after < 0 };
             assert_reached!(force_bits(told)[i] == if negative { -size } else { size });
         }
@@ -160,8 +162,8 @@ property! {
     }
 }
 property! {
-    /// P1: the energy of vector force bounding is the exact sum of what the force took along the displacement and of what the damping took, and its force
-    /// is the spring's, as far as limit and energy allow, along the normal; it begins anew outside.
+    /// P1 (energy): the energy of vector force bounding is the exact sum of the force's work along the displacement and of what the
+    /// damping dissipated. Its force is the spring's along the normal, as far as limit and energy allow; outside it restarts.
     equation "E' = min(E - F·Δ + c Σ Δ_i², cap); |F| = min(k e, limit, bound sqrt E')"
     over "three places of 2 bits along two axes and of 1 along the third, depths of 2 bits, normals of 2 bits along two axes, two dampings"
     by sampled fn p1_bounding_is_the_sum(s) {
@@ -190,7 +192,7 @@ property! {
                 (sum, pull) = (0, [0; 3]);
                 continue;
             }
-            // Of the damping as stored, with 3 digits, rounded down once.
+            // From the damping as stored, with 3 fractional bits, rounded down once.
             let loss = |x: i64| ((damping * x.abs()) >> 3) * x.abs();
             for i in 0..3 {
                 sum += loss(way[i]) - pull[i] * way[i];
@@ -209,8 +211,8 @@ property! {
 }
 
 property! {
-    /// P4: a wall of three axes is its parts one after the other: the surface point, the law, friction under what presses along the normal, the limit,
-    /// and the guard, which is told how the HIP moved and what was commanded in the end.
+    /// P4 (geometry): a wall of three axes runs its parts in this order: surface point, law, friction under the force along the
+    /// normal, limit, and guard. The guard gets the HIP's motion and the force that was commanded in the end.
     equation "F = guard(limit(shell(touch) + friction(touch, n·F)))"
     over "a box; two places of 4 and 3 bits along two axes, limits of 3 bits; with and without friction, guard, a later change"
     by sampled fn p4_wall_is_its_parts(s) {

@@ -1,60 +1,60 @@
-//! Where a property gets its inputs: from the model checker (all of them at once) or from a seeded generator (many, with a
-//! liking for edges). The body of a property cannot tell.
+//! Sources of a property's inputs: the model checker (all inputs at once) or a seeded generator (many inputs, extreme values
+//! preferred). The body of a property does not depend on which.
 //!
-//! bolero would do the first half, but its Kani engine lets an impossible generator pass (its issue stands as a TODO in its
-//! source), and it cannot ask whether a cover was ever reached. Both are what this crate is about, and cost sixty lines.
+//! The crate bolero offers the common interface as well. But its Kani engine accepts a generator that can give no value, and it
+//! cannot report whether a cover was reached. These proofs need both, and this file adds them in few lines.
 
-/// Inputs, assumptions and covers of a property.
+/// A source of a property's inputs; it also takes the property's assumptions and covers (situations to be reached).
 pub trait Source {
-    /// Any number of this many bits.
+    /// A random or symbolic number of this many bits.
     fn bits(&mut self, bits: u32) -> u64;
-    /// Whether to go on; the checker never comes back from a `false`.
+    /// Whether to continue with these inputs; under the model checker the call does not return if `holds` is `false`.
     fn assume(&mut self, holds: bool) -> bool;
-    /// Whether a generator may construct a value that satisfies its invariant. The checker needs no such short cut; it
-    /// has all values anyway.
+    /// Whether a generator may construct a value that satisfies its invariant. The model checker needs no shortcut, as it has all
+    /// values.
     fn shortcut(&mut self) -> bool;
-    /// A situation that must have occurred for the property to mean something.
+    /// Records a situation that must have occurred for the property to mean something.
     fn cover(&mut self, reached: bool, what: &'static str);
 
-    /// Any boolean.
+    /// A boolean of any value.
     fn bool(&mut self) -> bool {
         self.bits(1) == 1
     }
-    /// Any `u8`.
+    /// An integer `u8` of any value.
     fn u8(&mut self) -> u8 {
         self.bits(8) as u8
     }
-    /// Any `u16`.
+    /// A `u16` of any value.
     fn u16(&mut self) -> u16 {
         self.bits(16) as u16
     }
-    /// Any `u32`.
+    /// A `u32` of any value.
     fn u32(&mut self) -> u32 {
         self.bits(32) as u32
     }
-    /// Any `u64`.
+    /// A `u64` of any value.
     fn u64(&mut self) -> u64 {
         self.bits(64)
     }
-    /// Any `i8`.
+    /// An integer `i8` of any value.
     fn i8(&mut self) -> i8 {
         self.u8().cast_signed()
     }
-    /// Any `i16`.
+    /// An integer `i16` of any value.
     fn i16(&mut self) -> i16 {
         self.u16().cast_signed()
     }
-    /// Any `i32`.
+    /// An integer `i32` of any value.
     fn i32(&mut self) -> i32 {
         self.u32().cast_signed()
     }
-    /// Any `i64`.
+    /// An integer `i64` of any value.
     fn i64(&mut self) -> i64 {
         self.u64().cast_signed()
     }
 }
 
-/// All inputs at once.
+/// Source of the model checker: all inputs at once.
 #[cfg(kani)]
 pub struct Symbolic;
 
@@ -76,7 +76,7 @@ impl Source for Symbolic {
         false
     }
     fn cover(&mut self, _: bool, _: &'static str) {}
-    // Each width as such, not as a part of 64 bits: the integer solver knows no masks.
+    // Each width is drawn as such, not as a part of 64 bits: the integer solver does not know bit masks.
     fn bool(&mut self) -> bool {
         kani::any()
     }
@@ -106,7 +106,8 @@ impl Source for Symbolic {
     }
 }
 
-/// Seeded inputs with a liking for edges: zero, one, all ones, powers of two and their neighbours, every size as likely.
+/// Source of seeded inputs that prefers extreme values: 0, 1, all ones, powers of two and their neighbours. Every number of bits is
+/// equally likely.
 #[cfg(not(kani))]
 pub struct Sampler {
     state: u64,
@@ -142,7 +143,7 @@ impl Source for Sampler {
             6 => mask >> 1,
             7 => (mask >> 1) + 1,
             8 | 9 => random % 4,
-            // Negative in two's complement, of any size.
+            // A negative number in two's complement, of any size.
             10 | 11 => (random >> (63 - size)).wrapping_neg(),
             _ => random >> (63 - size),
         };
@@ -163,15 +164,15 @@ impl Source for Sampler {
     }
 }
 
-/// Runs a property on samples until every cover was reached and a minimum was accepted.
+/// Runs a property in random tests until every cover was reached and a minimum number of samples was accepted.
 ///
 /// # Panics
-/// If the property does, if hardly any sample satisfies the assumptions, or if a cover is never reached.
+/// The property panics, hardly any sample satisfies its assumptions, or a cover is never reached.
 #[cfg(not(kani))]
 pub fn sample(name: &str, property: fn(&mut Sampler)) {
     const ACCEPTED: u64 = 1_000;
     const TRIES: u64 = 20_000_000;
-    // A seed of its own for each property, the same in every run.
+    // Each property has its own seed, the same in every run.
     let seed = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
     });
@@ -197,7 +198,7 @@ pub fn sample(name: &str, property: fn(&mut Sampler)) {
     panic!("{name}: {accepted} samples accepted, covers never reached: {missing:?}");
 }
 
-/// A value of which a condition is likely to hold: the sampler tries a few times, the checker takes any.
+/// A value that is likely to satisfy a condition: the sampler tries a few times, the model checker takes any value.
 pub fn one_with<T, S: Source>(s: &mut S, any: fn(&mut S) -> T, likes: impl Fn(&T) -> bool) -> T {
     loop {
         let value = any(s);
@@ -207,8 +208,8 @@ pub fn one_with<T, S: Source>(s: &mut S, any: fn(&mut S) -> T, likes: impl Fn(&T
     }
 }
 
-/// Goes on only if the condition holds. Each use names who enforces it at run time, or that it is a case and where the other
-/// is; the table of the proofs quotes both.
+/// Continues only if the condition holds. The text names the code that ensures the condition at run time, or says that it is one
+/// case and where the other is proved. The proofs' table quotes condition and text.
 #[macro_export]
 macro_rules! assume {
     ($s:expr, $holds:expr, $who:literal) => {
@@ -218,7 +219,7 @@ macro_rules! assume {
     };
 }
 
-/// A value of which a condition is assumed. The sampler tries again until it has one; the checker assumes.
+/// A value that satisfies an assumed condition. The sampler tries until it has one; the model checker assumes it.
 #[macro_export]
 macro_rules! such {
     ($s:expr, $value:expr, |$x:ident| $holds:expr, $who:literal) => {{
@@ -235,7 +236,7 @@ macro_rules! such {
     }};
 }
 
-/// A situation that must be reachable. Under the checker each use is a separate check.
+/// A situation that must be reachable. Under the model checker each use is reported separately.
 #[macro_export]
 macro_rules! cover {
     ($s:expr, $reached:expr, $what:literal) => {
@@ -246,9 +247,10 @@ macro_rules! cover {
     };
 }
 
-/// A property: a body, its proof under Kani, its randomised test without.
+/// Defines a property: its body, its proof under Kani, and its test on random samples without Kani.
 ///
-/// `equation` and `over` (which configurations, memories and inputs: all that are of that kind) are for the table.
+/// `equation` and `over` are texts for the proofs' table; `over` names the configurations, memories and inputs, all of which are
+/// covered.
 #[macro_export]
 macro_rules! property {
     // No solver finishes at this width, or it follows over the integers, or all inputs are tried: sampled only here.
@@ -257,7 +259,7 @@ macro_rules! property {
         pub mod $name {
             #[allow(unused_imports)]
             use super::*;
-            /// The property.
+            /// The property's body: chooses inputs, runs the code and asserts.
             pub fn body<S: $crate::source::Source>($s: &mut S) $body
 
             #[cfg(all(test, not(kani)))]
@@ -272,7 +274,7 @@ macro_rules! property {
         pub mod $name {
             #[allow(unused_imports)]
             use super::*;
-            /// The property.
+            /// The property's body: chooses inputs, runs the code and asserts.
             pub fn body<S: $crate::source::Source>($s: &mut S) $body
 
             #[cfg(kani)]

@@ -1,13 +1,13 @@
-//! Three axes: roots, lengths, limits, the exact work of a vector, the end of a contact, friction.
+//! Arithmetic on three axes: roots, lengths, limits, the exact work of a vector, the end of a contact, friction.
 //!
 //! ```text
-//! r² <= n < (r + 1)²                       p5_root_karatsuba
-//! |u| <= 1, no zero vector has one         p4_unit
-//! |v| > l  <=>  Σ v_i² > l²                p4_longer
-//! |v across u| <= |v|                      p4_across
-//! |u turned| <= 1, by no more than asked   p4_turned
-//! |F'| <= limit, no component grows        p4_within
-//! W = Σ F_i d_i                            p1_vector_work
+//! r² <= n < (r + 1)²                         p5_root_karatsuba
+//! |u| <= 1, no zero vector has one           p4_unit
+//! |v| > l  <=>  Σ v_i² > l²                  p4_longer
+//! |v across u| <= |v|                        p4_across
+//! |u turned| <= 1, by at most the given angle  p4_turned
+//! |F'| <= limit, no component grows          p4_within
+//! W = Σ F_i d_i                              p1_vector_work
 //! ```
 
 use crate::format::Format;
@@ -26,7 +26,7 @@ pub(crate) fn forces<N: Format + Spatial, S: Source>(s: &mut S) -> Vector<Force<
     Vector([N::any_force(s), N::any_force(s), N::any_force(s)])
 }
 
-/// The sum of the squares of three bit patterns.
+/// The sum of the squares of three integers.
 pub(crate) fn squares<N: Format>(bits: [i64; 3]) -> N::Exact {
     let [x, y, z] = bits.map(N::exact);
     x * x + y * y + z * z
@@ -40,18 +40,18 @@ pub(crate) fn position_bits<N: Format + Spatial>(v: Vector<Position<N>>) -> [i64
     v.0.map(|x| N::of_signal(x.0))
 }
 
-/// Whether a vector is at most a quarter of the format long, as the guard's builder guarantees for forces and its
-/// overspeed check for displacements.
+/// Whether a vector is at most a quarter of the format's range long. The guard's constructor guarantees it for forces, and its
+/// check for over-speed for displacements.
 fn short<N: Format>(bits: [i64; 3], quarter: i64) -> bool {
     squares::<N>(bits) <= N::exact(quarter) * N::exact(quarter)
 }
 
-/// The root of one level made of the one below.
+/// The 16-bit root, calculated by halves from the root below it.
 pub mod w16 {
     use super::*;
 
     property! {
-        /// P5: the root by halves is the root: 16 bits.
+        /// P5 (roots): the root that is calculated by halves is the exact root at 16 bits.
         equation "r r <= n < (r + 1) (r + 1)"
         over "every number"
         fn p5_root_karatsuba(s) {
@@ -64,12 +64,12 @@ pub mod w16 {
     }
 }
 
-/// The next level.
+/// The 32-bit root, calculated by halves from the 16-bit one.
 pub mod root32 {
     use super::*;
 
     property! {
-        /// P5: the root by halves is the root: 32 bits.
+        /// P5 (roots): the root that is calculated by halves is the exact root at 32 bits.
         equation "r r <= n < (r + 1) (r + 1)"
         over "every number"
         by sampled fn p5_root_of_halves(s) {
@@ -82,12 +82,12 @@ pub mod root32 {
     }
 }
 
-/// The root that is shipped.
+/// The 64-bit root, which is shipped.
 pub mod w64 {
     use super::*;
 
     property! {
-        /// P5: the root by halves is the root: 64 bits.
+        /// P5 (roots): the root that is calculated by halves is the exact root at 64 bits.
         equation "r r <= n < (r + 1) (r + 1)"
         over "every number"
         by sampled fn p5_root_of_words(s) {
@@ -108,8 +108,8 @@ macro_rules! space {
             type N = $number;
 
             property! {
-                /// P4: a direction is never longer than one, its components have the signs of the vector's and are what they should be to two quanta (three
-                /// at 8 bits), and only the zero vector has none.
+                /// P4 (limits): a direction is at most 1 long. Its components have the signs of the vector's components and are
+                /// right to two quanta (three at 8 bits). Only the zero vector has no direction.
                 equation "|u| <= 1, |v_i|/|v| - 2 quanta <= |u_i| <= |v_i|/|v|"
                 over "every vector"
                 by $unit fn p4_unit(s) {
@@ -137,7 +137,8 @@ macro_rules! space {
                 }
             }
             property! {
-                /// P4: a limited vector is within the limit, none of its components grows or changes its sign, and one within the limit is left as it is.
+                /// P4 (limits): a limited vector is within the limit, and none of its components grows or changes its sign. A
+                /// vector within the limit is unchanged.
                 equation "|F'| <= limit, |F'_i| <= |F_i|"
                 over "every vector, every limit from 0 to below the end of the format"
                 by $within fn p4_within(s) {
@@ -149,7 +150,7 @@ macro_rules! space {
                     let stays = limited == v;
                     let after = force_bits(limited);
                     assert!(squares::<N>(after) <= most * most);
-                    // Of one that stays, there is no more to say.
+                    // For a vector that is unchanged, nothing else is claimed.
                     if !stays {
                         let bits = force_bits(v);
                         assert_reached!(squares::<N>(bits) > most * most);
@@ -162,7 +163,7 @@ macro_rules! space {
                 }
             }
             property! {
-                /// P4: a vector is told to be longer than a limit just where it is.
+                /// P4 (limits): the code reports a vector as longer than a limit exactly if it is longer.
                 equation "|v| > l  <=>  Σ v_i² > l²"
                 over "every vector, every limit that is not negative"
                 by $longer fn p4_longer(s) {
@@ -177,7 +178,8 @@ macro_rules! space {
                 }
             }
             property! {
-                /// P4: a vector's length with its direction is its length alone, and there is a direction of all but the zero vector.
+                /// P4 (limits): the length that is returned with a direction is the vector's length. Every vector except the zero
+                /// vector has a direction.
                 equation "polar(v) = (floor |v|, v/|v|)"
                 over "every vector"
                 by $polar fn p4_polar(s) {
@@ -194,7 +196,7 @@ macro_rules! space {
                 }
             }
             property! {
-                /// P4: what of a vector is across a direction is never longer than the vector.
+                /// P4 (limits): the part of a vector across a direction is never longer than the vector.
                 equation "|v - (v·u) u| <= |v|"
                 over "every direction that a vector can have, every vector"
                 by $across fn p4_across(s) {
@@ -208,7 +210,7 @@ macro_rules! space {
                 }
             }
             property! {
-                /// P1: the work of a vector is the exact sum of three exact products.
+                /// P1 (energy): the work of a force vector is the exact sum of three exact products.
                 equation "W = Σ F_i d_i"
                 over "forces and displacements of at most a quarter of the format"
                 by $work fn p1_vector_work(s) {
@@ -223,8 +225,8 @@ macro_rules! space {
                 }
             }
             property! {
-                /// P7: outside, a contact ends by projection just where the distance is longer than the offset's part along it; decoupled it never ends,
-                /// and where no axis has left, no rule ends it.
+                /// P7 (end of contact): outside, a contact by projection ends exactly if the distance is longer than the offset's
+                /// part along it. A decoupled contact never ends that way. If no axis has left, no rule ends the contact.
                 equation "left  <=>  Σ e_i e_i > Σ |e_i| O_i"
                 over "penetrations outside, offsets, of at most a quarter of the format"
                 by $leaving fn p7_leaving(s) {
@@ -246,7 +248,8 @@ macro_rules! space {
                 }
             }
             property! {
-                /// P4 and P7: friction is never longer than what its state allows, sliding or not, and without a normal force nothing is remembered.
+                /// P4 and P7: the stretch of friction (distance from its anchor) is never longer than its state (sliding or
+                /// sticking) allows. Without a normal force nothing is remembered.
                 equation "|z| <= reach_k f_n  or stuck and  |z| <= reach_s f_n"
                 over "configuration with kinetic at most static, any memory, position along the axes"
                 by $friction fn p4_friction(s) {
@@ -295,22 +298,24 @@ macro_rules! space {
     };
 }
 space!(
-    /// 8 bits: in `PROPERTIES` of `examples/every.rs`, proved, or sampled (across, friction).
+    /// At 8 bits: all inputs are tried (`PROPERTIES` of `examples/every.rs`), or a solver proves the property; `across` and
+    /// `friction` are sampled.
     w8, Fixed8, unit sampled, across sampled, longer kissat, polar sampled, within sampled, work kissat, leaving sampled, friction sampled
 );
 space!(
-    /// The shipped width, on samples.
+    /// At 32 bits, the width of the firmware, in random tests.
     w32, Fixed32, unit sampled, across sampled, longer sampled, polar sampled, within sampled, work sampled, leaving sampled, friction sampled
 );
 
-/// A direction that turns, as shipped, on samples: products of products are beyond the solvers.
+/// A turning direction, at 32 bits in random tests: solvers cannot follow products of products.
 pub mod turn {
     use super::*;
     use touchstone_control::space::Turn;
     type N = Fixed32;
 
     property! {
-        /// P4: a turned direction is never longer than 1, nor shorter than 1 by two quanta, and lies from the old one by the angle that was asked for.
+        /// P4 (limits): a turned direction is at most 1 long and shorter by at most two quanta. Its angle to the old direction is
+        /// the given one.
         equation "|u'| <= 1, u·u' = cos a"
         over "directions, ratios of across to along"
         by sampled fn p4_turned(s) {

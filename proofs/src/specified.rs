@@ -1,4 +1,4 @@
-//! A law's or the guard's coefficients and memory as its specification has them, at either width.
+//! Converts coefficients and memory of each law and of the guard, at either width to the specification's type.
 
 macro_rules! specified {
     ($(#[doc = $doc:literal])* $module:ident, $number:ident, $spec:path) => {
@@ -17,51 +17,51 @@ macro_rules! specified {
 
             type N = touchstone_control::$number;
 
-            /// Half of the format's largest magnitude, which no law's energy exceeds.
+            /// Half of the format's largest magnitude; no law's energy exceeds it.
             pub const ENERGY_CAP: Int = 1 << (2 * spec::BITS - 2);
 
-            /// The value as an integer number of quanta.
+            /// A stiffness as an integer number of quanta.
             #[must_use]
             pub fn gain(k: Stiffness<N>) -> Int {
                 Int::from(k.0.to_bits())
             }
-            /// The value as an integer number of quanta.
+            /// A force as an integer number of quanta.
             #[must_use]
             pub fn force(f: Force<N>) -> Int {
                 Int::from(f.0.to_bits())
             }
-            /// The value as an integer number of quanta.
+            /// A position as an integer number of quanta.
             #[must_use]
             pub fn position(x: Position<N>) -> Int {
                 Int::from(x.0.to_bits())
             }
-            /// The value as an integer number of quanta.
+            /// An energy as an integer number of quanta.
             #[must_use]
             pub fn energy(e: Energy<N>) -> Int {
                 Int::from(e.0.to_bits())
             }
-            /// The value as an integer number of quanta.
+            /// A tension (gain times signal) as an integer number of quanta.
             #[must_use]
             pub fn tension(t: Tension<N>) -> Int {
                 Int::from(t.0)
             }
-            /// The value as an integer number of quanta.
+            /// A ratio as an integer number of quanta.
             #[must_use]
             pub fn ratio(r: Ratio<N>) -> Int {
                 Int::from(r.0.to_bits())
             }
-            /// The value as an integer number of quanta.
+            /// A compliance as an integer number of quanta.
             #[must_use]
             pub fn compliance(c: Compliance<N>) -> Int {
                 Int::from(c.0.to_bits())
             }
 
-            /// The spring's tick.
+            /// The spring's specification tick.
             pub use spec::sfa::spring_tick as spring;
-            /// The passivity controller.
+            /// The specification of the passivity controller.
             pub use spec::tdpa::passive;
 
-            /// TDPA.
+            /// Converts a TDPA law to the specification's type.
             #[must_use]
             pub fn tdpa(law: &law::Tdpa<N>) -> spec::tdpa::Tdpa {
                 spec::tdpa::Tdpa {
@@ -72,7 +72,7 @@ macro_rules! specified {
                     energy_cap: ENERGY_CAP,
                 }
             }
-            /// The memory of TDPA as the specification has it.
+            /// Converts TDPA's memory to the specification's type.
             #[must_use]
             pub fn of_tdpa(state: &TdpaState<N>) -> spec::tdpa::Memory {
                 spec::tdpa::Memory {
@@ -82,7 +82,7 @@ macro_rules! specified {
                 }
             }
 
-            /// The specification of an FBA law, whose bound has the damping as stored.
+            /// Converts an FBA law to the specification's type; its bound belongs to the damping as it is stored.
             #[must_use]
             pub fn fba(law: &law::Fba<N>) -> spec::fba::Fba {
                 spec::fba::Fba {
@@ -93,7 +93,7 @@ macro_rules! specified {
                     energy_cap: ENERGY_CAP,
                 }
             }
-            /// The memory of FBA as the specification has it.
+            /// Converts FBA's memory to the specification's type.
             #[must_use]
             pub fn of_fba(state: &FbaState<N>) -> spec::fba::Memory {
                 spec::fba::Memory {
@@ -103,7 +103,7 @@ macro_rules! specified {
                 }
             }
 
-            /// SFA, original and continuous.
+            /// Converts an SFA law, original or continuous to the specification's type.
             #[must_use]
             pub fn sfa(law: &law::Sfa<N>) -> spec::sfa::Sfa {
                 spec::sfa::Sfa {
@@ -120,7 +120,7 @@ macro_rules! specified {
                     limit: force(law.limit),
                 }
             }
-            /// The memory of SFA as the specification has it.
+            /// Converts SFA's memory to the specification's type.
             #[must_use]
             pub fn of_sfa(state: &SfaState<N>) -> spec::sfa::Memory {
                 spec::sfa::Memory {
@@ -133,7 +133,8 @@ macro_rules! specified {
                 }
             }
 
-            /// The enhanced law; `series` is `k_f + k_v`, of which the code keeps a divisor only.
+            /// Converts an enhanced law to the specification's type. `series` is `k_f + k_v`, of which the code keeps only a
+            /// prepared divisor (stored reciprocal).
             #[must_use]
             pub fn enhanced(law: &EnhancedSfa<N>, series: Int) -> spec::enhanced::Enhanced {
                 spec::enhanced::Enhanced {
@@ -159,7 +160,7 @@ macro_rules! specified {
                     limit: force(law.limit),
                 }
             }
-            /// The memory of the enhanced law as the specification has it.
+            /// Converts the enhanced law's memory to the specification's type.
             #[must_use]
             pub fn of_enhanced(state: &EnhancedState<N>) -> spec::enhanced::Memory {
                 spec::enhanced::Memory {
@@ -178,7 +179,7 @@ macro_rules! specified {
                 }
             }
 
-            /// The guard.
+            /// Converts the guard to the specification's type.
             #[must_use]
             pub fn guard(law: &Guard<N>) -> spec::guard::Guard {
                 spec::guard::Guard {
@@ -195,7 +196,7 @@ macro_rules! specified {
                     overrun: compliance(law.overrun),
                 }
             }
-            /// The memory of the guard as the specification has it.
+            /// Converts the guard's memory to the specification's type.
             #[must_use]
             pub fn of_guard(state: &GuardState<N>) -> spec::guard::Memory {
                 spec::guard::Memory {
@@ -209,7 +210,7 @@ macro_rules! specified {
 }
 
 specified!(
-    /// The shipped width.
+    /// At 32 bits, the width of the firmware.
     at32, Fixed32, crate::spec
 );
 specified!(

@@ -1,4 +1,4 @@
-//! The spring, with and without damping, and the original successive force augmentation: limits and leaving.
+//! The spring, with and without damping, and successive force augmentation (SFA): limits, and the end of a contact.
 
 use crate::facts::Facts32;
 use crate::format::Format;
@@ -17,7 +17,8 @@ macro_rules! spring_sfa {
             type F = $functions;
 
             property! {
-                /// P3, P4, P7, spring: no panic, never pulls, at most the limit; outside force 0 and memory cleared.
+                /// P3, P4, P7, spring: no panic, the force never pulls and is at most the limit. Outside the wall the force is 0
+                /// and the memory is cleared.
                 equation "0 <= f <= limit; e <= 0  =>  f = 0, memory cleared"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_spring(s) {
@@ -42,7 +43,7 @@ macro_rules! spring_sfa {
                 }
             }
             property! {
-                /// P1: the plain spring's force is `k e` towards zero, or the limit; nothing depends on the past.
+                /// P1 (energy): the plain spring's force is `k e` rounded towards zero, or the limit; nothing depends on the past.
                 equation "f = min(floor(k e), limit)"
                 over "valid configuration without damping, memory in the invariant, position inside"
                 by $sums fn p1_spring_is_a_spring(s) {
@@ -63,7 +64,7 @@ macro_rules! spring_sfa {
                 }
             }
             property! {
-                /// P3, P4 and the invariant, SFA in all its forms: no panic, never pulls, at most the limit.
+                /// P3, P4 and the invariant, SFA in all its variants: no panic, the force never pulls and is at most the limit.
                 equation "0 <= f <= limit, invariant"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_sfa(s) {
@@ -85,7 +86,7 @@ macro_rules! spring_sfa {
                 }
             }
             property! {
-                /// P7, SFA: without force the contact is over, and only the positions are remembered.
+                /// P7 (end of contact), SFA: once the force is 0 the contact is over, and only the positions are remembered.
                 equation "f = 0  =>  memory cleared but for positions"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p7_sfa_leaves(s) {
@@ -115,10 +116,10 @@ macro_rules! spring_sfa {
 }
 
 spring_sfa!(
-    /// At the width that the firmware runs, from the facts of [`crate::facts`].
+    /// At 32 bits, the width of the firmware, from the facts of [`crate::facts`].
     w32, Facts32, functions Functions32, by cadical, sums cadical
 );
 spring_sfa!(
-    /// At 8 bits: where mutants are refuted quickly.
+    /// At 8 bits, where the model checker refutes wrong changes of the code quickly.
     w8, Fixed8, functions Fixed8, by cadical, sums cadical
 );

@@ -1,5 +1,6 @@
-//! The guard as a stage of the controller (`control/src/guard/guarded.rs`): what it measures, that no motion under a force goes
-//! uncounted where positions end, that overspeed latches, and what is left of its memory when it is taken up again.
+//! The guard as a stage of the controller (`control/src/guard/guarded.rs`). The properties are about four subjects: what it
+//! measures, that no motion under a force goes uncounted at the end of positions, that over-speed latches, and what memory remains
+//! when it resumes.
 //!
 //! ```text
 //! tripped => f = 0, tripped'                 p4_stage_latches
@@ -24,7 +25,7 @@ use core::sync::atomic::{AtomicBool, AtomicI64, Ordering::Relaxed};
 #[cfg(kani)]
 use touchstone_control::guard::Overspeed;
 
-/// A property of the stage, whatever its guard answers: the same to the same question.
+/// Defines a property of the stage that holds for any results of its guard; equal arguments give equal results.
 #[macro_export]
 macro_rules! staged_property {
     ($($property:tt)*) => {
@@ -35,8 +36,8 @@ macro_rules! staged_property {
     };
 }
 
-/// Stands for [`Guard::tick_with_change`]: any memory and any force or overspeed; the same for the same question. The
-/// guard itself is not recorded: there is only one.
+/// Replaces [`Guard::tick_with_change`]: any memory and any force or over-speed, and the same for equal arguments. The guard itself
+/// is not recorded, as there is only one.
 #[cfg(kani)]
 pub fn any_tick<N: Format>(
     _: &Guard<N>,
@@ -82,7 +83,7 @@ pub fn any_tick<N: Format>(
     if fine { Ok(shown) } else { Err(Overspeed) }
 }
 
-/// Any stage whose memory satisfies the guard's invariant.
+/// A stage with any content whose memory satisfies the guard's invariant.
 pub fn any_stage<N: Format, S: Source>(s: &mut S) -> Guarded<N> {
     let mut stage = Guarded::new(Guard::any(s));
     stage.state = <Guard<N> as Valid<N>>::any_state(s);
@@ -92,8 +93,8 @@ pub fn any_stage<N: Format, S: Source>(s: &mut S) -> Guarded<N> {
     stage
 }
 
-/// Where the last sample was, a force that acts can end before a displacement reaches the end of what positions can say; without
-/// a last sample none acts.
+/// Whether every force that acts can end before a displacement reaches the end of the range of positions. Without a last sample no
+/// force may act.
 fn place_holds<N: Format>(stage: &Guarded<N>) -> bool {
     let before_end = |displacements: i64| {
         let furthest = N::of_signal(stage.guard.furthest.0);
@@ -105,13 +106,13 @@ fn place_holds<N: Format>(stage: &Guarded<N>) -> bool {
     (still(stage.state.force) || before_end(2)) && (still(stage.state.older) || before_end(1))
 }
 
-/// Whether no force is shown there: from two furthest displacements before the format's end on, to either side.
+/// Whether the guard allows no force at a position: from two largest displacements before the format's end on, on either side.
 fn is_beyond_edge<N: Format>(stage: &Guarded<N>, e: Position<N>) -> bool {
     let furthest = N::of_signal(stage.guard.furthest.0);
     N::of_signal(e.0).abs() >= N::of_signal(N::HIGHEST) - 2 * furthest
 }
 
-/// What `Guard::new` sees to, the guard's invariant, and that a force that acts can end.
+/// Whether a stage is as `Guard::new` makes it, its memory satisfies the guard's invariant, and every force that acts can end.
 pub fn stage_holds<N: Format>(stage: &Guarded<N>) -> bool {
     let still = stage.state.force == Force::zero();
     stage.guard.valid()
@@ -120,13 +121,14 @@ pub fn stage_holds<N: Format>(stage: &Guarded<N>) -> bool {
         && place_holds(stage)
 }
 
-/// At 8 bits.
+/// Properties of the stage at 8 bits.
 pub mod w8 {
     use super::*;
     type N = Fixed8;
 
     property! {
-        /// P4: once there was overspeed no force is shown and none is remembered, whatever is wanted; until then the force is the guard's.
+        /// P4 (limits): after an over-speed the force is 0 and no force is remembered, whatever the law requests. Until then the
+        /// force is the guard's.
         equation "tripped  =>  f = 0, tripped'; else |f| <= |f_wanted|"
         over "valid configuration, memory in the invariant, sample, wanted force"
         by cadical fn p4_stage_latches(s) {
@@ -146,8 +148,8 @@ pub mod w8 {
         }
     }
     property! {
-        /// P9: while a force acts, or one is still on its way, what is counted is the true displacement, wherever the device goes: a
-        /// position beyond the format's end, which is measured as that end, is overspeed first.
+        /// P9 (end of positions): while a force acts or is on its way, the counted displacement is the true one, wherever the
+        /// device goes. A position beyond the format's end is measured as that end; the motion there counts as over-speed.
         equation "f or f(n-1) /= 0, |Δ| <= d  =>  e = x, |e(n-1)| < end, for every x; and f' /= 0 => |e| < end - 2 d"
         over "valid configuration, memory in the invariant, true position of 16 bits, wanted force"
         by cadical fn p9_no_way_uncounted(s) {
@@ -171,7 +173,8 @@ pub mod w8 {
         }
     }
     property! {
-        /// P7: taken up again, it has the account that was left, or its own capacity if that is less, no force, and no overspeed.
+        /// P7 (end of contact): a resumed stage keeps what is left in the energy account, at most its own capacity. It has no force
+        /// and no over-speed.
         equation "B' = min(B, C'), f = 0, not tripped"
         over "two valid configurations, memory in the invariant of the one before"
         by cadical fn p7_stage_resumes(s) {
@@ -188,13 +191,13 @@ pub mod w8 {
     }
 }
 
-/// The shipped width, whatever the guard answers.
+/// Properties of the stage at 32 bits, for any answers of its guard.
 pub mod w32 {
     use super::*;
     type N = Fixed32;
 
-    /// For samples, which hardly ever come there: a state just before the edge of positions, and a place within reach
-    /// of it.
+    /// For samples, which hardly ever get there: a stage just before the end of the range of positions, and a position within one
+    /// displacement of it.
     fn at_the_edge<S: Source>(s: &mut S, guard: Guard<N>) -> (Guarded<N>, Position<N>) {
         let mut stage = Guarded::new(guard);
         let mut within = |most: Position<N>| {
@@ -212,8 +215,8 @@ pub mod w32 {
     }
 
     staged_property! {
-        /// P9: the displacement that the guard is told is that since the last sample, and none at the first; at the end of what positions
-        /// can say the same is booked, and the force is none.
+        /// P9 (end of positions): the guard gets the displacement since the last sample, and 0 at the first sample. Near the end of
+        /// the range of positions the same is booked, and the force is 0.
         equation "(memory, f) = guard(memory, e - e(n-1), x - e(n-1), f_wanted), none of x: 0; first sample: guard(memory, 0, x - e, f_wanted); beyond the edge f = 0"
         over "furthest displacement, memory, sample, with and without one at the change of force, wanted force; under the checker whatever the guard answers"
         by minisat fn p9_stage_measures(s) {

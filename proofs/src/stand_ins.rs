@@ -1,5 +1,5 @@
-//! Replacements for validation, for the values derived from a law's settings, and for a guard: whatever they accept
-//! and compute.
+//! Replacements under the model checker for validation, for the values derived from a law's settings, and for a guard: they accept
+//! anything and give any value.
 
 use crate::answers::{double, roots};
 use crate::spec::Int;
@@ -12,14 +12,15 @@ use touchstone_control::{
     Ratio, Settings, SettingsError, Si, Stiffness,
 };
 
-/// For [`touchstone_control::Settings::validate`]: whatever it accepts.
+/// Replaces [`touchstone_control::Settings::validate`] under the model checker: it accepts all settings.
 pub fn law_accepted(_: &Settings) -> Result<(), SettingsError> {
     Ok(())
 }
 static DERIVED: [AtomicI64; 6] = [const { AtomicI64::new(0) }; 6];
 static IS_DERIVED: AtomicUsize = AtomicUsize::new(0);
 
-/// What follows of the settings of a harness, that are not negative: the same each time.
+/// The values that follow from several settings (such as damping per tick), replaced by any that are not negative; the same at each
+/// call.
 fn following() -> [i64; 6] {
     if IS_DERIVED.load(Relaxed) == 0 {
         IS_DERIVED.store(1, Relaxed);
@@ -31,7 +32,7 @@ fn following() -> [i64; 6] {
     }
     core::array::from_fn(|i| DERIVED[i].load(Relaxed))
 }
-/// For [`Settings::derived`].
+/// Replaces [`Settings::derived`] under the model checker: the code gets any result, and the same one for equal arguments.
 pub fn derived(_: &Settings) -> Derived {
     let [k_critical, inertia, filter, ground, device, damper] = following().map(Si::from_bits);
     Derived {
@@ -43,7 +44,8 @@ pub fn derived(_: &Settings) -> Derived {
         virtual_damping_per_tick: damper,
     }
 }
-/// For [`crate::spec::law_settings::derived`].
+/// Replaces [`crate::spec::law_settings::derived`] under the model checker: the specification gets the result that the code got for
+/// equal arguments.
 pub fn specified_derived(
     _: &crate::spec::law_settings::Settings,
 ) -> crate::spec::law_settings::Derived {
@@ -57,27 +59,28 @@ pub fn specified_derived(
         virtual_damping: damper,
     }
 }
-/// For [`Settings::is_plain_spring`] of settings that are of a spring.
+/// Replaces [`Settings::is_plain_spring`] under the model checker, for settings of a spring: always `true`.
 pub fn plain(_: &Settings) -> bool {
     true
 }
-/// Any other settings.
+/// Replaces [`Settings::is_plain_spring`] under the model checker, for settings of no spring: always `false`.
 pub fn not_plain(_: &Settings) -> bool {
     false
 }
-/// For [`Number::root_of_four`] of the damping.
+/// Replaces [`Number::root_of_four`] of the damping under the model checker.
 pub fn root_of_four(k: FixedI32<U12>) -> FixedI32<U12> {
     FixedI32::from_bits(roots::ask(k.to_bits().into(), 0) as i32)
 }
-/// For [`crate::spec::fba::Fba::bound_of`].
+/// Replaces [`crate::spec::fba::Fba::bound_of`] under the model checker: the specification gets the result that the code got for
+/// equal arguments.
 pub fn specified_root_of_four(k: Int) -> Int {
     Int::from(roots::ask(double(k), 0) as i32)
 }
-/// For [`GuardSettings::validate`]: whatever it accepts.
+/// Replaces [`GuardSettings::validate`] under the model checker: it accepts all settings.
 pub fn guard_accepted(_: &GuardSettings, _: &GuardedDevice) -> Result<(), SettingsError> {
     Ok(())
 }
-/// Stands for [`Guard::new`]: it refuses an odd rate, and holds the leading digits of each argument.
+/// Replaces [`Guard::new`]: it refuses an odd rate, and holds the leading digits of each argument.
 pub fn told<N: Number>(
     settings: &GuardSettings,
     device: &GuardedDevice,

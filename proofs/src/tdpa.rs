@@ -1,4 +1,4 @@
-//! Time-domain passivity approach: what each of its two observers can promise.
+//! Time-domain passivity approach (TDPA): what each of its two observers guarantees.
 
 use crate::facts::Facts32;
 use crate::format::Format;
@@ -19,9 +19,9 @@ macro_rules! tdpa {
             type F = $functions;
 
             property! {
-                /// P1, P3, P4 and the invariant, either observer: from any memory that satisfies it, for any configuration and
-                /// position, one tick does not panic, shows at most the limit, and keeps the invariant, of which the
-                /// thesis' form contains `E >= 0`.
+                /// P1, P3, P4 and the invariant, either observer: one tick does not panic, its force is at most the limit, and it
+                /// keeps the invariant. This holds from any memory that satisfies the invariant, for any configuration and
+                /// position. With the thesis' observer the invariant contains `E >= 0`.
                 equation "|f| <= limit, E <= cap; thesis: E >= 0, f >= 0"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_tick_keeps_invariant(s) {
@@ -46,8 +46,9 @@ macro_rules! tdpa {
                 }
             }
             property! {
-                /// P1, thesis' observer: a tick inside is the passivity step of the stored energy plus what the counted
-                /// damper took, capped. With the heart: `0 <= E' <= E + loss + f'·Δe`.
+                /// P1 (energy), thesis' observer: a tick inside the wall is the passivity step of the stored energy plus what the
+                /// counted damper dissipated, at most the cap. With the properties of `heart` follows `0 <= E' <= E + loss +
+                /// f'·Δe`.
                 equation "(E', f') = step(min(E + loss, cap), k e, Δe)"
                 over "valid configuration, memory in the invariant, position inside"
                 by $step fn p1_thesis_is_the_step(s) {
@@ -77,7 +78,7 @@ macro_rules! tdpa {
                 }
             }
             property! {
-                /// P1: the counted damper never gives energy: `loss >= 0`.
+                /// P1 (energy): the counted damper never gives energy: `loss >= 0`.
                 equation "c Δe² >= 0"
                 over "valid configuration, displacement"
                 fn p1_loss_is_not_negative(s) {
@@ -89,7 +90,7 @@ macro_rules! tdpa {
                 }
             }
             property! {
-                /// P1, exact observer: the sum is the port's energy (plus the counted damping), capped from above only.
+                /// P1 (energy), exact observer: the energy is the port's plus that of the counted damping, limited from above only.
                 equation "E' = min(E + f Δe + loss, cap)"
                 over "valid configuration, memory in the invariant, position inside"
                 by $sums fn p1_exact_is_the_sum(s) {
@@ -113,7 +114,7 @@ macro_rules! tdpa {
                     let loss = i128::from(F::of_energy(damping_loss(law.device_damping, moved).0));
                     let cap = i128::from(F::of_energy(law.energy_cap.0));
                     let worked = i128::from(F::of_energy(before.energy.0)) + work;
-                    // Only a deficit of the whole format, 32 kJ, would be cut off.
+                    // Only a deficit of the whole format, 32 kJ, would be limited.
                     let lowest = -2 * cap;
                     assert!(worked < lowest || i128::from(F::of_energy(state.energy.0)) == (worked + loss).min(cap));
                     cover!(s, before.energy >= Energy::zero() && state.energy < Energy::zero(), "the dip of one tick");
@@ -121,8 +122,8 @@ macro_rules! tdpa {
                 }
             }
             property! {
-                /// P1, exact observer: the corrected force is the heart's quotient `|E|/|Δe|` with the sign that pays back
-                /// over a displacement like the last one; without need, the wall's own force.
+                /// P1 (energy), exact observer: a corrected force is the quotient `|E|/|Δe|`, with the sign that pays the deficit
+                /// back over a displacement like the last one. Without a deficit it is the wall's own force.
                 equation "f = ± |E| / |Δe|, or f_wanted without need"
                 over "valid configuration, energy, wanted force, displacement"
                 by $sums fn p1_exact_correction(s) {
@@ -136,7 +137,7 @@ macro_rules! tdpa {
                     } else {
                         let enough = energy.per_displacement(moved);
                         assert!(enough >= Force::zero() && (force == enough || force == -enough));
-                        // A surplus is spent outward; a deficit is worked off against the motion.
+                        // A surplus is given outward; a deficit is worked off against the motion.
                         let absorbs = (force.0 > 0) == (moved.0 > 0);
                         assert!(enough == Force::zero() || absorbs == (energy < Energy::zero()));
                         assert_reached!(energy < Energy::zero() || moved < Position::zero());
@@ -148,7 +149,7 @@ macro_rules! tdpa {
                 }
             }
             property! {
-                /// P7: outside the wall the force is 0 and nothing is remembered.
+                /// P7 (end of contact): outside the wall the force is 0 and nothing is remembered.
                 equation "e <= 0  =>  f = 0, memory cleared"
                 over "valid configuration, memory whatever, position outside"
                 fn p7_leaves(s) {
@@ -167,10 +168,11 @@ macro_rules! tdpa {
 }
 
 tdpa!(
-    /// At the width that the firmware runs, from the facts of [`crate::facts`].
+    /// At 32 bits, the width of the firmware, from the facts of [`crate::facts`].
     w32, Facts32, functions Functions32, by cadical, sums cadical, step cadical
 );
 tdpa!(
-    /// At 8 bits: where mutants are refuted quickly. The sums are proved at 32, and run on samples here.
+    /// At 8 bits, where the model checker refutes wrong changes of the code quickly. The sums are proved at 32 bits, and run in
+    /// random tests at 8.
     w8, Fixed8, functions Fixed8, by cadical, sums sampled, step sampled
 );

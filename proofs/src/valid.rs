@@ -1,8 +1,8 @@
-//! What every accepted configuration satisfies (`Valid`), and the invariant of every law's memory (`holds`): the properties
-//! start from any configuration and any memory that satisfy these, and show that a tick keeps the latter.
+//! What every accepted configuration satisfies (`Valid`), and the invariant of every law's memory (`holds`). The properties start
+//! from any configuration and any memory that satisfy these, and show that a tick keeps the invariant.
 //!
-//! `settings.rs` proves and tests that whatever `Controller::new` accepts is valid; the memory that it starts with satisfies
-//! the invariant (`p8_initial32`).
+//! `settings.rs` proves and tests that every configuration that `Controller::new` accepts is valid. The first memory satisfies the
+//! invariant (`p8_initial32`).
 
 use crate::format::Format;
 use crate::source::{Source, one_with};
@@ -16,33 +16,33 @@ use touchstone_control::{
     Regulate, Stiffness, Tension,
 };
 
-/// A configuration that settings can give, with its memory.
+/// A configuration (law or guard) that settings can give, with its memory.
 pub trait Valid<N: Format>: Sized {
-    /// The memory.
+    /// The memory between ticks.
     type State;
-    /// Any values whatever.
+    /// A configuration with any values.
     fn any<S: Source>(s: &mut S) -> Self;
-    /// Any memory whatever.
+    /// A memory with any values.
     fn any_state<S: Source>(s: &mut S) -> Self::State;
-    /// What `Controller::new` sees to.
+    /// Whether the configuration satisfies what `Controller::new` guarantees.
     fn valid(&self) -> bool;
-    /// The invariant of the memory.
+    /// Whether a memory satisfies the invariant.
     fn holds(&self, state: &Self::State) -> bool;
 }
 
-/// Any stiffness, on samples mostly one that is not negative.
+/// A stiffness with any bits; in random tests mostly one that is not negative.
 fn any_gain<N: Format, S: Source>(s: &mut S) -> Stiffness<N> {
     one_with(s, N::any_stiffness, |k| gain_ok(*k))
 }
-/// Any limit, in the same way.
+/// Any force limit, in random tests mostly one that is not negative.
 fn any_limit<N: Format, S: Source>(s: &mut S) -> Force<N> {
     one_with(s, N::any_force, |f| limit_ok(*f))
 }
-/// Any share.
+/// Any fraction, as a compliance.
 fn any_share<N: Format, S: Source>(s: &mut S) -> Compliance<N> {
     one_with(s, N::any_compliance, |c| N::of_signal_ratio(c.0) >= 0)
 }
-/// Any energy, mostly one that is not negative and within the cap.
+/// An energy with any bits; in random tests mostly one that is not negative and within the cap.
 fn any_stored<N: Format, S: Source>(s: &mut S) -> Energy<N> {
     let cap = N::energy_cap();
     one_with(s, N::any_energy, |e| *e >= Energy::zero() && *e <= cap)
@@ -140,7 +140,7 @@ impl<N: Format> Valid<N> for Fba<N> {
             inside,
         }
     }
-    /// The bound itself, `bound² <= 4 c_i/T`, is `p5_bound_of_damping`.
+    /// Whether the coefficients are valid. `p5_bound_of_damping` proves the bound itself, `bound² <= 4 c_i/T`.
     fn valid(&self) -> bool {
         gain_ok(self.desired)
             && gain_ok(self.device_damping)
@@ -153,7 +153,7 @@ impl<N: Format> Valid<N> for Fba<N> {
         }
         shown(state.force, self.limit)
             && state.energy <= self.energy_cap
-            // With a deficit (the counted damping is rounded down) nothing is shown until it is worked off.
+            // With an energy deficit (the counted damping is rounded down) the force is 0 until the deficit is worked off.
             && (state.energy >= Energy::zero() || state.force == Force::zero())
     }
 }
@@ -213,7 +213,7 @@ impl<N: Format> Valid<N> for EnhancedSfa<N> {
             observer: any_observer(s),
             first_contact: any_first(s),
             mass,
-            // Each of any stiffness whatever: what the law keeps does not rest on where the mass starts.
+            // Divisors of any stiffness: what the law guarantees does not depend on where the mass starts.
             by_coupling: Divisor::of(N::any_stiffness(s)),
             series: Divisor::of(N::any_stiffness(s)),
             credit: any_stored(s),
@@ -291,7 +291,7 @@ impl<N: Format> Valid<N> for EnhancedSfa<N> {
     }
 }
 
-/// Any way of changing the offset.
+/// Any rule for changing the offset.
 pub fn any_augmentation<N: Format, S: Source>(s: &mut S) -> Augmentation<N> {
     Augmentation {
         of_ideal: any_share(s),
@@ -299,13 +299,13 @@ pub fn any_augmentation<N: Format, S: Source>(s: &mut S) -> Augmentation<N> {
         of_penetration: one_with(s, N::any_ratio, |r| N::of_signal_ratio(r.0) >= 0),
     }
 }
-/// Whether the shares are not negative.
+/// Whether the fractions of an offset's rule are not negative.
 pub fn augmentation_ok<N: Format>(a: &Augmentation<N>) -> bool {
     N::of_signal_ratio(a.of_ideal.0) >= 0
         && N::of_signal_ratio(a.of_force.0) >= 0
         && N::of_signal_ratio(a.of_penetration.0) >= 0
 }
-/// Any virtual mass.
+/// A virtual mass with any coefficients.
 pub fn any_mass<N: Format, S: Source>(s: &mut S) -> VirtualMass<N> {
     let bits = |k: &Stiffness<N>| N::of_gain(k.0);
     let part = |s: &mut S| {
@@ -327,7 +327,8 @@ pub fn any_mass<N: Format, S: Source>(s: &mut S) -> VirtualMass<N> {
         by_total: Divisor::of(total),
     }
 }
-/// Whether the coefficients are not negative, their sum is at most the total, and twice the total fits the format.
+/// Whether a virtual mass is valid: its coefficients are not negative, their sum is at most the stored total, and twice the total
+/// fits the format.
 pub fn mass_ok<N: Format>(mass: &VirtualMass<N>) -> bool {
     let [inertia, stiffness, damping, total] =
         [mass.inertia, mass.stiffness, mass.damping, mass.total].map(|k| N::of_gain(k.0));
@@ -338,7 +339,7 @@ pub fn mass_ok<N: Format>(mass: &VirtualMass<N>) -> bool {
         && inertia + stiffness + damping <= total
         && total <= N::HALF_GAIN
 }
-/// The tensions that can drive it: `enhanced::p6_drive_is_exact` shows that no other does.
+/// Whether a tension can occur as the drive of the virtual mass: `enhanced::p6_drive_is_exact` shows that no other does.
 pub fn drive_ok<N: Format>(mass: &VirtualMass<N>, drive: Tension<N>) -> bool {
     let reach = N::of_gain(mass.total.0) << (N::BITS - 1);
     N::of_tension(drive.0).unsigned_abs() <= reach.unsigned_abs()

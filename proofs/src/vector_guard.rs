@@ -1,12 +1,12 @@
-//! The energy guard of three axes: its books are the sum of three axes', and the force is paid for.
+//! The energy guard of three axes: its energy account is the sum over three axes, and the account covers its force.
 //!
-//! As shipped on samples: three axes of products are beyond the solvers at 8 bits already. At 8 bits all inputs of one configuration
-//! each are tried (`cargo xtask prove --every vector_guard`).
+//! At 32 bits it is tested in random tests: products on three axes are beyond the solvers even at 8 bits. At 8 bits all inputs of
+//! one configuration per property are tried (`cargo xtask prove --every vector_guard`).
 //!
 //! ```text
 //! B' = max(min(sum of three axes, C), R)   p1_vector_account
-//! |F| <= (B' - R)/D, as F was              p1_vector_account
-//! overspeed: B - s (o s + q)               p1_vector_account
+//! |F| <= (B' - R)/D, same direction        p1_vector_account
+//! over-speed: B - s (o s + q)              p1_vector_account
 //! ```
 
 use crate::format::Format;
@@ -21,7 +21,7 @@ use touchstone_control::{
     Compliance, Energy, Fixed8, Fixed32, Force, Guard, Number, Position, Ratio, Stiffness,
 };
 
-/// Inputs of one tick of a guard: the HIP's motion, the part of it before the force changed, and the wanted force.
+/// Inputs of one tick of a guard: the HIP's motion, its part before the force changed, and the requested force.
 struct Tick<N: Format + Spatial> {
     moved: Vector<Position<N>>,
     before_change: Vector<Position<N>>,
@@ -40,22 +40,22 @@ fn length<N: Format>(x: Position<N>) -> i128 {
 fn sum_of_squares(v: [i64; 3]) -> i128 {
     v.iter().map(|x| wide(*x) * wide(*x)).sum()
 }
-/// The root, rounded up.
+/// The square root, rounded up.
 fn root_up(square: i128) -> i128 {
     let root = square.isqrt();
     root + i128::from(root * root < square)
 }
-/// Energy that the trusted damping took over a displacement whose length is uncertain by a count and a quantum.
+/// Energy that the trusted damping dissipated over a displacement. Its length is uncertain by an encoder count and a quantum.
 fn damped<N: Format>(law: &Guard<N>, moved: [i64; 3]) -> i128 {
     let surely = (root_up(sum_of_squares(moved)) - length(law.count) - 1).max(0);
     ((wide(N::of_gain(law.damping.0)) * surely) >> N::GAIN_BITS) * surely
 }
-/// The most that a force of this size may still cost.
+/// Most energy that a force of this size may still cost.
 fn reserve<N: Format>(law: &Guard<N>, size: Force<N>) -> i128 {
     wide(N::of_signal(size.0)) * length(law.in_flight)
 }
 
-/// Three axes' books, exactly, without the damping.
+/// The exact sum of the energy account over three axes, without the damping.
 fn booked<N: Format + Spatial>(
     law: &Guard<N>,
     before: &VectorGuardState<N>,
@@ -74,7 +74,7 @@ fn booked<N: Format + Spatial>(
     sum
 }
 
-/// Whether a tick follows the equations.
+/// Whether a tick of the guard follows the equations of this file.
 fn is_as_said<N: Format + Spatial>(
     guard: &VectorGuard<N>,
     before: &VectorGuardState<N>,
@@ -96,7 +96,7 @@ fn is_as_said<N: Format + Spatial>(
     if sum_of_squares(moved) > furthest
         || sum_of_squares(position_bits(tick.before_change)) > furthest
     {
-        // What the forces that acted, and the one that acts on, can have lost.
+        // The energy that the hand can have gained by the last force and by the one that still acts.
         let older = root_up(sum_of_squares(force_bits(before.older)));
         let size = wide(N::of_signal(before.size.0)).max(older);
         let over = (wide(N::of_signal_ratio(law.overrun.0)) * size) >> N::SIGNAL_BITS;
@@ -109,7 +109,7 @@ fn is_as_said<N: Format + Spatial>(
     };
     let refilled = energy(law.refill) + damped(law, moved);
     if before.account < Energy::zero() {
-        // With a deficit no force is shown.
+        // With an energy deficit the force is 0.
         assert!(force_bits(force) == [0; 3]);
         assert_reached!(cleared(
             (energy(before.account) + refilled).min(energy(law.capacity))
@@ -119,7 +119,7 @@ fn is_as_said<N: Format + Spatial>(
     let kept = reserve(law, before.size);
     let sum = booked(law, before, tick) + damped(law, moved);
     assert!(energy(after.account) == sum.min(energy(law.capacity)).max(kept));
-    // No longer than the account pays for, no component grown or turned.
+    // The force is no longer than the account covers, and no component grows or changes its sign.
     let free = energy(after.account) - kept;
     let limit = (wide(N::of_gain(law.per_reach.0)) * (free >> N::SIGNAL_BITS)) >> N::GAIN_BITS;
     let shown = force_bits(force);
@@ -132,7 +132,7 @@ fn is_as_said<N: Format + Spatial>(
     assert!(smaller);
     let long = root_up(sum_of_squares(wanted));
     assert!(long > limit || force == tick.wanted);
-    // Shortened, and not by more than three quanta an axis, nor turned by more.
+    // If the force was shortened, each axis is right to three quanta.
     assert!(long <= limit || sum_of_squares(shown) >= (limit - 6).max(0).pow(2));
     for (i, j) in [(0, 1), (1, 2), (2, 0)] {
         let turned = wide(shown[i]) * wide(wanted[j]) - wide(shown[j]) * wide(wanted[i]);
@@ -142,12 +142,12 @@ fn is_as_said<N: Format + Spatial>(
     assert_reached!(sum_of_squares(shown) <= wide(N::of_signal(after.size.0)).pow(2));
 }
 
-/// The shipped width, on samples.
+/// At 32 bits, the width of the firmware, in random tests.
 pub mod w32 {
     use super::*;
     type N = Fixed32;
 
-    /// A configuration that the builder can give, and a memory within its limits.
+    /// A configuration that the guard's constructor can give, and a memory within its limits.
     fn any<S: Source>(s: &mut S) -> Option<(VectorGuard<N>, VectorGuardState<N>)> {
         let mut of_length = None;
         for _ in 0..200 {
@@ -177,7 +177,8 @@ pub mod w32 {
     }
 
     property! {
-        /// P1: the account is the sum of three axes' books, exactly, with the damping of the length; the force is paid for, never longer, and points as it did.
+        /// P1 (energy): the account is the exact sum over three axes, with the damping of the displacement's length. The account
+        /// covers the force, which is never longer than the requested force and keeps its direction.
         equation "B' = max(min(B + P T + Σ (f Δ - g u - |g| q) + c m m, C), R), |F| <= (B' - R)/D"
         over "valid configuration, memory in the invariant, displacement, wanted force"
         by sampled fn p1_vector_account(s) {
@@ -202,7 +203,7 @@ pub mod w32 {
     }
 }
 
-/// At 8 bits, all inputs.
+/// Properties at 8 bits, of which all inputs are tried.
 pub mod w8 {
     use super::*;
     type N = Fixed8;
@@ -210,14 +211,14 @@ pub mod w8 {
     fn force(x: i64) -> Force<N> {
         Force(position(x).0)
     }
-    /// Along two axes.
+    /// A vector along two axes, as few inputs remain then.
     fn flat<S: Source>(s: &mut S, width: u32, by: i64) -> [i64; 3] {
         [by * signed(s, width), 0, by * signed(s, width)]
     }
     fn as_force(v: [i64; 3]) -> Vector<Force<N>> {
         Vector(v.map(force))
     }
-    /// A guard that `Guard::new` could give, with every coefficient of a delayed device.
+    /// A guard that `Guard::new` could give, for a device with a delay, with every coefficient in use.
     pub(crate) fn guard() -> VectorGuard<N> {
         let of_length = Guard::<N> {
             capacity: Energy(<N as Number>::Energy::from_bits(900)),
@@ -234,7 +235,7 @@ pub mod w8 {
         };
         VectorGuard::of(of_length)
     }
-    /// A memory within its limits, or a deficit.
+    /// A memory within the guard's limits, or one with an energy deficit.
     fn memory<S: Source>(s: &mut S, guard: &VectorGuard<N>) -> VectorGuardState<N> {
         let account = Energy(<N as Number>::Energy::from_bits(
             (150 * signed(s, 4)) as i16,
@@ -264,8 +265,9 @@ pub mod w8 {
     }
 
     property! {
-        /// P1: the account is the sum of three axes' books, exactly, with the damping of the length; the force is paid for, never longer, and points as it did;
-        /// overspeed costs what the forces that acted can have lost, and a deficit shows none.
+        /// P1 (energy): the account is the exact sum over three axes, with the damping of the displacement's length. The account
+        /// covers the force, which is never longer and keeps its direction. An over-speed costs what the forces that acted can have
+        /// lost; with a deficit the force is 0.
         equation "B' = max(min(B + P T + Σ (f Δ - g u - |g| q) + c m m, C), R), |F| <= (B' - R)/D"
         over "one configuration; accounts of 4 bits, forces of 3 bits along two axes, older ones of 2, displacements of 4 and 3 bits, wanted forces of 2 bits"
         by sampled fn p1_vector_account(s) {
@@ -286,7 +288,8 @@ pub mod w8 {
         }
     }
     property! {
-        /// P1: where the position was also taken when the force changed, what came before the change is booked under the older force alone.
+        /// P1 (energy): if the position was also read when the force changed, the motion before the change is booked under the
+        /// older force alone.
         equation "u = b + floor(late (Δ - b) + stray g)"
         over "one configuration; accounts of 4 bits, forces of 3 bits along two axes, older ones of 2, both parts of a displacement of 2 bits an axis"
         by sampled fn p1_vector_change(s) {
@@ -305,8 +308,8 @@ pub mod w8 {
         }
     }
     property! {
-        /// P9: from two furthest displacements before the end of positions on no force is shown, in any coordinate, and one that is wanted there is
-        /// refused; elsewhere it is the tick of any place.
+        /// P9 (end of positions): from two largest displacements before the end of positions on, in any coordinate, the force is 0,
+        /// and a requested force is refused. Elsewhere the tick is that of any other place.
         equation "|x_i| >= end - 2 d: 0, and Err where F ≠ 0"
         over "one configuration; every coordinate of 8 bits, along each axis, displacements of 2 bits along two axes, wanted forces of 2 bits"
         by sampled fn p9_no_force_at_the_end(s) {
@@ -317,7 +320,7 @@ pub mod w8 {
             let before = VectorGuardState { against: as_force([3, 0, -4]), size: force(5), ..guard.full() };
             let (mut state, mut other) = (before, before);
             let answer = guard.tick_at(&mut state, vector(at), moved, wanted);
-            // 127 less two furthest displacements of 9.
+            // The end at 127 minus two largest displacements of 9.
             let ends = at.iter().any(|x| x.abs() >= 127 - 18) && wanted != Vector::default();
             let shown = if ends { Vector::default() } else { wanted };
             let expected = guard.tick(&mut other, moved, shown);
@@ -327,7 +330,8 @@ pub mod w8 {
         }
     }
     property! {
-        /// P4: a force that was made smaller after the guard counts as that, and one that was made larger as the guard's.
+        /// P4 (limits): a reported force that is smaller than the guard's is the force in the account; a larger one counts as the
+        /// guard's.
         equation "|F| <= s: against = -F, s' = |F| up"
         over "forces of 4 bits along two axes, sizes of 4 bits"
         by sampled fn p4_vector_commanded(s) {
@@ -349,7 +353,7 @@ pub mod w8 {
         }
     }
 
-    /// Checks that the configuration in the properties is one that the builder could give.
+    /// Checks that the guard's constructor could give the configuration of the properties.
     #[cfg(all(test, not(kani)))]
     #[test]
     fn the_configuration_is_valid() {

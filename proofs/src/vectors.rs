@@ -1,4 +1,4 @@
-//! Vectors and directions, as far as they are sums and signs, and a direction's multiples.
+//! Sums, signs and lengths of vectors and directions, and multiples of a direction.
 //!
 //! ```text
 //! (v + w)_i = v_i + w_i, and v - w, -v     p1_vector_sums
@@ -15,7 +15,7 @@ use touchstone_control::{Fixed8, Force, Number, Position};
 
 type N = Fixed8;
 
-/// What 8 bits show of a number.
+/// A number limited to the range of 8 bits.
 const fn shown(x: i64) -> i64 {
     if x < -128 {
         -128
@@ -26,7 +26,7 @@ const fn shown(x: i64) -> i64 {
     }
 }
 
-/// Any three components but the lowest number, which no direction has.
+/// A direction with any three components except the lowest number, which no direction has.
 fn any_direction<S: Source>(s: &mut S) -> Direction<N> {
     let lowest = -Position(N::HIGHEST);
     let any = |s: &mut S| N::any_position(s).max(lowest).0;
@@ -34,7 +34,7 @@ fn any_direction<S: Source>(s: &mut S) -> Direction<N> {
 }
 
 property! {
-    /// P1: vectors are added, subtracted and turned about by their components, each of which saturates.
+    /// P1 (energy): vectors are added, subtracted and negated by component, and each component saturates.
     equation "(v + w)_i = v_i + w_i, (v - w)_i = v_i - w_i, (-v)_i = -v_i"
     over "two vectors"
     fn p1_vector_sums(s) {
@@ -51,7 +51,7 @@ property! {
     }
 }
 property! {
-    /// P4: so far along a direction is each component's part, towards zero.
+    /// P4 (geometry): a length along a direction is the product with each component, rounded towards zero.
     equation "(u l)_i = u_i l towards zero"
     over "direction, length"
     by kissat fn p4_direction_times(s) {
@@ -59,7 +59,7 @@ property! {
         let length = N::any_position(s);
         let way = u.times(length);
         {
-            // Any of them: one comparison is quicker than three.
+            // One random axis: one comparison is quicker for the solver than three.
             let axis = usize::from(s.u8() % 3);
             let part = i16::from(u.0[axis].to_bits()) * i16::from(length.0.to_bits());
             assert_reached!(i16::from(way.0[axis].0.to_bits()) == part / 128);
@@ -68,7 +68,7 @@ property! {
     }
 }
 property! {
-    /// P4: a force along a direction is each component's part, towards zero.
+    /// P4 (geometry): a force along a direction is the product with each component, rounded towards zero.
     equation "(u f)_i = u_i f towards zero"
     over "direction, force"
     by kissat fn p4_direction_times_force(s) {
@@ -76,7 +76,7 @@ property! {
         let force = N::any_force(s);
         let pull = u.times_force(force);
         {
-            // Any of them: one comparison is quicker than three.
+            // One random axis: one comparison is quicker for the solver than three.
             let axis = usize::from(s.u8() % 3);
             let part = i16::from(u.0[axis].to_bits()) * i16::from(force.0.to_bits());
             assert_reached!(i16::from(pull.0[axis].0.to_bits()) == part / 128);
@@ -85,7 +85,7 @@ property! {
     }
 }
 property! {
-    /// P4: the axes are what they are named, and the opposite of a direction is its components with the other sign.
+    /// P4 (geometry): `along(i)` gives the direction of axis `i`; the opposite of a direction has negated components.
     equation "opposite = -u; along(i) = e_i"
     over "direction, axis"
     fn p4_direction_signs(s) {
@@ -103,19 +103,20 @@ property! {
     }
 }
 
-/// `floor(u·v)`, limited to the range of the format.
+/// The scalar product `floor(u·v)`, limited to the range of the format.
 fn scalar(u: Direction<N>, v: [i64; 3]) -> i64 {
     let [x, y, z] = u.0.map(N::of_signal);
     shown((x * v[0] + y * v[1] + z * v[2]).div_euclid(128))
 }
-/// The direction of a vector of 4 bits an axis.
+/// The direction of a vector whose components have 4 bits; `None` for the zero vector.
 fn short_direction<S: Source>(s: &mut S) -> Option<Direction<N>> {
     let part = |s: &mut S| Position(<N as Number>::Signal::from_bits(s.bits(4) as i8 - 8));
     Direction::of(Vector([part(s), part(s), part(s)]))
 }
 
 property! {
-    /// P4: the part of a displacement along a direction, that of a force and the cosine to another direction are scalar products, rounded down.
+    /// P4 (geometry): the part of a displacement or a force along a direction, and the cosine between two directions, are scalar
+    /// products, rounded down.
     equation "u·v = floor(Σ u_i v_i)"
     over "directions of 4 bits an axis, vectors of 4 bits an axis, sixteen times as large"
     by sampled fn p4_scalar_products(s) {
@@ -135,7 +136,7 @@ property! {
     }
 }
 property! {
-    /// P4: the length of a vector is the root of its square, rounded down or up, as far as the format goes.
+    /// P4 (geometry): the length of a vector is the root of its square, rounded down or up, and limited to the format.
     equation "floor |v|, ceil |v|"
     over "every vector"
     by sampled fn p4_lengths(s) {
@@ -151,7 +152,8 @@ property! {
     }
 }
 property! {
-    /// P4: the part of a vector across a direction is never longer than the vector, and is what the part along it leaves, to two quanta.
+    /// P4 (geometry): the part of a vector across a direction is never longer than the vector. It is the vector minus the part
+    /// along the direction, to two quanta.
     equation "|v - (v·u) u| <= |v|"
     over "directions of 4 bits an axis, vectors of 4 bits an axis, five times as large"
     by sampled fn p4_across_is_shorter(s) {
@@ -167,7 +169,7 @@ property! {
         let [a, b, c] = u.0.map(N::of_signal);
         let inner = a * was[0] + b * was[1] + c * was[2];
         for (axis, u) in [a, b, c].into_iter().enumerate() {
-            // In quanta and their 128 times 128th parts.
+            // In quanta with 14 fractional bits (128 times 128).
             let exact = was[axis] * 128 * 128 - inner * u;
             assert_reached!((across[axis] * 128 * 128 - exact).abs() < 2 * 128 * 128);
         }
@@ -175,7 +177,7 @@ property! {
     }
 }
 property! {
-    /// P4: a vector that is limited is hardly shorter than the limit.
+    /// P4 (geometry): a vector that is cut to a limit is at most six quanta shorter than the limit.
     equation "|v| > l: l - 6 quanta <= |v'| <= l"
     over "vectors of 4 bits an axis, sixteen times as large, limits of 7 bits"
     by sampled fn p4_within_is_hardly_shorter(s) {

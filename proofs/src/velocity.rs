@@ -1,13 +1,14 @@
-//! P11: the velocity filters of a spring-damper are their specification (`spec/velocity.rs`); and no state of theirs outgrows its range.
+//! P11 (refinement): the velocity filters of a spring-damper equal their specification (`spec/velocity.rs`), and none of their
+//! states leaves its range.
 //!
-//! As of the estimator ([`crate::weighed`]), a product of a weight and a part is one unknown number for both sides where they are compared,
-//! and any number in its range where only that matters. The window, which multiplies by whole ticks, is compared on samples
-//! (`proofs/tests/spec_velocity.rs`), with everything else.
+//! A product of a weight and a part is one unknown number for code and specification where they are compared, as for the estimator
+//! ([`crate::weighed`]). Where only its range matters, it is any number in that range. The window, which multiplies by whole ticks,
+//! is compared in random tests, with everything else (`proofs/tests/spec_velocity.rs`).
 //!
 //! ```text
 //! v' = v + a (x - x' - v) = spec               p11_smoothed, its range p3_smoothed_stays32
 //! a tick without brake and drive is 1, 1/2, 0  p11_free
-//! tracker = spec, a device that nothing brakes  p11_tracker; its sums are estimator::p3_flow_fits32's of no command
+//! tracker = spec, a device without damping      p11_tracker; its sums are estimator::p3_flow_fits32's of no command
 //! ```
 
 use crate::estimated::motion;
@@ -31,11 +32,11 @@ use touchstone_control::{Fixed8, Fixed32, Force, Position, Ratio, Stiffness};
 
 type N = Fixed32;
 
-/// The value 1 as a weight of motion.
+/// The value 1 as a weight of motion, with 26 fractional bits.
 const ONE: i32 = 1 << 26;
 const RAD: i64 = 1 << Wide64::FRACTION;
 
-/// Any word, of samples one from 0 to `most`.
+/// Any word; in random tests one from 0 to `most`.
 fn weight<S: crate::source::Source>(s: &mut S, most: i32) -> i32 {
     let any = s.i32();
     if s.shortcut() {
@@ -46,7 +47,7 @@ fn weight<S: crate::source::Source>(s: &mut S, most: i32) -> i32 {
 }
 
 weighed_property! {
-    /// P11: a difference through a first-order filter is the specification's, and starts anew where that does.
+    /// P11 (refinement): the first-order filter of differences equals the specification's; both restart on the same inputs.
     equation "d' = d + a (x - x' - d); none beyond 8 rad of news or 4 rad a tick"
     over "weight, motion in the invariant, measured position"
     by minisat fn p11_smoothed(s) {
@@ -62,7 +63,8 @@ weighed_property! {
     }
 }
 bounded_property! {
-    /// P3: a filter of a share up to 1 keeps its motion in the invariant, and none of its sums overflows.
+    /// P3 (no overflow): a first-order filter with a weight up to 1 keeps its motion in the invariant, and none of its sums
+    /// overflows.
     equation "|d'| <= 4 rad, x' = e, g' = g"
     over "share from 0 to 1, motion in the invariant, measured position"
     by minisat fn p3_smoothed_stays32(s) {
@@ -80,7 +82,8 @@ bounded_property! {
     }
 }
 property! {
-    /// P11: the tick without brake and drive that trackers take: a displacement per tick moves by itself, an acceleration by its half.
+    /// P11 (refinement): the prediction without damping and commands, which trackers use, is exact: a displacement per tick adds
+    /// itself, an acceleration adds half of itself.
     equation "V = 1, X = 1/2, β V = 0"
     over "nothing"
     by cadical fn p11_free(s) {
@@ -91,7 +94,7 @@ property! {
     }
 }
 weighed_property! {
-    /// P11: a Kalman filter in its steady state is the specification's, and starts anew where that does.
+    /// P11 (refinement): a Kalman filter in its steady state equals the specification's; both restart on the same inputs.
     equation "r = e - x - V d - X g; (x', d', g') = (x⁻, d⁻, g) + (α, β, γ) r"
     over "weights, motion in the invariant, measured position"
     by minisat fn p11_tracker(s) {
@@ -112,7 +115,7 @@ weighed_property! {
     }
 }
 
-/// A window's slope over this many ticks, as settings give it.
+/// The coefficients of a window's slope over this many ticks, as settings give them.
 fn slope(ticks: i32) -> Slope<N> {
     Slope {
         times: Stiffness(FixedI32::from_bits(ticks << 12)),
@@ -124,8 +127,8 @@ fn place(bits: i32) -> Position<N> {
 }
 
 property! {
-    /// P11: the adaptive window is the specification's: the slope over the longest window that a line fits, and the positions that are
-    /// remembered.
+    /// P11 (refinement): the adaptive window equals the specification's: the slope over the longest window that a line fits, and
+    /// the remembered positions.
     equation "v = (e - e(n-k))/k, the largest k <= K that a line within d fits; e, e(n-1), ... remembered"
     over "positions remembered, position, longest window, margin"
     by sampled fn p11_window(s) {
@@ -149,7 +152,8 @@ property! {
 }
 replaced_property! {
     [(touchstone_control::velocity::Velocity::tick, crate::velocity::any_velocity)]
-    /// P11: a spring with a velocity of its own is the spring, told the penetration and what the filter makes of it, whatever that is.
+    /// P11 (refinement): a spring with its own velocity filter is the spring, with the penetration and whatever velocity the filter
+    /// gives.
     equation "f = spring(e, v), v = filter(e)"
     over "spring and damper, penetration, displacement told; under the checker whatever a filter tells"
     by kissat fn p11_damped_tick(s) {
@@ -167,7 +171,7 @@ replaced_property! {
     }
 }
 
-/// Stands for `Velocity::tick`: any displacement for a position; the same for the same question.
+/// Replaces `Velocity::tick`: any displacement for a position, and the same one for an equal position.
 #[cfg(kani)]
 pub fn any_velocity<N: Format>(
     _: &Velocity<N>,

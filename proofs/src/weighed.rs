@@ -1,25 +1,26 @@
-//! Weight times part for the checker: one product for one question, as in [`crate::multiplied`], for the estimator.
+//! Weight times part for the model checker, for the estimator: any answer, and the same answer for the same question, as in
+//! [`crate::multiplied`].
 //!
-//! That a tick of the estimator is its specification does not depend on what its products are: a `weighed_property!` puts any
-//! number in the place of each, and the specification's next question gets the code's answer if it is the same question. That no sum overflows
-//! is the matter of other harnesses, and here an assumption where a sum is made.
+//! That a tick of the estimator equals its specification does not depend on its products. A `weighed_property!` replaces each by
+//! any number, and the specification's next question gets the code's answer if it is the same question. Other harnesses prove that
+//! no sum overflows; here each sum assumes it.
 //!
 //! ```text
 //! no sum of the code overflows                            estimator::p3_flow_fits32, p3_motion_stays32
 //! sums that do not are the sums                           wide::p3_wide_sums
-//! what the code multiplies are the products               p1_weight_times_part
+//! the code's multiplications are exact products           p1_weight_times_part
 //! 0 <= w <= 2^k  implies  w p between 0 and p << k        p3_weight_in_range, multiplied::p3_product_in_order, obligations/check.py
 //! |x⁻| < 160 rad, |d⁻| < 21 rad                           estimator::p3_flow_fits32
 //! ```
 //!
-//! Larger pieces are answered in the same way: how a flow ends (`flowed_property!`, `bounded_property!`), what is corrected
-//! (`corrected_property!`); that they are their specification is `estimated::p11_estimator_flow` and `p11_estimator_corrected`.
+//! Larger parts are replaced in the same way: the result of a prediction (`flowed_property!`, `bounded_property!`) and the
+//! correction (`corrected_property!`). `estimated::p11_estimator_flow` and `p11_estimator_corrected` prove that these are their
+//! specification.
 
 use crate::{cover, property};
 use touchstone_control::number::{Wide as _, Wide64};
 
-/// The known fact of a product: with a weight from 0 to 1 (or 2), it lies between zero and the part (or twice the
-/// part).
+/// Whether a product has its known fact: with a weight from 0 to 1 (or 2), it lies between 0 and the part (or twice the part).
 #[must_use]
 pub fn in_range(weight: i32, part: i32, product: i64) -> bool {
     let between = |end: i64| product >= end.min(0) && product <= end.max(0);
@@ -29,7 +30,7 @@ pub fn in_range(weight: i32, part: i32, product: i64) -> bool {
 }
 
 property! {
-    /// P1: the code's product of a weight and a part is the product.
+    /// P1 (energy): the code's product of a weight and a part is the exact product.
     equation "w p = w p"
     over "weight and part"
     by kissat fn p1_weight_times_part(s) {
@@ -41,8 +42,8 @@ property! {
     }
 }
 property! {
-    /// P3: a weight from 0 to 1, or to 2, gives what lies between nothing and the part or twice the part: that the product of a
-    /// smaller factor is not larger, over the integers, in two solvers, `obligations/check.py`.
+    /// P3 (arithmetic): a weight from 0 to 1 (or 2) gives a product between 0 and the part (or twice the part). It follows from the
+    /// order of products, which two solvers show over the integers in `obligations/check.py`.
     equation "0 <= w <= 2^k implies w p between 0 and p << k, k = 26, 27"
     over "weight and part"
     by sampled fn p3_weight_in_range(s) {
@@ -52,7 +53,7 @@ property! {
     }
 }
 
-/// A property of the estimator and its specification with the products of this file.
+/// Defines a property of the estimator and its specification, in which products are those of this file.
 #[macro_export]
 macro_rules! weighed_property {
     (and [$($pair:tt)*] $($property:tt)*) => {
@@ -69,7 +70,7 @@ macro_rules! weighed_property {
         $crate::weighed_property!(and [] $($property)*);
     };
 }
-/// Properties of a correction, in which the end of the flow is given.
+/// Defines a property of a correction, in which the result of the prediction is replaced by any answer.
 #[macro_export]
 macro_rules! flowed_property {
     ($($property:tt)*) => {
@@ -82,7 +83,7 @@ macro_rules! flowed_property {
         }
     };
 }
-/// The same for a tick, in which the end of its flow and its correction are given.
+/// Defines a property of a tick, in which the result of its prediction and its correction are replaced by any answers.
 #[macro_export]
 macro_rules! corrected_property {
     ($($property:tt)*) => {
@@ -95,7 +96,7 @@ macro_rules! corrected_property {
         }
     };
 }
-/// A property of a correction, whatever the flow before it gave within its range.
+/// Defines a property of a correction that holds for any result of the prediction within its range.
 #[macro_export]
 macro_rules! bounded_property {
     ($($property:tt)*) => {
@@ -107,10 +108,10 @@ macro_rules! bounded_property {
     };
 }
 
-/// Marks that the following calls come from the specification.
+/// Marks of who asks for products (code or specification); without the checker they do nothing.
 #[cfg(not(kani))]
 mod questions {
-    /// For sampled properties, which need no distinction.
+    /// Does nothing: properties in random tests do not record who asks.
     pub fn of_specification() {}
 }
 #[cfg(not(kani))]
@@ -128,9 +129,9 @@ mod by_one_product {
     use touchstone_control::number::{Wide, Wide64};
     use touchstone_control::{Estimator, Number, Position};
 
-    /// Products of a property.
+    /// Number of products that a property may use.
     const END: usize = 10;
-    /// The next question, whether the specification asks, and how many questions the code has asked.
+    /// Row of the next product in the record, whether the specification asks for it, and how many products the code has asked for.
     static AT: AtomicUsize = AtomicUsize::new(0);
     static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
     static ASKED: AtomicUsize = AtomicUsize::new(0);
@@ -144,7 +145,7 @@ mod by_one_product {
         SPECIFIES.store(1, Relaxed);
     }
 
-    /// For the code's product.
+    /// Replaces the code's product under the model checker.
     pub fn product(weight: i32, part: i32) -> Wide64 {
         let at = AT.load(Relaxed);
         AT.store(at + 1, Relaxed);
@@ -154,7 +155,8 @@ mod by_one_product {
         FOUND[at].store(any, Relaxed);
         Wide64(any)
     }
-    /// For [`crate::spec::estimator::weighed`].
+    /// Replaces [`crate::spec::estimator::weighed`] under the model checker: the specification gets the result that the code got
+    /// for equal arguments.
     pub fn weighed(weight: i128, part: i128) -> i128 {
         assert!(
             SPECIFIES.load(Relaxed) == 1,
@@ -174,35 +176,35 @@ mod by_one_product {
             any.into()
         }
     }
-    /// For a sum that fits, as `estimator::p3_*` show of each.
+    /// Replaces a sum of the code, which fits, as `estimator::p3_*` prove.
     pub fn plus(a: Wide64, b: Wide64) -> Wide64 {
         let sum = a.0.checked_add(b.0);
         kani::assume(sum.is_some());
         Wide64(sum.unwrap_or_default())
     }
-    /// For a difference that fits.
+    /// Replaces a difference of the code, which fits, as `estimator::p3_*` prove.
     pub fn minus(a: Wide64, b: Wide64) -> Wide64 {
         let difference = a.0.checked_sub(b.0);
         kani::assume(difference.is_some());
         Wide64(difference.unwrap_or_default())
     }
 
-    /// For the code's product where only its range matters.
+    /// Replaces the code's product under the model checker where only its range matters.
     pub fn bounded(weight: i32, part: i32) -> Wide64 {
         let any: i64 = kani::any();
         kani::assume(in_range(weight, part, any));
         Wide64(any)
     }
 
-    /// A state of which any is made.
+    /// A wide number that can be made from any bits.
     pub trait Made: Wide {
-        /// The number with these bits.
+        /// A wide number with these bits.
         fn made(bits: i64) -> Self;
-        /// Bits of the number.
+        /// The bits of a wide number.
         fn bits(self) -> i64;
-        /// Bits of a part.
+        /// The bits of a part: the digits of a wide number that are multiplied.
         fn of_part(part: Self::Part) -> i64;
-        /// Bits of a weight.
+        /// The bits of a weight: the other factor of such a product.
         fn of_weight(weight: Self::Weight) -> i64;
     }
     impl Made for Wide64 {
@@ -221,7 +223,7 @@ mod by_one_product {
     }
 
     const WORDS: usize = 15;
-    /// The code's one question to a piece, and its answer.
+    /// Record of the code's one call of a part of the tick: arguments and result.
     struct Piece {
         asked: AtomicUsize,
         question: [AtomicI64; WORDS],
@@ -238,7 +240,8 @@ mod by_one_product {
                 answer: [const { AtomicI64::new(0) }; 4],
             }
         }
-        /// Any answer to the first question, the same when it is asked again, any other for a different question.
+        /// The result of a replaced part: any at the first call, the same one for equal arguments, and any other for different
+        /// ones.
         fn answer(&self, question: [i64; WORDS]) -> [i64; 4] {
             let mut any: [i64; 4] = [kani::any(), kani::any(), kani::any(), kani::any()];
             let first = self.asked.load(Relaxed) == 0;
@@ -265,14 +268,14 @@ mod by_one_product {
         }
     }
 
-    /// An end of a flow, within the range of `estimator::p3_flow_fits32`.
+    /// Any result of a prediction within the range that `estimator::p3_flow_fits32` proves.
     fn any_end(question: [i64; WORDS]) -> (i64, i64) {
         let [position, moved, ..] = FLOW.answer(question);
         kani::assume(position.unsigned_abs() < 160 << Wide64::FRACTION);
         kani::assume(moved.unsigned_abs() < 21 << Wide64::FRACTION);
         (position, moved)
     }
-    /// For [`Flow::apply`].
+    /// Replaces [`Flow::apply`] under the model checker: the code gets any result, and the same one for equal arguments.
     pub fn end<N: Number, const COMMANDS: usize>(
         flow: &Flow<N, COMMANDS>,
         from: &EstimatedMotion<N>,
@@ -298,7 +301,8 @@ mod by_one_product {
         let (position, moved) = any_end(question);
         (N::Wide::made(position), N::Wide::made(moved))
     }
-    /// For [`spec::Flow::end`].
+    /// Replaces [`spec::Flow::end`] under the model checker: the specification gets the result that the code got for equal
+    /// arguments.
     pub fn specified_end<const COMMANDS: usize>(
         flow: &spec::Flow<COMMANDS>,
         from: spec::Motion,
@@ -329,7 +333,7 @@ mod by_one_product {
         x as i64
     }
 
-    /// For [`Estimator::corrected`]: any motion whatever, or none.
+    /// Replaces [`Estimator::corrected`] under the model checker: any motion, or `None`.
     pub fn corrected<N: Number>(
         _: &Estimator<N>,
         before: &EstimatedMotion<N>,
@@ -362,7 +366,8 @@ mod by_one_product {
         let [some, position, moved, pushed] = CORRECTED.answer(question);
         (some > 0).then_some([position, moved, pushed])
     }
-    /// For [`spec::Estimator::corrected`].
+    /// Replaces [`spec::Estimator::corrected`] under the model checker: the specification gets the result that the code got for
+    /// equal arguments.
     pub fn specified_corrected(
         _: &spec::Estimator,
         before: spec::Motion,

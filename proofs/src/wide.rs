@@ -1,12 +1,12 @@
-//! The states of the estimator as numbers, and the few functions of `Fixed32` and `Fixed8` around them that no other file looks at: each
-//! against its own sentence, over integers.
+//! The estimator's wide states as numbers, and the few functions of `Fixed32` and `Fixed8` that no other file covers. Each is
+//! compared with its equation over integers.
 //!
 //! ```text
 //! a + b, a - b where they fit; leading digits; ±2^k     p3_wide_sums, p3_wide_parts, p3_wide_within
 //! a machine of words takes the same word               p3_wide_of_words
 //! a weight is the nearest, or there is none             p3_wide_weights
 //! setting -> signal, towards zero, to the end           p8_saturating_signal32
-//! p / k by a prepared divisor, at 8 bits                p6_divide_by8
+//! p / k by a prepared divisor (stored reciprocal), at 8 bits                p6_divide_by8
 //! floor(e 2^-24)                                        p3_energy_digits32
 //! ```
 
@@ -15,7 +15,7 @@ use touchstone_control::number::{Exact, Wide as _, Wide64, word_of};
 use touchstone_control::{Fixed8, Fixed32, Number, Si};
 
 property! {
-    /// P3: a sum or difference of states that fits is the sum or difference.
+    /// P3 (arithmetic): sum and difference of wide states are exact if they fit.
     equation "a + b, a - b"
     over "two states"
     by cadical fn p3_wide_sums(s) {
@@ -32,16 +32,17 @@ property! {
     }
 }
 property! {
-    /// P3: the part of a motion is its first 28 fractional digits, that of a torque its first 24, both downwards, where they are words.
+    /// P3 (arithmetic): the part of a motion is its first 28 fractional bits, that of a torque its first 24. Both are rounded down
+    /// and exact if they fit words.
     equation "part = floor(w 2^-26), torque part = floor(w 2^-30)"
     over "a state within ±8, within ±128"
     by cadical fn p3_wide_parts(s) {
-        // The first on samples mostly within ±8.
+        // On samples the first number is mostly within ±8.
         let any = s.i64();
         let state = Wide64(if s.shortcut() { any >> 6 } else { any });
         let whole = i128::from(state.0);
         let digits = |down: u32| {
-            // Downwards: what is left out is not negative.
+            // Rounded down: what is left out is not negative.
             let rest = whole.rem_euclid(1 << down);
             (whole - rest) / (1 << down)
         };
@@ -56,7 +57,7 @@ property! {
     }
 }
 property! {
-    /// P3: what a machine of words takes of the two words of a state is the same word as another machine's.
+    /// P3 (arithmetic): `word_of` takes the 32-bit word that begins at a given bit of a 64-bit state.
     equation "word from bit i = floor(w 2^-i) modulo 2^32"
     over "a state, i from 1 to 31"
     by cadical fn p3_wide_of_words(s) {
@@ -69,12 +70,12 @@ property! {
     }
 }
 property! {
-    /// P3: within a power of two is what is said: the lower end included, the upper not.
+    /// P3 (arithmetic): the check for a range `-2^k <= w < 2^k` includes the lower end and excludes the upper.
     equation "-2^k <= w < 2^k"
     over "state, k from 0 to 8"
     by cadical fn p3_wide_within(s) {
         let bits = u32::from(s.u8() % 9);
-        // On samples mostly at one of the two ends, or none would be.
+        // On samples mostly at one of the two ends, as otherwise none would be.
         let any = s.i64();
         let state = Wide64(if s.shortcut() {
             let (end, near) = (1_i64 << (54 + bits), any >> 61);
@@ -90,7 +91,8 @@ property! {
     }
 }
 property! {
-    /// P3: a weight is the nearest to what was calculated, halves up, or there is none where that is beyond ±32, of a torque ±2.
+    /// P3 (arithmetic): a weight is the nearest to the calculated number, halves rounded up. There is none if the number is beyond
+    /// ±32, or ±2 for a torque.
     equation "w = floor(v 2^-30 + 1/2), of a torque floor(v 2^-26 + 1/2); none beyond a word"
     over "value with 56 fractional digits"
     by cadical fn p3_wide_weights(s) {
@@ -105,13 +107,14 @@ property! {
     }
 }
 property! {
-    /// P8: a setting becomes the signal that is next towards zero, or the end of the format.
+    /// P8 (settings): a setting is converted to the signal (position or force) next to it towards zero, limited to the range of
+    /// signals.
     equation "bits' = bits 2^-8 towards zero, within the format"
     over "setting of 64 bits"
     by cadical fn p8_saturating_signal32(s) {
         let si = Si::from_bits(s.i64());
         let whole = i128::from(si.to_bits());
-        // Towards zero: digits of the magnitude are cut.
+        // Towards zero: digits of the magnitude are cut off.
         let size = whole.abs() >> 8;
         let cut = if whole < 0 { -size } else { size };
         let shown = cut.clamp(i128::from(i32::MIN), i128::from(i32::MAX));
@@ -122,7 +125,8 @@ property! {
     }
 }
 property! {
-    /// P6: at 8 bits, the quotient by a prepared divisor is the quotient towards zero, at the end of the format beyond it.
+    /// P6 (rounding): at 8 bits, the quotient by a prepared divisor (stored reciprocal) is the exact one, rounded towards zero and
+    /// limited to the format.
     equation "|q| = min(floor(|p| / k), 127), sign of p"
     over "product of 16 bits, gain of 8 bits above zero"
     by kissat fn p6_divide_by8(s) {
@@ -131,7 +135,7 @@ property! {
         let divisor = Fixed8::divisor(<Fixed8 as Number>::Gain::from_bits(k));
         let found = i32::from(Fixed8::divide_by(p, &divisor).to_bits());
         let (size, dividend, k) = (found.abs(), i32::from(p).abs(), i32::from(k));
-        // Multiplied out: a division here would be another that a solver has to follow.
+        // Checked by products: the solver would have to follow another division.
         assert!(size * k <= dividend && size <= 127);
         assert!(size == 127 || dividend < size * k + k);
         assert!(found == 0 || (found < 0) == (p < 0));
@@ -140,7 +144,7 @@ property! {
     }
 }
 property! {
-    /// P3: an energy with the digits of a signal is rounded down, where it fits.
+    /// P3 (arithmetic): an energy, cut to the fractional bits of a signal (position or force), is rounded down if it fits.
     equation "e' = floor(e 2^-24)"
     over "energy within ±2^55"
     by cadical fn p3_energy_digits32(s) {

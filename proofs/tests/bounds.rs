@@ -1,5 +1,5 @@
-//! Both sides of bounds that several settings share, and which setting a refusal names. The comparison with the
-//! specification does not see these, as it only checks whether settings are accepted.
+//! Both sides of bounds that several settings share, and which setting a refusal names. The comparison with the specification does
+//! not cover these, as it only compares whether settings are accepted.
 
 use touchstone_control::space::{FrictionError, FrictionSettings, LengthUnit};
 use touchstone_control::{
@@ -11,7 +11,7 @@ fn si(text: &str) -> Si {
     text.parse().expect("a number")
 }
 
-/// An enhanced law whose mass is made of four parts, N·m/rad each, at 1 kHz.
+/// Settings of an enhanced law whose virtual mass has the given four parts, each in N·m/rad at 1 kHz.
 fn of_parts([mass, stiffness, damping, ground]: [&str; 4]) -> Settings {
     let per_tick = |text| si(text) / Si::from_num(1000);
     let mut settings = Settings::thesis();
@@ -25,7 +25,7 @@ fn of_parts([mass, stiffness, damping, ground]: [&str; 4]) -> Settings {
 
 #[test]
 fn the_largest_part_of_the_mass_is_blamed() {
-    // Gains of the 32-bit format end before 2^19, and twice the sum must fit.
+    // Gains of the 32-bit format are below 2^19, and twice the sum must fit.
     let blamed = |parts| match Controller::<Fixed32>::new(&of_parts(parts)) {
         Err(SettingsError::OutOfFormat { field, .. }) => field,
         other => panic!("{parts:?}: {other:?}"),
@@ -41,7 +41,7 @@ fn the_largest_part_of_the_mass_is_blamed() {
             ["70000", "60000", "50000", "150000"],
             Field::FilterGroundDamping,
         ),
-        // Of two of one size the first.
+        // If two parts are equal, the first one is named.
         (
             ["10000", "250000", "250000", "10000"],
             Field::FilterStiffness,
@@ -49,7 +49,7 @@ fn the_largest_part_of_the_mass_is_blamed() {
     ] {
         assert_eq!(blamed(parts), field, "{parts:?}");
     }
-    // Half of the format less a little.
+    // A little less than half of the format's range.
     let fits = of_parts(["1000", "255000", "3000", "3000"]);
     assert!(Controller::<Fixed32>::new(&fits).is_ok());
 }
@@ -81,7 +81,7 @@ fn estimator(bandwidth_hz: Si, inertia: Si) -> EstimatorSettings {
 
 #[test]
 fn the_estimator_s_bounds_are_where_they_are_said_to_be() {
-    // A rate, Hz; the lowest and the highest bandwidth, the lightest and the heaviest inertia for a force limit of 1 N·m.
+    // Columns: rate in Hz, lowest and highest bandwidth, smallest and largest inertia for a force limit of 1 N·m.
     for (rate, bandwidths, inertias) in [
         (1000, ["2", "200"], [None, Some("60")]),
         (1, ["0.002", "0.2"], [Some("1"), None]),
@@ -104,14 +104,14 @@ fn the_estimator_s_bounds_are_where_they_are_said_to_be() {
             assert!(!accepts(high / 2, si(heaviest) + Si::DELTA));
         }
     }
-    // The highest bandwidth itself.
+    // The highest accepted bandwidth.
     let high = Si::from_num(1000) / 5;
     assert!(
         estimator(high, si("0.0001"))
             .validate(1000, Si::ONE)
             .is_ok()
     );
-    // Below the force limit's inertia the error says the least that is accepted; 0.76 where the limit is less.
+    // For an inertia below the accepted range the error names the smallest accepted one: that of the force limit, at least 0.76.
     for limit in ["1", "0.5", "3"] {
         let at = |inertia| estimator(si("60"), inertia).validate(1000, si(limit));
         let Err(SettingsError::OutOfRange { field, min, .. }) = at(si("0.0000001")) else {
@@ -165,7 +165,7 @@ fn a_coefficient_of_friction_is_at_most_ten() {
         refused(Si::ZERO, LengthUnit::Metre),
         Some(FrictionError::Stiffness { .. })
     ));
-    // A stiffness of which nothing is left in a millimetre reaches further than any format.
+    // With a stiffness of 0 per millimetre after rounding, friction would stretch beyond every format.
     let Some(FrictionError::OutOfFormat { value, .. }) = refused(Si::DELTA, LengthUnit::Millimetre)
     else {
         panic!("it has no reach");
@@ -216,7 +216,7 @@ fn a_guard_that_softens_says_what_its_limit_needs() {
     else {
         panic!("an empty account answers for no force");
     };
-    // f D (1 + 0.3) + f δ/2, with D = 60 rad/s a tick and a count at each end.
+    // f D (1 + 0.3) + f δ/2, where D is the displacement of a tick at 60 rad/s plus a count at each end.
     let expected = si("0.5") * si("0.08") * si("1.3") + si("0.0025");
     assert!((needed - expected).abs() < si("0.000001"), "{needed}");
     assert!(with(needed).warnings(&device)[0].is_none());

@@ -1,4 +1,4 @@
-//! The controller runs its parts in order: states, law, guard; and passes on what they need.
+//! The controller runs its parts in order (states, law, guard), and passes to each what it needs.
 
 use touchstone_control::estimator::EstimatorState;
 use touchstone_control::{
@@ -16,7 +16,7 @@ const KINDS: [LawKind; 6] = [
     LawKind::EnhancedSfa,
 ];
 
-/// Any law, behind a guard or not.
+/// Random settings of a law, with or without a guard.
 fn any(random: &mut Random) -> Settings {
     let kind = KINDS[random.below(KINDS.len() as u64) as usize];
     let on = random.below(2) == 0;
@@ -99,7 +99,7 @@ fn a_tick_is_the_law_and_then_the_guard() {
     assert!(estimated > 20, "{estimated}");
 }
 
-/// A set damping counts only where it is meant to.
+/// A configured device damping has an effect only in the TDPA variant that counts it.
 #[test]
 fn tdpa_counts_the_device_s_damping_only_where_it_is_told_to() {
     let settings = |count_device_damping| Settings {
@@ -112,11 +112,12 @@ fn tdpa_counts_the_device_s_damping_only_where_it_is_told_to() {
         Ok(AnyLaw::Tdpa(law, _)) => i64::from(law.device_damping.0.to_bits()),
         other => panic!("{other:?}"),
     };
-    // 0.001 in 32 bits is a little less, times 1 kHz: one step of a gain below 1.
+    // 0.001 in 32 bits is a little less than 0.001; times 1 kHz it is one quantum of a gain below 1.
     assert_eq!((damping(true), damping(false)), (4095, 0));
 }
 
-/// (2.14a): a tick inward moves the offset by `k_c/k_v - 1` of its displacement, and by nothing where that is below zero.
+/// Thesis (2.14a): a tick inward moves the offset by `k_c/k_v - 1` times its displacement, and not at all if that factor is
+/// negative.
 #[test]
 fn the_offset_s_step_is_what_the_device_s_damping_makes_up_for() {
     let gain = |damping: &str| {
@@ -145,7 +146,7 @@ fn a_coupling_that_a_format_rounds_to_nothing_is_refused() {
         settings.k_soft = "0.0148".parse().expect("a number");
         settings
     };
-    // A step of a gain in 16 bits is a 64th; a spring is not made of one that is less.
+    // One quantum of a gain in 16 bits is 1/64; a smaller stiffness is refused.
     let soft = of("0.015");
     let of_32 = AnyLaw::<Fixed32>::new(&soft);
     assert!(of_32.is_ok(), "{of_32:?}");

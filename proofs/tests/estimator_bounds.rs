@@ -1,4 +1,5 @@
-//! Where the estimator's coefficients end, on either side; what starts it anew; and the velocity filters that are made of the same parts.
+//! Both sides of the ranges of the estimator's coefficients, what restarts the estimator, and the velocity filters that use the
+//! same functions.
 
 use touchstone_control::estimator::{DeviceInTicks, EstimatedMotion, Flow};
 use touchstone_control::fixed::types::{I8F24, I8F56};
@@ -18,7 +19,7 @@ fn weight(x: f64) -> i32 {
     Wide64::weight(I8F56::from_num(x)).expect("in its range")
 }
 
-/// Coefficients that all lie at their ends; a limit of 1 N·m, and commands that each use a share of the allowed sum.
+/// Coefficients at the ends of their ranges: a limit of 1 N·m, and commands that each use a fraction of the allowed sum.
 fn at_ends() -> Estimator<N> {
     let torque = |x: f64| Wide64::torque_weight(I8F56::from_num(x)).expect("in its range");
     Estimator {
@@ -61,7 +62,7 @@ fn an_estimator_is_bounded_up_to_every_end_and_no_further() {
         ("moved", without(&|it| it.correction[1] += 1)),
         ("pushed", without(&|it| it.correction[2] += 1)),
         ("moved back", without(&|it| it.correction[1] = -1)),
-        // Two commands together are 2 rad; each by itself is not.
+        // Two commands together displace by 2 rad; each alone by less.
         ("place", without(&|it| it.tick.commands[1][0] += 1)),
         ("velocity", without(&|it| it.tick.commands[2][1] += 1)),
         ("a push", without(&|it| it.tick.commands[0][0] = -1)),
@@ -93,7 +94,7 @@ fn what_no_device_does_starts_the_estimator_anew() {
     for jump in [8.0, 9.0, 20.0, 100.0, -8.1, -20.0, -100.0] {
         assert_eq!(after(jump), None, "{jump}");
     }
-    // The same turns, from elsewhere: what counts is the difference.
+    // The same motion from another place: only the difference counts.
     let before = EstimatedMotion::standing(at(100.0));
     let moved = estimator.corrected(&before, &[0; 3], at(100.001));
     assert!(moved.is_some_and(|it| it.moved != Wide64::default()));
@@ -106,7 +107,8 @@ fn what_brakes_harder_than_an_estimator_sees_is_left_to_the_push() {
             .estimator::<N>(1000, si("0.5"))
             .expect("accepted")
     };
-    // 2π 60 Hz of a tick is 0.377; of an inertia of 1 N·m a tick² that is 0.000377 N·m·s/rad. The last are 200 and 1000 of a tick.
+    // 2π times 60 Hz times a tick is 0.377. For an inertia of 1 N·m per tick² that is a damping of 0.000377 N·m·s/rad. The last two
+    // are 200 and 1000 ticks.
     let clipped = made("0.0004");
     for damping in ["0.001", "0.1", "0.2", "1"] {
         assert_eq!(made(damping), clipped, "{damping}");
@@ -120,7 +122,7 @@ fn an_estimator_is_the_same_in_the_ticks_of_any_rate() {
         settings(bandwidth, inertia, damping).estimator::<N>(rate, Si::ONE)
     };
     let one = at(1, "0.1", "2", "0.5").expect("accepted");
-    // A tick of half a second: a quarter of the inertia and half of the damping.
+    // With a tick of half a second: a quarter of the inertia and half of the damping.
     assert_eq!(at(2, "0.2", "0.5", "0.25"), Ok(one));
     assert_eq!(at(4, "0.4", "0.125", "0.125"), Ok(one));
 }
@@ -146,7 +148,7 @@ fn an_estimator_takes_the_lightest_inertia_and_no_lighter_one() {
         );
         assert!(is_inertia, "{inertia}: {refused:?}");
     }
-    // A hundredth of a tick's torque, by a rate of 1 that is no higher one.
+    // A torque of a hundredth at a rate of 1 Hz is accepted at no higher rate.
     assert!(accepts(1, si("0.5"), "1").is_err());
 }
 
@@ -195,10 +197,10 @@ fn a_tracker_is_the_estimator_of_a_device_that_nothing_brakes() {
             panic!("{from:?} is a tracker");
         };
         let free = tracker.free;
-        // V = 1, X = 1/2, and no loss.
+        // Expected: V = 1, X = 1/2, and no loss.
         assert_eq!((free.reach, free.loss), (weight(1.0), 0));
         assert_eq!(free.drift, weight(0.5));
-        // α = 1 - r², β = 2 (1 - r)², γ = β²/2α or none.
+        // α = 1 - r², β = 2 (1 - r)², and γ = β²/2α or 0.
         let angle = settings.bandwidth_hz.to_num::<f64>() * core::f64::consts::TAU / 1000.0;
         let accelerates = from == VelocityKind::KalmanAcceleration;
         let r = if accelerates {

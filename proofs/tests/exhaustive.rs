@@ -1,4 +1,5 @@
-//! The 8-bit instance of the heart and of its signed edges, every case there is, against plain wide arithmetic.
+//! The unsigned arithmetic (`magnitude`) and the signed functions built on it, at 8 bits on all inputs, compared with plain
+//! arithmetic in wider integers.
 
 use touchstone_control::magnitude::{affordable, passivity_step, quotient, root, scale};
 use touchstone_control::{Fixed8, Number};
@@ -18,7 +19,7 @@ fn every_passivity_step() {
                 );
                 let outward = passivity_step::<u8>(energy as u16, force, moved, false);
                 let paid = u32::from(outward.force) * u32::from(moved);
-                // Exactly the work of the force shown, which is the largest that the energy pays for.
+                // The energy falls by exactly the work of the reduced force, which is the largest that the energy covers.
                 assert!(u32::from(outward.energy) + paid == energy);
                 if work <= energy {
                     assert!(outward.force == force);
@@ -96,7 +97,7 @@ fn every_root_scale_and_quotient() {
     }
 }
 
-/// What `proofs/src/divided.rs` knows of the divisions that it takes the place of, at 8 bits for all arguments.
+/// The facts by which `proofs/src/divided.rs` replaces divisions, at 8 bits for all arguments.
 #[test]
 fn every_division_is_a_floor_with_its_sign() {
     type Signal = <Fixed8 as Number>::Signal;

@@ -1,5 +1,5 @@
-//! The guard's coefficients equal the specification's on both sides of every step: where a coefficient changes by a
-//! quantum, or where settings begin to be refused. The steps are found by halving.
+//! The guard's coefficients equal the specification's on both sides of every step. At a step a coefficient changes by a quantum, or
+//! settings begin to be refused. The test finds the steps by bisection.
 
 use touchstone_control::fixed::types::I2F14;
 use touchstone_control::{
@@ -43,7 +43,7 @@ fn expected(settings: &GuardSettings, device: &GuardedDevice) -> Option<spec::Gu
         .flatten()
 }
 
-/// The code at a setting and around it, beside the specification.
+/// Asserts that the code equals the specification for settings from 2 quanta below `at` to 3 above.
 fn is_the_specification_around(
     at: i64,
     with: &dyn Fn(Si) -> (GuardSettings, GuardedDevice),
@@ -61,7 +61,8 @@ fn is_the_specification_around(
     }
 }
 
-/// The setting up to which something is as at the lower end, and not beyond: by halving.
+/// The largest setting at which a function still has its value at the lower end, found by bisection; `None` if both ends have the
+/// same value.
 fn step_of<T: PartialEq>([mut low, mut high]: [i64; 2], of: &dyn Fn(Si) -> T) -> Option<i64> {
     if of(Si::from_bits(low)) == of(Si::from_bits(high)) {
         return None;
@@ -80,7 +81,7 @@ fn step_of<T: PartialEq>([mut low, mut high]: [i64; 2], of: &dyn Fn(Si) -> T) ->
 #[test]
 fn where_a_coefficient_steps_it_is_the_specification_s() {
     type With = fn(Si) -> (GuardSettings, GuardedDevice);
-    // Much of a tick's way, so that a step of the capacity moves the largest change of force by few steps.
+    // A large displacement per tick, so that a step of the capacity changes the largest change of force by few quanta.
     fn slow() -> (GuardSettings, GuardedDevice) {
         let (settings, device) = usual();
         (
@@ -222,7 +223,7 @@ fn where_a_coefficient_steps_it_is_the_specification_s() {
                 let (settings, device) = with(x);
                 expected(&settings, &device).map(|it| of(&it))
             };
-            // In the whole of the range, and in parts of it.
+            // In the whole range, and in quarters of it.
             for part in 0..4 {
                 let size = (ends[1] - ends[0]) >> (3 * part);
                 if let Some(at) = step_of([ends[0], ends[0] + size], &of) {
@@ -238,7 +239,7 @@ fn where_a_coefficient_steps_it_is_the_specification_s() {
 
 #[test]
 fn the_way_under_a_force_in_flight_is_refused_where_its_books_would_not_fit() {
-    // A force that begins to act a whole tick late, and a way of nearly 32 rad in it.
+    // A force that begins to act a whole tick late, and a displacement of nearly 32 rad in that tick.
     let with = |overspeed: Si| {
         let (settings, device) = usual();
         (
@@ -260,7 +261,7 @@ fn the_way_under_a_force_in_flight_is_refused_where_its_books_would_not_fit() {
     };
     let damped = |overspeed: Si| {
         let (settings, device) = with(overspeed);
-        // As much as the damping's books have room for.
+        // The largest damping for which the energy account has room.
         let damping = si("0.01");
         (
             GuardSettings {
@@ -313,7 +314,7 @@ fn without_damping_overspeed_costs_what_the_format_holds() {
         let guard = Guard::<Fixed32>::new(&settings, &device).expect("accepted");
         guard.overrun.0.to_num::<f64>()
     };
-    // 1/4c, and the largest whole number where that does not fit.
+    // 1/4c, or the largest number if that does not fit.
     assert!((in_32(si("0.0001")) - 3.125).abs() < 1e-4);
     assert_eq!(in_32(si("0.000001")), 127.0);
     assert_eq!(in_32(Si::ZERO), 127.0);

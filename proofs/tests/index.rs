@@ -1,4 +1,5 @@
-//! `proofs/harnesses.md` has every harness of the lock, with the equation of its source, and no others; what it quotes is in the source.
+//! `proofs/harnesses.md` lists every harness of `proofs/harnesses.lock`, with the equation from its source, and no others. Code
+//! that the page quotes exists in the source.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,7 +15,8 @@ fn read(path: impl AsRef<Path>) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|why| panic!("{}: {why}", path.display()))
 }
 
-/// `tdpa::p7_leaves` with the modules that it is proved in, of lines such as `tdpa::w8::p7_leaves::proof`.
+/// The harnesses of the lock file, such as `tdpa::p7_leaves`, each with the modules in which it is proved. The file's lines look
+/// like `tdpa::w8::p7_leaves::proof`.
 fn locked() -> BTreeMap<String, Vec<String>> {
     let mut found = BTreeMap::<String, Vec<String>>::new();
     for line in read("proofs/harnesses.lock").lines() {
@@ -35,19 +37,19 @@ fn locked() -> BTreeMap<String, Vec<String>> {
     found
 }
 
-/// The equation of each property in the sources.
+/// The equation of each property in the sources, by the property's name.
 fn equations() -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     for entry in std::fs::read_dir(root().join("proofs/src")).expect("the proofs") {
         let path = entry.expect("readable").path();
         let file = path.file_stem().expect("a file").to_string_lossy();
-        // The macros themselves.
+        // `source.rs` defines the macros and has no properties.
         if file == "source" || path.is_dir() {
             continue;
         }
         let text = std::fs::read_to_string(&path).expect("readable");
         for property in text.split("property! {").skip(1) {
-            // A macro that hands its tokens on has none.
+            // A macro that passes its tokens on has no equation.
             let Some((_, rest)) = property.split_once("equation \"") else {
                 continue;
             };
@@ -60,7 +62,7 @@ fn equations() -> BTreeMap<String, String> {
     found
 }
 
-/// What follows the plain words in the row of a property.
+/// The part of a property's table row that follows its meaning in plain words.
 fn row(harness: &str, equation: &str, instances: &[String]) -> String {
     let (file, _) = harness.split_once("::").expect("file and name");
     let equation = equation.replace('|', "\\|");

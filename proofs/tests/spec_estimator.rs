@@ -1,5 +1,6 @@
-//! The shipped estimator and its specification, bit for bit, what is shown and the whole memory: millions of ticks, with estimators made
-//! of settings of every size; and their coefficients beside closed forms, which the code does not have. Sampled, not proved.
+//! The shipped estimator and its specification give the same results and memory bit for bit, over millions of ticks, with
+//! estimators from settings of every size. Their coefficients are also compared with closed forms, which the code does not use.
+//! These are samples, not proofs.
 
 use fixed::types::I8F24;
 use touchstone_control::estimator::{EstimatorState, Flow};
@@ -9,7 +10,7 @@ use touchstone_proofs::spec::hands::Random;
 
 const TICKS: u64 = 2_000_000;
 
-/// Settings, rate and force limit; not all are accepted.
+/// Random settings, rate and force limit; not all are accepted.
 fn any_settings(random: &mut Random) -> (EstimatorSettings, u32, Si) {
     let rate: u32 = [100, 1000, 2000, 4000, 10_000, 20_000][random.below(6) as usize];
     let share = |random: &mut Random, most: u64| {
@@ -49,7 +50,7 @@ fn every_tick_of_the_estimator_is_its_specification() {
         let (mut e, mut moved) = (0_i64, 0_i64);
         for _ in 0..500 {
             ticks += 1;
-            // A hand of any speed, that jumps now and then.
+            // A hand of any speed that jumps now and then.
             if random.below(8) == 0 {
                 moved = random.signed(26);
             }
@@ -88,7 +89,8 @@ fn every_tick_of_the_estimator_is_its_specification() {
     assert!(reached.iter().all(|count| *count > 50), "{reached:?}");
 }
 
-/// `V` and `X` in closed form; below `β t = 1/64` their first terms, the next of which is less than `2^-50`.
+/// How far a device moves in a time from a displacement per tick (`V`) and from a push (`X`), in closed form. For `β t` below 1/64
+/// both are their first terms, of which the next is less than `2^-50`.
 fn integrals(loss: f64, time: f64) -> [f64; 2] {
     let a = loss * time;
     if a < 1.0 / 64.0 {
@@ -106,7 +108,8 @@ fn integrals(loss: f64, time: f64) -> [f64; 2] {
     [reach, (time - reach) / loss]
 }
 
-/// Weights against a closed form: to the nearest step, and another hundredth of one for the forms' own digits.
+/// Asserts that weights are the closed form rounded to the nearest step. A hundredth of a step is allowed for rounding in the
+/// closed form.
 fn near(
     weights: &[i32],
     fraction: i32,
@@ -120,7 +123,8 @@ fn near(
     }
 }
 
-/// The flow over `time`; each command ends the given number of ticks before its end.
+/// Weights of a device's prediction over `time` in closed form; each command ends the given number of ticks before the prediction's
+/// end.
 fn of_device<const C: usize>(
     flow: &Flow<Fixed32, C>,
     [loss, per_torque]: [f64; 2],

@@ -1,5 +1,5 @@
-//! The guard as a stage compared with its specification, which has a place: what it measures, where it ends, and the
-//! mirror image of the axis.
+//! The guard as a stage of the controller equals its specification, which knows the position: the displacement that it measures,
+//! the end of positions, and the mirrored axis.
 
 use touchstone_control::{Fixed32, Force, Guard, Guarded, Position};
 use touchstone_proofs::spec::guard as spec;
@@ -13,7 +13,7 @@ fn quanta(x: Position<N>) -> i64 {
     i64::from(x.0.to_bits())
 }
 
-/// The stage's specification: the guard's, and where the device is, in quanta.
+/// Specification of the stage: the guard's specification, and the device's position in quanta.
 struct Stage {
     guard: spec::Guard,
     memory: spec::Memory,
@@ -28,7 +28,7 @@ impl Stage {
         let edge = (HIGHEST - furthest).max(-HIGHEST - 1) - furthest;
         let edge = edge.max(-HIGHEST - 1);
         let since = |x: i64| i128::from((x - last).clamp(-HIGHEST - 1, HIGHEST));
-        // The lowest number has no opposite.
+        // The lowest number has no negative.
         let other = (-edge).min(HIGHEST);
         self.tripped |= wanted != 0 && (e >= edge || e <= other);
         let before_change = at_change.map_or(0, since);
@@ -62,7 +62,7 @@ fn every_tick_of_the_stage_is_its_specification() {
             tripped: false,
         };
         let furthest = quanta(guard.furthest);
-        // In the middle, or close to where forces end, on either side.
+        // In the middle of the range, or close to where forces end, on either side.
         let edge = HIGHEST - 2 * furthest;
         let mut at = match random.below(3) {
             0 => random.signed(31),

@@ -1,5 +1,5 @@
-//! Every shipped law and its specification, bit for bit, force and whole memory: millions of ticks under random and hostile motions, for
-//! settings of every size that `AnyLaw::new` accepts.
+//! Every shipped law and its specification agree bit for bit, in force and whole memory. The test runs millions of ticks of random
+//! and hostile motions, for settings of every size that `AnyLaw::new` accepts.
 
 use fixed::types::{I8F24, I16F48};
 use touchstone_control::filter::MassState;
@@ -17,7 +17,8 @@ fn wide(x: I8F24) -> i128 {
     i128::from(x.to_bits())
 }
 
-/// Runs laws of one kind; `compare` makes one tick of both and says what differs. The counts are of situations that must occur.
+/// Runs laws of one type; `compare` makes one tick of code and specification and reports a difference. It also counts situations
+/// that must occur in the run.
 fn every_tick<const N: usize>(
     kind: LawKind,
     seed: u64,
@@ -167,10 +168,10 @@ fn every_tick_of_sfa_is_its_specification() {
 fn every_tick_of_the_enhanced_law_is_its_specification() {
     every_tick(LawKind::EnhancedSfa, 6, |settings, law, e, moved| {
         let AnyLaw::Enhanced(law, state) = law else {
-            // Below k_v it is a plain spring.
+            // Below `k_v` the enhanced law is a plain spring.
             return [false; 8];
         };
-        // The divisors are of the settings themselves, towards zero in the digits of a gain.
+        // The code's divisors are calculated from the settings, rounded towards zero to a gain's digits.
         let series = i128::from((settings.filter.stiffness + settings.k_soft).to_bits() >> 20);
         let (specified, memory) = (at32::enhanced(law, series), at32::of_enhanced);
         let before = memory(state);
@@ -190,7 +191,7 @@ fn every_tick_of_the_enhanced_law_is_its_specification() {
             handed && expected.mass == before.last,
             stays && expected.offset > before.offset,
             stays && expected.offset < before.offset,
-            // Held back because no more is in store.
+            // The force is reduced because no more energy is stored.
             stays
                 && specified.exact
                 && expected.energy < -expected.at_mass * expected.mass_moved
@@ -202,7 +203,8 @@ fn every_tick_of_the_enhanced_law_is_its_specification() {
     });
 }
 
-/// A mass that the HIP leaves behind goes on where its energy just pays for the way, to the last quantum, and stands still where it does not.
+/// If the HIP leaves the virtual mass behind, the mass moves on while its energy just covers the motion, to the last quantum;
+/// otherwise it stands still.
 #[test]
 fn a_mass_that_is_left_behind_moves_where_its_energy_just_pays() {
     let mut random = Random(7);

@@ -1,4 +1,5 @@
-//! The numbers' edges and the vectors' operations beside whole numbers: what comparisons with an error bound let pass.
+//! Extreme numbers and the operations of vectors equal exact calculations with integers. Comparisons with an error bound would not
+//! notice a wrong last digit.
 
 use touchstone_control::fixed::types::{I8F24, I16F48};
 use touchstone_control::magnitude::Word as _;
@@ -8,7 +9,7 @@ use touchstone_control::space::{Axes, Direction, Spatial, Vector};
 use touchstone_control::{Fixed8, Fixed16, Fixed32, Force, Number, Position, Si, Stiffness};
 use touchstone_proofs::spec::hands::Random;
 
-/// `floor(sqrt(n))`.
+/// The square root `floor(sqrt(n))`.
 fn root(n: i128) -> i128 {
     n.isqrt()
 }
@@ -17,7 +18,7 @@ fn root_up(n: i128) -> i128 {
     root + i128::from(root * root != n)
 }
 
-/// A format's specification: bits of its word, fractional bits of a signal.
+/// Specification of a number format: bits of its word, and fractional bits of a signal (position or force).
 #[derive(Clone, Copy)]
 struct Format {
     bits: u32,
@@ -33,7 +34,8 @@ impl Format {
         if negative { -size } else { size }
     }
 
-    /// Each component over the length, both with as many digits as the root has, towards zero.
+    /// The direction of a vector: each component divided by the length, both with as many digits as the root has, rounded towards
+    /// zero.
     fn unit(self, v: Axes<i128>) -> Option<Axes<i128>> {
         let largest = v.iter().map(|x| x.abs()).max()?;
         if largest == 0 {
@@ -52,7 +54,8 @@ impl Format {
         Some(unit)
     }
 
-    /// A long vector cut to the digits that a direction can be made of: the highest bit but two of a word, rounded down.
+    /// A long vector scaled so that its components fit the digits of which a direction is calculated: up to two bits less than a
+    /// word, rounded down.
     fn leading(self, v: Axes<i128>) -> Option<Axes<i128>> {
         let largest = v.iter().map(|x| x.abs()).fold(0, |all, x| all | x);
         if largest == 0 {
@@ -67,8 +70,8 @@ impl Format {
         })
     }
 
-    /// The part of the other across this one, as a direction; then this one times the cosine and that one times the sine, made 1 long by
-    /// a step of Newton's.
+    /// The direction `u` turned in the plane of `u` and `towards`: `u` times the cosine plus the direction across it times the
+    /// sine. One step of Newton's method makes the result 1 long.
     fn turned(self, u: Axes<i128>, towards: Axes<i128>, turn: [i128; 2]) -> Option<Axes<i128>> {
         const NEAR_ONE: u32 = 30;
         let cross = |[a, b, c]: Axes<i128>, [x, y, z]: Axes<i128>| {
@@ -94,14 +97,14 @@ impl Format {
         }))
     }
 
-    /// The rest of a vector without its part along a direction, each rounded towards zero.
+    /// A vector without its part along a direction, with both products rounded towards zero.
     fn across(self, u: Axes<i128>, v: Axes<i128>) -> Axes<i128> {
         let one = 1_i128 << self.fraction;
         let along = (u[0] * v[0] + u[1] * v[1] + u[2] * v[2]) / one;
         [0, 1, 2].map(|i| ((v[i] << self.fraction) - along * u[i]) / one)
     }
 
-    /// A vector cut to a limit by one share of as many digits as a component has.
+    /// A vector cut to a limit: each component is multiplied by one ratio, which has as many bits as a component.
     fn within(self, v: Axes<i128>, limit: i128) -> Axes<i128> {
         let square: i128 = v.iter().map(|x| x * x).sum();
         if square <= limit * limit {
@@ -153,7 +156,7 @@ macro_rules! beside {
                 let fits = expected.iter().all(|x| x.abs() <= format.most());
                 assert!(!fits || across == expected, "{w:?} across {u:?}");
 
-                // Towards another direction, one that is close by, and itself.
+                // Turns towards another direction, a close one, and the same one.
                 let small = (1 << 3) - 1;
                 let close = u.map(|x| (x + any(5) % small).clamp(-format.most(), format.most()));
                 let other = format.unit(w).unwrap_or(u);
@@ -264,7 +267,7 @@ fn a_setting_at_the_end_of_a_signal_is_cut_towards_zero() {
 
 #[test]
 fn an_energy_fits_or_is_refused() {
-    // 48 fractional bits of 64: up by 16.
+    // An energy has 48 fractional bits, a setting 32: shifted up by 16.
     let energy = |si: i64| Fixed32::energy(Si::from_bits(si)).map(I16F48::to_bits);
     let most = i64::MAX >> 16;
     for sign in [1, -1] {
@@ -276,7 +279,7 @@ fn an_energy_fits_or_is_refused() {
         }
     }
     assert_eq!(energy(i64::MIN), None);
-    // The same of what has fewer digits than a setting.
+    // The same for formats with fewer fractional bits than a setting.
     let gain = |si: i64| Fixed32::gain(Si::from_bits(si)).map(|k| i64::from(k.to_bits()));
     for (si, bits) in [(0, 0), ((1 << 20) - 1, 0), (1 << 20, 1), (5 << 32, 5 << 12)] {
         assert_eq!(gain(si), Some(bits));
@@ -290,7 +293,7 @@ fn what_has_no_end_of_its_own_ends_with_the_format() {
     assert_eq!(lowest.modulus(), Position(I8F24::MAX));
     assert_eq!(Fixed32::energy_per(I16F48::ONE, I8F24::ZERO), I8F24::MAX);
     assert_eq!(Fixed32::energy_per(I16F48::ZERO, I8F24::ZERO), I8F24::MAX);
-    // No word goes into nothing, or into itself more than once.
+    // No word is divided by 0, and none divides itself more than once.
     for (divisor, wide) in [(0, 0), (0, 1), (0, u64::MAX)] {
         assert_eq!(u32::divides_within(divisor, wide), Some((0, 0)));
     }
@@ -300,11 +303,11 @@ fn what_has_no_end_of_its_own_ends_with_the_format() {
         1_u32.divides_within((1 << 31) - 1),
         Some(((1 << 31) - 1, (1 << 31) - 1))
     );
-    // What is prepared of nothing is nothing; an observer remembers where it was put.
+    // The reciprocal of 0 is 0. An observer remembers where it was placed.
     assert_eq!(Reciprocal32::new(0).inverse, 0);
     let observer = |x| ExactObserver::<Fixed32>::new(Position(I8F24::from_bits(x)));
     assert_ne!(observer(1), observer(2));
-    // A tension rounded up, by the largest and the least.
+    // A tension is rounded up, for the largest and the smallest stiffness.
     let k = Stiffness::<Fixed32>(touchstone_control::fixed::types::I20F12::DELTA);
     for (x, up) in [(1, 1), (4096, 1), (4097, 2), (-1, 0), (i32::MAX, 524_288)] {
         let product = k * Position(I8F24::from_bits(x));

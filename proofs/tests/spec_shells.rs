@@ -1,5 +1,5 @@
-//! Decisions of the shells of three axes, with laws and objects that answer as a test wants: when a contact ends,
-//! which way out is taken, the inputs of estimator and guard.
+//! Decisions of the laws on three axes (shells), with test laws and test objects that give set answers: when a contact ends, which
+//! way out is taken, and the inputs of estimator and guard.
 
 use touchstone_control::fixed::types::{I1F7, I5F3, I8F24, I20F12};
 use touchstone_control::law::{Contact, Sample, View};
@@ -38,7 +38,7 @@ fn direction(parts: [i64; 3]) -> Direction<N> {
     Direction(parts.map(|part| I1F7::from_bits(part as i8)))
 }
 
-/// A law that gives one force and shows one inside.
+/// A test law that always gives the same force, offset and contact phase.
 #[derive(Debug, Clone, Copy)]
 struct Says {
     force: i64,
@@ -95,12 +95,12 @@ fn a_contact_of_three_axes_ends_where_its_rule_says() {
     };
     let touching = [Augmenting, Augmenting, Free];
     for leaving in [Leaving::Decoupled, Leaving::AnyAxis, Leaving::Projection] {
-        // Inside and on the surface, without contact, and where the offset reaches further on both axes: never.
+        // Inside, on the surface, without contact, or where the offset reaches further on both axes, a contact never ends.
         assert!(!ends(leaving, 16, [0, 0], touching));
         assert!(!ends(leaving, 0, [0, 0], touching));
         assert!(!ends(leaving, -16, [0, 0], [Free; 3]));
         assert!(!ends(leaving, -16, [9, 9], touching));
-        // Outside of both shifted surfaces; any one contact is enough.
+        // Outside of both shifted surfaces; contact on any one axis is enough.
         let left = leaving != Leaving::Decoupled;
         assert_eq!(ends(leaving, -16, [2, 2], touching), left);
         for touches in 0..3 {
@@ -109,7 +109,7 @@ fn a_contact_of_three_axes_ends_where_its_rule_says() {
             assert_eq!(ends(leaving, -16, [2, 2], contacts), left);
         }
     }
-    // A quantum outside is outside: by half a quantum an axis, towards zero, nothing.
+    // A quantum outside counts as outside. Per axis that is half a quantum, which is rounded to 0.
     assert!(!ends(Leaving::AnyAxis, -1, [0, 0], touching));
     assert!(ends(Leaving::AnyAxis, -2, [0, 0], touching));
     // One axis has left: 8² + 8² against 8 (20 + 2).
@@ -134,12 +134,12 @@ fn where_a_coordinate_is_0_its_force_keeps_its_side() {
     assert_eq!(pulls(&[[-90, 0, -90]]), [-5, 6, -7]);
     assert_eq!(pulls(&[[-90, 0, -90], [0, 127, 0]]), [-5, 6, -7]);
     assert_eq!(pulls(&[[0, 127, 0], [-90, 0, -90]]), [-5, 6, -7]);
-    // As small as a coordinate may be.
+    // Components as small as possible.
     assert_eq!(pulls(&[[-90, 0, -90], [1, 0, 1]]), [5, 6, 7]);
     assert_eq!(pulls(&[[90, 0, 90], [-1, 0, -1]]), [-5, 6, -7]);
 }
 
-/// An object that says how far it is out in some directions, and in no other.
+/// A test object that reports set ways out in some directions, and none in any other.
 struct Ways {
     round: bool,
     closest: Direction<N>,
@@ -179,16 +179,16 @@ fn of_all_ways_out_in_the_cone_the_shortest_is_taken() {
     );
     let turn = Turn::of_ratio(position(64).0);
     let towards_closest = x.turned(&y, &turn);
-    // In the cone, on its edge, and outside of it.
+    // A direction in the cone, one on its edge, and one outside.
     let (inside, outside) = (direction([124, 0, 30]), z.opposite());
     assert!(Position::<N>(x.cosine(&inside)) > Position(turn.cosine));
     let edge = [turn.cosine.to_bits().into(), 0, turn.sine.to_bits().into()];
     let mut edge = direction(edge);
-    // The cosine of two directions is rounded down; the way whose cosine is just that of the cone.
+    // The cosine of two directions is rounded down. Searched is the direction whose cosine is just that of the cone.
     while Position::<N>(x.cosine(&edge)) < Position(turn.cosine) {
         edge.0[0] += I1F7::DELTA;
     }
-    // Less of the other component, which does not count for that.
+    // A smaller other component, which does not change that cosine.
     edge.0[2] -= I1F7::from_bits(4);
     assert_eq!(x.cosine(&edge), turn.cosine);
     let turned_outside = x.turned(&outside, &turn);
@@ -216,20 +216,20 @@ fn of_all_ways_out_in_the_cone_the_shortest_is_taken() {
         let exits = all.map(|way| (way, if way == shortest { 4 } else { 9 }));
         assert_eq!(taken(false, &exits), (shortest, 4));
     }
-    // Of equally short ones the first, which is straight on.
+    // Of equally short ways the first is taken, which is straight on.
     assert_eq!(taken(false, &all.map(|way| (way, 5))), (x, 5));
-    // Ways outside of the cone are not asked for as they are, nor those in it turned.
+    // Not tried: directions outside the cone as they are, and directions in the cone turned.
     for never in [outside, y, turned_edge] {
         assert_eq!(taken(false, &[(never, 1), (inside, 7)]), (inside, 7));
     }
-    // Out of what is round there is one way to ask for.
+    // Out of a round object only one way is tried.
     for way in [x, inside, edge, turned_outside] {
         assert_eq!(
             taken(true, &[(way, 1), (towards_closest, 7)]),
             (towards_closest, 7)
         );
     }
-    // Where none leads out the direction stays.
+    // If no way leads out, the direction stays.
     assert_eq!(taken(false, &[]), (x, 3));
 }
 
@@ -249,7 +249,7 @@ fn of_equally_close_faces_of_a_box_that_of_the_first_axis_is_taken() {
         assert_eq!(nearest(at).normal, Direction::along(axis, against));
         assert_eq!(nearest(at).depth, position(5));
     }
-    // Where all of a flat one is its surface, the side stays.
+    // If a flat object is all surface, the side stays.
     let flat = Cuboid {
         centre: vector([0; 3]),
         half: vector([0, 0, 20]),
@@ -270,11 +270,11 @@ fn beside_an_edge_the_way_to_it_leads_between_both_planes() {
     for size in [1, 2, 3, 1000] {
         let [a, b, c] = of([size, size, 0]).normal.0;
         assert!(a == b && a > I8F24::ZERO && c == I8F24::ZERO, "{size}");
-        // On the one plane's surface, outside of the other.
+        // On the surface of one plane, outside of the other.
         assert_eq!(of([0, size, 0]).normal, y);
         assert_eq!(of([size, 0, 0]).normal, x);
         assert_eq!(of([0, size, 0]).depth, at(-size));
-        // Inside, below the closer one.
+        // Inside, below the closer plane.
         assert_eq!(of([-size, 0, 0]).normal, y);
         assert_eq!(of([0, -size, 0]).normal, x);
     }
@@ -294,7 +294,7 @@ fn the_flattest_way_out_leads_out() {
     assert_eq!(out([-5, 0, 0], [0, 127, 0]), None);
 }
 
-/// A law of friction with reaches in quanta of a length for the largest force.
+/// A friction law whose stretch limits at the largest force are 60 quanta (static) and 40 quanta (kinetic).
 fn friction() -> Friction<N> {
     let reach = |bits| Compliance(I1F7::from_bits(bits));
     Friction {
@@ -318,7 +318,7 @@ fn si(text: &str) -> Si {
     text.parse().expect("a number")
 }
 
-/// Centimetres and newtons at 1 kHz, in 32 bits.
+/// Helpers for positions in centimetres and forces in newtons at 1 kHz, in 32 bits.
 mod wide {
     use super::*;
     pub type W = Fixed32;
@@ -356,7 +356,7 @@ fn the_guard_of_three_axes_remembers_the_length_of_its_force() {
         assert_eq!(shown, Ok(pull(wanted)));
         assert_eq!(state.size, pull(wanted).length_up());
     }
-    // One that is too long is as long as the account allows.
+    // A force that is too long is cut to what the account allows.
     let long = pull([1 << 29; 3]);
     let shown = guard
         .tick(&mut state, place([0; 3]), long)

@@ -1,5 +1,5 @@
-//! The spring-damper with a velocity of its own and its specification, bit for bit, force and whole memory: every filter, under random and
-//! hostile motions, for settings of every size that are accepted.
+//! The spring-damper with its own velocity filter and its specification agree bit for bit, in force and whole memory. The test runs
+//! every filter under random and hostile motions, for accepted settings of every size.
 
 use touchstone_control::fixed::types::I8F24;
 use touchstone_control::law::{Law as _, Sample};
@@ -25,7 +25,7 @@ fn wide(x: I8F24) -> Int {
     x.to_bits().into()
 }
 
-/// The filter's specification and its memory.
+/// A velocity filter as the specification has it, with its memory.
 enum Specified {
     Smoothed {
         share: Int,
@@ -147,7 +147,7 @@ fn every_tick_of_a_damped_spring_is_its_specification() {
                 let (e, told) = hand.moves(&mut random, tick, force);
                 let v = specified.tick(wide(e));
                 force = sfa::spring_tick(stiffness, damping, limit, wide(e), v);
-                // What the law is told of a displacement it does not take.
+                // A law with its own velocity does not use the displacement of its sample.
                 let sample = Sample {
                     e: Position(e),
                     moved: Position(told),

@@ -1,6 +1,6 @@
-//! The boards.
+//! The boards for which there is firmware.
 
-/// The boards that there is firmware for.
+/// The boards for which there is firmware.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub enum Board {
@@ -17,7 +17,7 @@ pub enum Board {
 }
 
 impl Board {
-    /// All boards.
+    /// All boards for which there is firmware.
     pub const ALL: [Self; 5] = [
         Self::NucleoG474re,
         Self::BG431bEsc1,
@@ -38,7 +38,7 @@ impl Board {
         }
     }
 
-    /// The board's microcontroller, as `probe-rs` calls it.
+    /// Name of the board's microcontroller in `probe-rs`.
     #[must_use]
     pub const fn chip(self) -> &'static str {
         match self {
@@ -50,27 +50,28 @@ impl Board {
         }
     }
 
-    /// Whether a magnetic encoder's bus is on its connectors.
+    /// Whether the bus (SPI) for a magnetic encoder is on the board's connectors.
     #[must_use]
     pub const fn has_bus(self) -> bool {
         !matches!(self, Self::BG431bEsc1)
     }
 
-    /// Whether the board has room for more than one wall: the program for that needs more flash than the STM32G431
-    /// has.
+    /// Whether the board's flash has room for the program with more than one wall. The STM32G431's flash has not.
     #[must_use]
     pub const fn is_large(self) -> bool {
         !matches!(self, Self::BG431bEsc1 | Self::NucleoG431rbIhm16m1)
     }
 
-    /// Whether the board measures its motor's currents. One that does not controls the motor's voltage, which makes a
-    /// known torque only if the motor's settings are right; and it can measure no motor.
+    /// Whether the board measures its motor's currents.
+    ///
+    /// A board without current sensors controls the motor's voltage. The voltage makes a known torque only if the motor's settings
+    /// are right. Such a board can measure no motor.
     #[must_use]
     pub const fn senses_current(self) -> bool {
         !matches!(self, Self::NucleoG474reSimplefocMini)
     }
 
-    /// Whether an analogue output for an external amplifier is.
+    /// Whether the board has an analogue output for an external amplifier.
     #[must_use]
     pub const fn has_analogue(self) -> bool {
         matches!(self, Self::NucleoG474re)

@@ -1,18 +1,18 @@
-//! The image of the settings in flash: a slot a page, written in turn, so that a cut of power at any write or erase loses
-//! nothing but that write.
+//! The image of the settings in flash. Each flash page is a slot for one image, and the slots are written in turn. So a cut of power
+//! at any write or erase loses only the image that was being written.
 //!
 //! ```text
 //! page:  sequence u32 | length u32 | image (stored.rs) | CRC-32 of all before | erased
 //! ```
 //!
-//! The newest whole slot counts. A write erases and fills the slot after it, which is the oldest: whatever becomes of that page,
-//! in however many cuts, the newest is not touched until another is whole. There is no state beside the slots to repair.
+//! The device uses the newest complete slot. A write erases and fills the next slot, which is the oldest. Cuts of power damage that
+//! page only: the newest slot is not touched until another slot is complete. No state outside the slots needs repair.
 //!
-//! Why not sequential-storage, as planned: its pages have a state in a byte at each end, and an erase that is cut leaves any
+//! The crate sequential-storage is not used: its pages have a state in a byte at each end, and an interrupted erase leaves any
 //! pattern of bits. In a simulation of such cuts (`tests/src/flash.rs`), some 2 of 100 that met an erase lost all settings.
 //!
-//! On the STM32G4 a word that was being programmed when the power went may fail its ECC: reading it then raises the NMI, whose
-//! handler has to clear the flag and return. The CRC here rejects what was read.
+//! On the STM32G4 a double word that was being programmed when the power failed may fail its ECC. Reading it raises the NMI, whose
+//! handler has to clear the flag and return. The slot's CRC then rejects the data that were read.
 
 use crate::frame::crc_of;
 use crate::session::FlashError;
@@ -23,24 +23,24 @@ use embedded_storage::nor_flash::NorFlash;
 
 const HEADER: usize = 8;
 const CRC_BYTES: usize = 4;
-/// Room for a slot, in whole words of any flash up to 16 bytes.
+/// Bytes of the longest slot, rounded up to whole write units of any flash (up to 16 bytes).
 const SLOT_MAX: usize = (HEADER + IMAGE_MAX + CRC_BYTES).next_multiple_of(16);
 
-/// A whole slot.
+/// The content of a complete slot.
 struct Slot<'b> {
     sequence: u32,
     image: &'b [u8],
 }
 
-/// The contents of a page.
+/// The content of a flash page, which is the slot for one image of the settings.
 enum Page<'b> {
     Erased,
     Damaged,
     Whole(Slot<'b>),
 }
 
-/// What the device starts with: the newest stored settings of this layout, or the defaults where nothing was ever
-/// stored. If something was stored and none of it is usable: the defaults, and why.
+/// Reads the settings with which the device starts: the newest stored ones of a readable layout, or `defaults` where nothing was
+/// ever stored. If something was stored but none of it is usable, returns the defaults with the reason.
 pub fn load<F: NorFlash>(
     flash: &mut F,
     pages: Range<u32>,
@@ -73,10 +73,10 @@ pub fn load<F: NorFlash>(
     Start::defaults(defaults, refused)
 }
 
-/// Writes an image, and reads it back.
+/// Writes an image into the next slot and reads it back to compare.
 ///
 /// # Errors
-/// The flash refused, or kept something else; the settings stored before are still there.
+/// The flash reported an error, or the data read back differ. The settings stored before are still readable.
 pub fn save<F: NorFlash>(flash: &mut F, pages: Range<u32>, image: &[u8]) -> Result<(), FlashError> {
     let mut buffer = [0xff; SLOT_MAX];
     let mut newest: Option<(u32, u32)> = None;
@@ -112,7 +112,7 @@ pub fn save<F: NorFlash>(flash: &mut F, pages: Range<u32>, image: &[u8]) -> Resu
     }
 }
 
-/// Fills a buffer with a slot, the rest as erased; the slot's bytes.
+/// Fills `buffer` with a slot and its rest with 0xFF, the erased state. Returns the slot's bytes.
 fn write_slot<'b>(buffer: &'b mut [u8; SLOT_MAX], sequence: u32, image: &[u8]) -> Option<&'b [u8]> {
     buffer.fill(0xff);
     let length = u32::try_from(image.len()).ok()?;
@@ -132,12 +132,12 @@ fn write_slot<'b>(buffer: &'b mut [u8; SLOT_MAX], sequence: u32, image: &[u8]) -
     buffer.get(..end)
 }
 
-/// Addresses of the pages.
+/// Start addresses of the flash pages.
 fn addresses<F: NorFlash>(pages: &Range<u32>) -> impl Iterator<Item = u32> {
     pages.clone().step_by(F::ERASE_SIZE)
 }
 
-/// Reads a page's slot. A page that cannot be read is damaged.
+/// Reads the slot of a page. A page that cannot be read counts as damaged.
 fn read<'b, F: NorFlash>(flash: &mut F, page: u32, buffer: &'b mut [u8; SLOT_MAX]) -> Page<'b> {
     if flash.read(page, buffer).is_err() {
         return Page::Damaged;

@@ -1,7 +1,7 @@
-//! Frames: COBS, ended by a zero byte; inside a postcard value and its CRC-32.
+//! Frames of the serial link: COBS-encoded, ended by a zero byte. A frame holds a postcard value and its CRC-32.
 //!
-//! COBS leaves no zero in a frame, so that after whatever noise the next zero begins a new one. The CRC is that of Ethernet and
-//! zip (ISO-HDLC), least significant byte first.
+//! COBS leaves no zero byte inside a frame. So after any noise the next zero byte marks the end of a frame, and the receiver is in
+//! step again. The CRC is that of Ethernet and zip (ISO-HDLC), least significant byte first.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use heapless::Vec;
@@ -9,25 +9,25 @@ use postcard::ser_flavors::crc::CrcModifier;
 use postcard::ser_flavors::{Cobs, Slice};
 use serde::{Deserialize, Serialize};
 
-/// Longest payload, bytes: the whole of the settings fits (a test).
+/// Longest payload of a frame in bytes. A test checks that all settings together fit.
 pub const PAYLOAD_MAX: usize = 512;
-/// Bytes of the CRC.
+/// Bytes of the CRC-32 in a frame.
 const CRC_BYTES: usize = 4;
-/// Longest frame without its zero, bytes: COBS adds one byte, and one for every 254.
+/// Longest COBS-encoded frame without its ending zero byte, in bytes. COBS adds one byte, and one more for every 254.
 pub const ENCODED_MAX: usize = PAYLOAD_MAX + CRC_BYTES + 1 + (PAYLOAD_MAX + CRC_BYTES) / 254;
-/// Longest frame with its zero, bytes.
+/// Longest frame with its ending zero byte, in bytes.
 pub const FRAME_MAX: usize = ENCODED_MAX + 1;
 
-/// The CRC's table, shared by encoder and decoder, in flash.
+/// The table of the CRC-32, in flash, which encoder and decoder share.
 static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// The CRC-32 of bytes.
+/// The CRC-32 of `bytes`.
 #[must_use]
 pub fn crc_of(bytes: &[u8]) -> u32 {
     CRC.checksum(bytes)
 }
 
-/// Encodes a message into a frame with its zero; [`FRAME_MAX`] bytes are always enough for this protocol's messages.
+/// Encodes a message into a frame with its ending zero byte. A buffer of [`FRAME_MAX`] bytes holds every message of this protocol.
 ///
 /// # Errors
 /// The buffer is too small.
@@ -42,24 +42,24 @@ pub fn encode<'b>(message: &impl Serialize, buffer: &'b mut [u8]) -> Result<&'b 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NoRoom;
 
-/// The errors of a frame.
+/// Why a received frame cannot be decoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameError {
-    /// Longer than any frame of this protocol.
+    /// The frame is longer than any frame of this protocol.
     TooLong,
-    /// No COBS, or too short for a CRC.
+    /// The frame is not valid COBS, or too short to hold a CRC.
     Malformed,
-    /// The CRC does not match.
+    /// The frame's CRC does not match its content.
     Damaged,
 }
 
-/// Takes bytes as they come and gives the payloads of whole frames.
+/// Collects received bytes and returns the payload of each complete frame.
 #[derive(Debug, Clone)]
 pub struct Decoder {
     buffer: Vec<u8, ENCODED_MAX>,
-    /// The frame in the buffer is over: the next byte begins another.
+    /// The buffer holds a finished frame: the next byte begins another one.
     over: bool,
-    /// The frame is longer than the buffer: it is ignored up to its end.
+    /// The frame is longer than the buffer, so the decoder ignores it up to its end.
     too_long: bool,
     errors: u32,
 }
@@ -71,7 +71,7 @@ impl Default for Decoder {
 }
 
 impl Decoder {
-    /// A decoder at the beginning of a frame.
+    /// A decoder that expects the beginning of a frame.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -82,18 +82,18 @@ impl Decoder {
         }
     }
 
-    /// Frames that could not be decoded, and those of [`Self::count_error`]. Stays at its largest value.
+    /// Number of frames that could not be decoded, plus the calls of [`Self::count_error`]. Saturates at `u32::MAX`.
     #[must_use]
     pub const fn errors(&self) -> u32 {
         self.errors
     }
 
-    /// Counts a frame that was whole but whose payload was no message.
+    /// Counts a frame whose CRC was right but whose payload was no valid message.
     pub const fn count_error(&mut self) {
         self.errors = self.errors.saturating_add(1);
     }
 
-    /// Takes one byte. At the end of a frame it returns the payload, or the frame's error, which is also counted.
+    /// Adds one received byte. At the end of a frame returns its payload, or its error, which is also counted.
     pub fn push(&mut self, byte: u8) -> Option<Result<&[u8], FrameError>> {
         if core::mem::take(&mut self.over) {
             self.buffer.clear();
@@ -119,7 +119,7 @@ impl Decoder {
     }
 }
 
-/// Takes COBS and CRC off a frame, in place.
+/// Decodes COBS and checks the CRC of a frame, in place. Returns the payload's length in bytes.
 fn payload_length(frame: &mut [u8]) -> Result<usize, FrameError> {
     let decoded = cobs::decode_in_place(frame).map_err(|_| FrameError::Malformed)?;
     let frame = frame.get(..decoded).ok_or(FrameError::Malformed)?;
@@ -132,7 +132,7 @@ fn payload_length(frame: &mut [u8]) -> Result<usize, FrameError> {
     Ok(payload.len())
 }
 
-/// The message in a payload; `None` if it cannot be decoded, or bytes follow it.
+/// Decodes the message in a payload. `None` if the payload is no valid message or has bytes left after the message.
 // A function of its own: what it builds on its stack is gone before the message is worked on.
 #[inline(never)]
 #[must_use]

@@ -1,8 +1,8 @@
-//! What firmware and desktop share: from the encoder's counter to an unbroken count ([`unwrap`]), and the states that decide
-//! whether the outputs may be on ([`machine`]), and what a person may set ([`settings`]). With the feature `wire` also what the two say to
-//! each other: the settings' form there and in flash, requests and replies, telemetry, and the frames around them.
+//! Code that firmware and desktop share: an unbroken encoder count from a counter that wraps ([`unwrap`]), the states that decide
+//! whether the outputs may be on ([`machine`]), and a device's settings ([`settings`]). The feature `wire` adds the communication:
+//! the encoding of settings on the wire and in flash, requests and replies, telemetry, and the frames around them.
 //!
-//! All are pure functions of a state and an input: no clock, no hardware, no allocation, no panic.
+//! All functions are pure functions of a state and an input: no clock, no hardware, no allocation, no panic.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
@@ -54,7 +54,7 @@ pub use request::{DeviceCommand, PROTOCOL_VERSION, Request, ToDevice};
 #[cfg(feature = "wire")]
 pub use telemetry::{Fault, Phase, RingChunk, RingRecord, Telemetry};
 
-/// The code of the README, compiled and run.
+/// The example code of the README, compiled and run as a test.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 pub struct Readme;

@@ -1,24 +1,25 @@
-//! Limits that reduce the force without being a fault. They are reported beside the faults, with codes of their own.
+//! Limits that reduce the force but are no fault. The device reports them beside the faults, with codes of their own.
 
-/// A limit that acts. The numbers are bits on the wire and never change.
+/// A limit that acts in a tick. The numbers are the bit positions on the wire and never change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Limit {
-    /// The power stage is warm: the current is derated.
+    /// The power stage is warm, so the device reduces the current limit.
     Temperature = 0,
-    /// The wanted torque needs more current than is allowed.
+    /// The requested torque needs more current than is allowed.
     Current = 1,
-    /// The bus voltage is too low for the wanted current.
+    /// The bus voltage is too low for the requested current.
     Voltage = 2,
-    /// The law's force is at the limit that its settings give it.
+    /// The force of the control law is at the limit that the law's settings give.
     Force = 3,
-    /// The torque is still being faded in after arming.
+    /// The torque is still fading in after arming.
     FadeIn = 4,
-    /// The encoder's reading was bad in this tick and the outputs are off until it is good again; too many in a row are a fault.
+    /// The encoder's reading was bad in this tick. The outputs are off until a reading is good; too many bad ones in a row are a
+    /// fault.
     Encoder = 5,
-    /// Nothing is held back, but the force is not that of the wall alone: further walls or detents are at work.
+    /// No limit reduces the force, but it is not that of the settings' wall alone: further walls or detents add to it.
     Beside = 6,
-    /// The knob is more than 20 turns inside of a wall, further than positions reach: this wall is off.
+    /// The knob is more than 20 turns inside a wall, beyond the range of the position's number format: this wall is off.
     Reach = 7,
 }
 
@@ -35,40 +36,40 @@ impl Limit {
         Self::Reach,
     ];
 
-    /// The set of this one.
+    /// The bit mask of this limit.
     #[must_use]
     pub const fn bit(self) -> u8 {
         1 << (self as u8)
     }
 }
 
-/// The limits that act at once.
+/// The set of limits that act in a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Limits(u8);
 
 impl Limits {
-    /// No limit acts.
+    /// The empty set: no limit acts.
     pub const NONE: Self = Self(0);
 
-    /// Reads the bits from the wire; unknown bits are kept.
+    /// The set with these bits from the wire; unknown bits are kept.
     #[must_use]
     pub const fn from_wire(bits: u8) -> Self {
         Self(bits)
     }
 
-    /// The bits on the wire.
+    /// The bits of the set for the wire.
     #[must_use]
     pub const fn to_wire(self) -> u8 {
         self.0
     }
 
-    /// Whether this limit acts.
+    /// Whether `limit` acts.
     #[must_use]
     pub const fn has(self, limit: Limit) -> bool {
         self.0 & limit.bit() != 0
     }
 
-    /// Adds this limit, if it acts.
+    /// The set with `limit` added if `acts` is true.
     #[must_use]
     pub const fn with(self, limit: Limit, acts: bool) -> Self {
         if acts {

@@ -1,4 +1,4 @@
-//! The states that decide whether the outputs may be on.
+//! The states of a device, which decide whether its outputs may be on.
 //!
 //! ```text
 //! Boot -> Calibrating -> Ready -> Armed
@@ -6,74 +6,76 @@
 //!               +-----------+--------+--------------> Fault(context) -> Stopped -> Calibrating
 //! ```
 //!
-//! Outputs may be on in `Calibrating` and `Armed` only. A fault is latched with its context: later faults do not overwrite the
-//! first, which is the cause, and only an explicit command leaves it, to `Stopped`. From there the way back to `Armed` leads
-//! through a calibration. A fault is taken in every state, before any command of the same tick.
+//! Outputs may be on in `Calibrating` and `Armed` only. The first fault is stored with its context, and later faults do not overwrite it,
+//! because the first one is the cause. Only the command `Stop` leaves a fault, to `Stopped`. From `Stopped` the way back to `Armed` leads
+//! through a calibration. A fault acts in every state, before any command of the same tick.
 
-/// Why the outputs were switched off. The numbers go over the wire and never change; a code that is no longer used
-/// keeps its number.
+/// Why the outputs were switched off. The numbers go over the wire and never change; a code that is not in use keeps its number.
 ///
-/// [`Context::value`] has the measured value, in the unit given here.
+/// [`Context::value`] holds the measured value, in the unit that ends each code's comment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum FaultCode {
-    /// Phase current, or the current vector, above its limit; mA.
+    /// A phase current, or the length of the current vector, is above its limit. Value: mA.
     OverCurrent = 1,
-    /// Bus voltage above its limit; mV.
+    /// The bus voltage is above its limit. Value: mV.
     OverVoltage = 2,
-    /// Bus voltage below its limit; mV.
+    /// The bus voltage is below its limit. Value: mV.
     UnderVoltage = 3,
-    /// Power stage too hot, or its sensor broken or shorted; 0.1 degrees Celsius.
+    /// The power stage is too hot, or its temperature sensor is broken or shorted. Value: 0.1 degrees Celsius.
     OverTemperature = 4,
-    /// The encoder did not answer, several times in a row; how many times.
+    /// The encoder did not answer several times in a row. Value: how many times.
     EncoderSilent = 5,
-    /// The encoder moved further in one tick than the shaft can; counts.
+    /// The encoder's count moved further in one tick than the shaft can. Value: counts.
     EncoderJump = 6,
-    /// A control tick began too late, took too long, or was left out; cycles of lateness, cycles of the tick, or ticks left out.
+    /// A control tick began too late, took too long, or was left out. Value: processor cycles of lateness, processor cycles of the
+    /// tick, or number of ticks left out.
     DeadlineMiss = 7,
-    /// The hardware break input pulled; 0.
+    /// The hardware break input of the PWM timer was active. Value: 0.
     HardwareBreak = 8,
-    /// The gate driver reported an error; 0.
+    /// The gate driver reported an error. Value: 0.
     GateDriver = 9,
-    /// Calibration found no plausible result; the reason's number.
+    /// The calibration found no plausible result. Value: the number of the reason.
     CalibrationFailed = 10,
-    /// Stored settings are damaged or were refused; 0.
+    /// The stored settings are damaged, or their validation refused them. Value: 0.
     SettingsInvalid = 11,
-    /// The watchdog reset the processor; 0 for the independent, 1 for the window watchdog.
+    /// A watchdog reset the processor. Value: 0 for the independent, 1 for the window watchdog.
     Watchdog = 12,
-    /// The shaft turned faster than allowed; mrad/s.
+    /// The shaft turned faster than allowed. Value: mrad/s.
     OverSpeed = 13,
-    /// The encoder's words failed their parity or check sum, several times in a row; the raw word.
+    /// The data words of the encoder failed their parity or checksum several times in a row. Value: the raw data word.
     EncoderCheck = 14,
-    /// The motor's voltage says that it turns, the encoder says that it does not; the voltage's excess, mV. While
-    /// calibrating: the field turned and the encoder did not; counts moved.
+    /// The motor's voltage shows that the shaft turns, but the encoder shows no motion. Value: excess of the voltage, mV. During a
+    /// calibration: the field turned but the encoder did not follow. Value: counts moved.
     EncoderStuck = 15,
-    /// The encoder itself reports an error (magnet too weak, too strong, track lost, framing), several times in a row; the raw
-    /// word.
+    /// The encoder itself reported an error several times in a row: magnet too weak or too strong, track lost, or framing. Value:
+    /// the raw data word.
     EncoderStatus = 16,
-    /// The current loop got no new command for two control periods; periods of the current loop.
+    /// The current loop got no new command for two control periods. Value: periods of the current loop.
     StaleCommand = 17,
-    /// The supply fell below what the processor needs; the value is 0.
+    /// The supply fell below the voltage that the processor needs. Value: 0.
     BrownOut = 18,
-    /// The program panicked; where, as its record says.
+    /// The program panicked. Value: the place of the panic, as the crash record has it.
     Panic = 19,
-    /// The current sensors' resting values are implausible; the worst of them, counts of the converter.
+    /// The current sensors' readings at zero current are implausible. Value: the worst of them, counts of the converter.
     CurrentSensor = 20,
-    /// By the model of its windings the motor is too hot; the mean square of its current in ‰ of what it bears for ever.
+    /// The motor is too hot by the model of its windings. Value: mean square of its current in ‰ of the square of the continuous
+    /// current.
     MotorHot = 21,
-    /// No message came from the desktop for too long while the outputs may be on; ms.
+    /// No message came from the desktop for too long while the outputs may be on. Value: ms.
     HostSilent = 22,
-    /// The board's stop button was pressed; 0.
+    /// The board's stop button was pressed. Value: 0.
     StopButton = 23,
-    /// Too large a share of the encoder's readings is bad, in a row or not; 1: those of the ticks, 2: those at the change of force.
+    /// Too many of the encoder's readings are bad, in a row or not. Value: 1 for readings at the ticks, 2 for readings at the
+    /// change of force.
     EncoderUnsteady = 24,
-    /// The motor does not answer its voltage as the motor of the settings would: a slipped alignment or a false
-    /// current. Value: mV beyond what is allowed.
+    /// The motor's response to its voltage differs from that of the configured motor: the encoder's alignment slipped or a current
+    /// reading is wrong. Value: mV beyond the allowed difference.
     MotorModel = 25,
 }
 
 impl FaultCode {
-    /// All fault codes.
+    /// All fault codes, in the order of their numbers.
     pub const ALL: [Self; 25] = [
         Self::OverCurrent,
         Self::OverVoltage,
@@ -102,97 +104,97 @@ impl FaultCode {
         Self::MotorModel,
     ];
 
-    /// The fault that a number on the wire stands for.
+    /// The fault with this number on the wire; `None` for an unknown number.
     #[must_use]
     pub fn from_wire(number: u8) -> Option<Self> {
         Self::ALL.get(usize::from(number).checked_sub(1)?).copied()
     }
 
-    /// The number on the wire.
+    /// The fault's number on the wire.
     #[must_use]
     pub const fn to_wire(self) -> u8 {
         self as u8
     }
 }
 
-/// The record of a fault: the first cause, not what followed from it.
+/// The record of a fault. It is that of the first fault, the cause, not of faults that followed from it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Context {
     /// The code of the fault.
     pub code: FaultCode,
-    /// Tick in which it was seen.
+    /// Number of the control tick in which the fault was detected.
     pub tick: u32,
-    /// The measured value that broke the limit, in the unit given at the code.
+    /// The measured value that exceeded the limit, in the unit that [`FaultCode`] gives.
     pub value: i32,
 }
 
-/// State of the device.
+/// State of the device, which decides whether its outputs may be on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum State {
-    /// Power is on, nothing is known yet.
+    /// Power is on and no calibration has started yet.
     #[default]
     Boot,
-    /// Encoder and current offsets are being found; the outputs move the shaft.
+    /// The calibration is finding the encoder's alignment and the current sensors' offsets; the outputs move the shaft.
     Calibrating,
-    /// Calibrated, outputs off.
+    /// The device is calibrated and its outputs are off.
     Ready,
     /// The control law drives the outputs.
     Armed,
-    /// Switched off for a reason.
+    /// A fault switched the outputs off.
     Fault(Context),
-    /// Switched off by command; calibration is forgotten.
+    /// A command switched the outputs off and discarded the calibration.
     Stopped,
 }
 
-/// What may be done with the outputs.
+/// Whether the outputs may be on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outputs {
-    /// Bridge off, command zero.
+    /// The bridge must be off and the command zero.
     Off,
-    /// Bridge on.
+    /// The bridge may be on.
     On,
 }
 
-/// Commands of a person or the desktop.
+/// Commands that a person or the desktop sends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Command {
-    /// Start a calibration, from `Boot` (self-test over) or `Stopped`.
+    /// Starts a calibration, from `Boot` (after the self-test) or `Stopped`.
     Calibrate,
-    /// Switch the outputs on.
+    /// Switches the outputs on, from `Ready`.
     Arm,
-    /// Switch the outputs off, keep the calibration.
+    /// Switches the outputs off and keeps the calibration.
     Disarm,
-    /// Switch off and forget; the only way out of a fault.
+    /// Switches the outputs off and discards the calibration. The only way out of a fault.
     Stop,
 }
 
-/// What happened in a tick.
+/// An event for the state machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Event {
-    /// A tick without an event.
+    /// A control tick without any other event.
     Tick,
-    /// A fault was seen.
+    /// A fault was detected.
     Fault(Context),
     /// The calibration succeeded.
     Calibrated,
-    /// A command came in.
+    /// A person or the desktop sent a command.
     Command(Command),
 }
 
-/// The fault machine.
+/// The state machine that decides whether the outputs may be on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Machine {
     state: State,
 }
 
 impl Machine {
-    /// The state just after power-on.
+    /// The machine just after power-on, in `Boot`.
     #[must_use]
     pub const fn new() -> Self {
         Self { state: State::Boot }
     }
 
-    /// The machine in a given state, for restoring or examining it.
+    /// A machine in a given state, to restore or examine it.
     #[must_use]
     pub const fn at(state: State) -> Self {
         Self { state }
@@ -204,7 +206,7 @@ impl Machine {
         self.state
     }
 
-    /// What may be done with the outputs now.
+    /// Whether the outputs may be on in the present state.
     #[must_use]
     pub const fn outputs(&self) -> Outputs {
         match self.state {
@@ -213,7 +215,7 @@ impl Machine {
         }
     }
 
-    /// The latched fault.
+    /// The stored fault; `None` outside the state `Fault`.
     #[must_use]
     pub const fn fault(&self) -> Option<Context> {
         match self.state {
@@ -222,7 +224,7 @@ impl Machine {
         }
     }
 
-    /// Handles one event. Returns whether it had an effect, so that a command that is not allowed can be answered so.
+    /// Handles one event. Returns whether the state changed, so that the caller can answer a command that is not allowed.
     pub fn handle(&mut self, event: Event) -> bool {
         let next = match (self.state, event) {
             // The first cause stays.
@@ -242,7 +244,8 @@ impl Machine {
         changed
     }
 
-    /// Takes everything of one tick: the fault first, so that no command of the same tick can arm past it.
+    /// Handles all events of one tick and returns whether the outputs may be on. The fault comes first, so no command of the same
+    /// tick can arm the device despite the fault.
     pub fn tick(
         &mut self,
         fault: Option<Context>,

@@ -1,40 +1,40 @@
-//! The steps of a calibration that measures the motor.
+//! The steps of a calibration that also measures the motor's parameters.
 
 #[cfg(feature = "wire")]
 use serde::{Deserialize, Serialize};
 
-/// Part of a measurement of the motor.
+/// A step of the measurement of the motor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "wire", derive(Serialize, Deserialize))]
 pub enum MeasuringPart {
-    /// A field that turns far faster than the rotor can follow, with half of the calibration's current.
+    /// The field turns far faster than the rotor can follow, with half of the calibration's current.
     Low,
-    /// The same field, at full strength.
+    /// The field turns as in [`Self::Low`], with the calibration's whole current.
     High,
-    /// The shaft is brought to rest.
+    /// The board brakes the shaft to rest.
     Brake,
-    /// A steady current along the torque.
+    /// A constant q-axis current accelerates the shaft.
     Push,
-    /// The bridge is off, the shaft runs on.
+    /// The bridge is off and the shaft coasts.
     Coast,
-    /// The shaft is turned slowly along the count. The record's position is that from the encoder's own zero.
+    /// The shaft turns slowly in the direction of rising counts. The record's position is measured from the encoder's own zero.
     #[cfg(feature = "large")]
     Forward,
-    /// The same turn, backwards.
+    /// The shaft turns slowly in the direction of falling counts.
     #[cfg(feature = "large")]
     Backward,
 }
 
-/// One control tick of such a calibration.
+/// The measured values of one control tick in a calibration that measures the motor.
 #[cfg(feature = "wire")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MeasuringTick {
-    /// The part of the measurement.
+    /// The step of the measurement.
     pub part: MeasuringPart,
-    /// Current along the frame that the current loop works in, mA; the one across it is [`crate::Telemetry::current_q_ma`].
+    /// d-axis current in the current loop's frame, mA. The q-axis current is [`crate::Telemetry::current_q_ma`].
     pub current_d_ma: i32,
-    /// Voltage along that frame, mV.
+    /// d-axis voltage in the current loop's frame, mV.
     pub voltage_d_mv: i32,
-    /// Voltage across it, mV.
+    /// q-axis voltage in the current loop's frame, mV.
     pub voltage_q_mv: i32,
 }

@@ -1,4 +1,4 @@
-//! Replies of the device, and what it sends unrequested.
+//! Messages from the device: replies to requests, and telemetry, which it sends without a request.
 
 use crate::Board;
 use crate::settings::{DeviceSettings, Invalid, KeyError, VALUE_MAX};
@@ -6,16 +6,16 @@ use crate::telemetry::{Fault, Phase, RingChunk, Telemetry};
 use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
 
-/// A frame from the device.
+/// A message from the device to the desktop, one per frame.
 // One frame is held at a time.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FromDevice {
     /// The answer to a request.
     Answer {
-        /// The number of the request.
+        /// Number of the request that is answered.
         id: u8,
-        /// The reply, or why the request is refused.
+        /// The reply, or the reason for refusing the request.
         answer: Result<Reply, Refusal>,
     },
     /// The telemetry of one control tick.
@@ -26,32 +26,32 @@ pub enum FromDevice {
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Reply {
-    /// Reply to `Hello`. It stays the first variant, with the version as its first field: see [`version_of_hello`].
+    /// Reply to `Hello`. It must stay the first variant, with the protocol version as its first field: see [`version_of_hello`].
     Identity(Identity),
-    /// Answer to `Status`.
+    /// Answer to `Status`: the device's state.
     Status(Status),
-    /// Answer to `Get`: the value in postcard's encoding.
+    /// Answer to `Get`: the setting's value in postcard's encoding.
     Value(Vec<u8, VALUE_MAX>),
-    /// Answer to `GetAll`.
+    /// Answer to `GetAll`: all settings of the device.
     Settings(DeviceSettings),
-    /// The request was carried out.
+    /// The device carried out the request; there are no data to return.
     Done,
-    /// Answer to `Fault`.
+    /// Answer to `Fault`: the stored fault, if there is one.
     Fault(Option<Fault>),
-    /// Answer to `Ring`.
+    /// Answer to `Ring`: records of the ring buffer of the last second.
     Ring(RingChunk),
-    /// Answer to `Counters`.
+    /// Answer to `Counters`: the counters since the reset.
     Counters(Counters),
-    /// Answer to `Environment`.
+    /// Answer to `Environment`: the walls, end stops and detents that the knob renders.
     #[cfg(feature = "large")]
     Environment(crate::settings::environment::Surround),
-    /// Answer to `SetEnvironment`: the environment was accepted.
+    /// Answer to `SetEnvironment`: the environment was accepted and applies from this time.
     #[cfg(feature = "large")]
     Taken(crate::settings::environment::CountsFrom),
-    /// Answer to `Start`.
+    /// Answer to `Start`: the data stored for the next start, and how the automatic start went.
     #[cfg(feature = "large")]
     Start(crate::settings::kept::StartReport),
-    /// Answer to `Cogging`.
+    /// Answer to `Cogging`: the stored map of the motor's cogging.
     #[cfg(feature = "large")]
     Cogging(crate::settings::cogging::CoggingReport),
 }
@@ -61,27 +61,27 @@ pub enum Reply {
 pub enum Refusal {
     /// The request is not allowed in this state of the device.
     NotNow(Phase),
-    /// No such setting, or no such value.
+    /// The path names no setting, or the value is not valid for the setting.
     Key(KeyError),
-    /// The settings would not be valid with the new value.
+    /// The settings with the new value would not be valid; holds the refused setting.
     Invalid(Invalid),
     /// The flash could not be written.
     Flash,
-    /// The ring runs: it stops at a fault, and can be read then.
+    /// The ring buffer is still recording. It stops at a fault and can then be read.
     RingRuns,
-    /// The frame was whole, but the device does not know this request.
+    /// The frame's CRC was right, but the device does not know this request.
     NotUnderstood,
-    /// The alignment cannot be kept, or there is none to start with.
+    /// The encoder's alignment cannot be stored, or none is stored for an automatic start.
     #[cfg(feature = "large")]
     Unkept(crate::settings::kept::Unkept),
 }
 
-/// The identity of the device.
+/// The identity of the device: versions, board, unique number.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
-    /// [`crate::PROTOCOL_VERSION`] of the device.
+    /// Version of the device's protocol: its [`crate::PROTOCOL_VERSION`].
     pub protocol_version: u16,
-    /// [`crate::stored::LAYOUT_VERSION`] of the device.
+    /// Version of the layout of the device's settings in flash: its [`crate::stored::LAYOUT_VERSION`].
     pub settings_version: u16,
     /// Version of the firmware, e.g. `0.1.0`.
     pub firmware_version: String<16>,
@@ -89,37 +89,37 @@ pub struct Identity {
     pub board: Board,
     /// Unique number of the microcontroller.
     pub unique_id: [u8; 12],
-    /// Reason of the last start.
+    /// Reason of the last reset.
     pub reset_reason: ResetReason,
-    /// Hash of the source that the firmware was built from, 0 if unknown.
+    /// Hash of the source code from which the firmware was built; 0 if unknown.
     pub build_hash: u64,
 }
 
-/// Why the device last started.
+/// Why the processor last started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ResetReason {
-    /// Power came on.
+    /// The supply was switched on.
     PowerOn,
-    /// Power dipped, and came back before memory was lost.
+    /// The supply dipped below what the processor needs, and recovered before the memory lost its content.
     BrownOut,
-    /// The reset pin: button or probe.
+    /// The reset pin was pulled, by a button or a debug probe.
     Pin,
-    /// The firmware (`Reboot`) or a probe reset the processor.
+    /// The firmware (request `Reboot`) or a debug probe reset the processor.
     Software,
-    /// The independent watchdog was not fed.
+    /// The independent watchdog was not fed in time.
     IndependentWatchdog,
-    /// The window watchdog was not fed, or too early.
+    /// The window watchdog was fed too late or too early.
     WindowWatchdog,
-    /// A panic; where, as its record says.
+    /// The program panicked. The value is the place of the panic, as the crash record has it.
     Panic(u32),
-    /// The option bytes were loaded.
+    /// The chip's option bytes were loaded.
     OptionBytes,
-    /// A forbidden low-power mode.
+    /// The program entered a low-power mode that the option bytes forbid.
     LowPower,
 }
 
 impl ResetReason {
-    /// Text for people.
+    /// The reason as text for people.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
@@ -136,41 +136,41 @@ impl ResetReason {
     }
 }
 
-/// State of the device.
+/// The device's state with its stored fault and the number of the tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Status {
-    /// State of the fault machine.
+    /// State of the state machine.
     pub phase: Phase,
-    /// The latched fault.
+    /// The stored fault, if there is one.
     pub fault: Option<Fault>,
-    /// Control ticks since the reset, modulo 2^32.
+    /// Number of control ticks since the reset, modulo 2^32.
     pub tick: u32,
     /// Whether the settings in use differ from those in flash.
     pub unsaved: bool,
 }
 
-/// Counters since the reset; each stays at its largest value.
+/// Counters since the reset. Each one saturates at its largest value.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counters {
-    /// Frames that could not be decoded.
+    /// Number of received frames that could not be decoded.
     pub decode_errors: u32,
-    /// Telemetry records that the port could not carry.
+    /// Number of telemetry records dropped because the serial port was too slow.
     pub telemetry_dropped: u32,
-    /// Control ticks.
+    /// Number of control ticks.
     pub ticks: u32,
-    /// Longest control tick, processor cycles.
+    /// Longest duration of a control tick, in processor cycles.
     pub tick_cycles_max: u32,
-    /// Latest start of a control tick, processor cycles after it was due.
+    /// Largest lateness of a control tick, in processor cycles from when it was due to when it began.
     pub lateness_cycles_max: u32,
-    /// Longest tick of the current loop, processor cycles.
+    /// Longest duration of a tick of the current loop, in processor cycles.
     pub current_loop_cycles_max: u32,
 }
 
-/// The protocol version in the payload of a reply to `Hello`, whatever version sent it: the bytes before it never
-/// change, those after it may. `None` for every other payload.
+/// Reads the protocol version from the payload of a reply to `Hello`, whichever version sent it. The bytes up to the version are
+/// the same in every version of the protocol; the bytes after it may differ. `None` for every other payload.
 #[must_use]
 pub fn version_of_hello(payload: &[u8]) -> Option<u16> {
-    /// Frame kind, id, `Ok`, kind of reply, version.
+    /// The first fields of a reply to `Hello`: variant of the frame, request number, `Ok`, variant of the reply, protocol version.
     type Start = (u8, u8, u8, u8, u16);
     match postcard::take_from_bytes::<Start>(payload) {
         Ok(((0, _, 0, 0, version), _)) => Some(version),

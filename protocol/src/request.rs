@@ -3,94 +3,95 @@
 use crate::settings::DeviceSettings;
 use serde::{Deserialize, Serialize};
 
-/// Version of everything that goes over the wire: raised with each change that an older desktop or device would misread.
+/// Version of the protocol. It rises with each change that an older desktop or device would misread.
 pub const PROTOCOL_VERSION: u16 = 7;
 
-/// A request, and the number by which its answer is known.
+/// A request with a number that its answer repeats.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ToDevice<'a> {
-    /// Chosen by the desktop; the answer has the same.
+    /// Number that the desktop chooses; the answer repeats it.
     pub id: u8,
-    /// The request.
+    /// The request itself.
     #[serde(borrow)]
     pub request: Request<'a>,
 }
 
-/// The requests of the desktop.
+/// What the desktop can request of the device.
 // One request is held at a time: the whole of the settings needs no place of its own.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Request<'a> {
-    /// Asks for the device's identity. Stays the first request in every version.
+    /// Requests the device's identity. It must stay the first variant in every version of the protocol.
     Hello,
-    /// Asks for the state of the device.
+    /// Requests the state of the device.
     Status,
-    /// The value of one setting.
+    /// Requests the value of one setting.
     Get {
         /// The setting's path.
         path: &'a str,
     },
-    /// Changes one setting; all settings are then validated together.
+    /// Changes one setting. The device then validates all settings together.
     Set {
         /// The setting's path.
         path: &'a str,
         /// The new value, encoded by postcard.
         value: &'a [u8],
     },
-    /// All settings.
+    /// Requests all settings.
     GetAll,
-    /// Changes all settings at once; validated as a whole, taken or refused as a whole.
+    /// Changes all settings at once. The device validates them together and accepts or refuses all.
     SetAll(DeviceSettings),
-    /// Back to the defaults, not saved.
+    /// Sets all settings to the board's defaults, without saving them to flash.
     Defaults,
     /// Writes the settings into flash.
     Save,
-    /// A command.
+    /// Sends a command, e.g. to calibrate or arm.
     Command(DeviceCommand),
-    /// The latched fault.
+    /// Requests the stored fault.
     Fault,
-    /// Part of the ring of the last second.
+    /// Requests part of the ring buffer, which holds the records of the last second.
     Ring {
-        /// Index of the first record that is wanted; 0 is the oldest.
+        /// Index of the first requested record; 0 is the oldest.
         first: u16,
     },
-    /// Starts telemetry, one record every given number of control ticks; 0 stops it. Not a setting: forgotten at a
-    /// reset.
+    /// Starts telemetry with one record every `decimation` control ticks; 0 stops it. This is no setting: a reset stops telemetry.
     Telemetry {
         /// Control ticks between two records.
         decimation: u16,
     },
-    /// The counters since the reset.
+    /// Requests the counters since the reset.
     Counters,
-    /// What there is to touch.
+    /// Requests the environment: the walls, end stops and detents that the knob renders.
     #[cfg(feature = "large")]
     Environment,
-    /// Replaces the environment, also while the device is armed; it includes the largest change of force in a tick.
+    /// Replaces the environment (walls, end stops, detents), also while the device is armed. The message includes how fast the
+    /// force may change meanwhile.
     #[cfg(feature = "large")]
     SetEnvironment(crate::settings::environment::Surround),
-    /// Asks for the data kept for the next start and for the outcome of this start.
+    /// Requests the data stored for the next start, and how the automatic start went since power came on.
     #[cfg(feature = "large")]
     Start,
-    /// Keeps the alignment of the calibration that has just ended. In `Ready` only; `Save` writes it.
+    /// Stores the encoder's alignment from the calibration that has just ended. Only in the state `Ready`; `Save` writes it to
+    /// flash.
     #[cfg(feature = "large")]
     KeepAlignment,
-    /// Forgets the kept alignment: the board then cannot start unattended, even if autostart is on. `Save` writes it.
+    /// Discards the stored alignment. The board then cannot start unattended, even if autostart is on. `Save` writes this to flash.
     #[cfg(feature = "large")]
     ForgetAlignment,
-    /// Whether the board checks the kept alignment and arms unattended when power comes on. `Save` writes it.
+    /// Sets whether the board checks the stored alignment and arms by itself when power comes on. `Save` writes this to flash.
     #[cfg(feature = "large")]
     Autostart(bool),
-    /// The map of the cogging that is kept.
+    /// Requests the stored map of the motor's cogging.
     #[cfg(feature = "large")]
     Cogging,
-    /// Keeps this cogging map, which was measured with the present settings, and plays it. In `Ready` only; `Save`
-    /// writes it.
+    /// Stores this cogging map, which was measured with the present settings, and uses it for compensation. Only in the state
+    /// `Ready`; `Save` writes it to flash.
     #[cfg(feature = "large")]
     KeepCogging(crate::settings::cogging::CoggingMap),
-    /// Keeps none any more. Not while anything is driven; `Save` writes it.
+    /// Discards the stored cogging map. Not while the motor is driven (`Calibrating`, `Armed`); `Save` writes this to flash.
     #[cfg(feature = "large")]
     ForgetCogging,
-    /// A measurement that the next calibration goes on with, and only that one.
+    /// Adds a sweep for the cogging measurement to the next calibration only.
     #[cfg(feature = "large")]
     Sweep(crate::settings::cogging::Sweep),
 }
@@ -98,16 +99,16 @@ pub enum Request<'a> {
 /// Commands of a person to the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DeviceCommand {
-    /// Find direction, pole pairs and electrical offset: the shaft moves.
+    /// Finds the encoder's direction, the pole pairs and the electrical offset; the shaft moves.
     Calibrate,
-    /// Switch the outputs on.
+    /// Switches the outputs on.
     Arm,
-    /// Switch the outputs off, keep the calibration.
+    /// Switches the outputs off and keeps the calibration.
     Disarm,
-    /// Switch off and forget the calibration; clears a fault.
+    /// Switches the outputs off and discards the calibration; clears a fault.
     Stop,
-    /// Makes this position zero. Not while armed.
+    /// Makes the present position the zero of the count. Not while armed.
     Zero,
-    /// Outputs off, then a reset.
+    /// Switches the outputs off and resets the processor.
     Reboot,
 }

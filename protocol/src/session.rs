@@ -1,6 +1,6 @@
-//! The device's side of the protocol: how a request changes the settings, and which requests are passed on.
+//! The device's side of the protocol: answers requests, changes the settings, and passes commands to the device.
 //!
-//! The firmware and the fake device of the tests run the same code; only [`Backend`] differs.
+//! The firmware and the simulated device of the tests run this same code. They differ only in their [`Backend`].
 
 use crate::frame;
 use crate::reply::{Counters, FromDevice, Identity, Refusal, Reply, Status};
@@ -15,38 +15,39 @@ use crate::settings::{DeviceSettings, SettingsError, VALUE_MAX};
 use crate::stored;
 use crate::telemetry::{Fault, Phase, RingChunk};
 
-/// The interface that a session needs from the device.
+/// The functions of a device that a session calls.
 pub trait Backend {
     /// The identity of the device.
     fn identity(&self) -> Identity;
-    /// State of the fault machine.
+    /// State of the device's state machine.
     fn phase(&self) -> Phase;
-    /// The latched fault.
+    /// The stored fault, if there is one.
     fn fault(&self) -> Option<Fault>;
-    /// Control ticks since the reset, modulo 2^32.
+    /// Number of control ticks since the reset, modulo 2^32.
     fn tick(&self) -> u32;
-    /// All counters except those of decoding errors.
+    /// All counters except that of decoding errors.
     fn counters(&self) -> Counters;
-    /// The ring from a record on; `None` while it runs.
+    /// Records of the ring buffer from number `first` on; `None` while the buffer is still recording.
     fn ring(&self, first: u16) -> Option<RingChunk>;
-    /// Whether settings may be used here.
+    /// Checks whether the device accepts these settings.
     ///
     /// # Errors
-    /// The first setting that is refused.
+    /// The first setting that the device refuses.
     fn check(&self, settings: &DeviceSettings) -> Result<(), SettingsError>;
-    /// Takes settings that were checked; they count from the next calibration.
+    /// Hands over settings that were checked. The device uses them from the next calibration on.
     fn use_settings(&mut self, settings: &DeviceSettings);
     /// Writes an image of settings into flash.
     ///
     /// # Errors
-    /// The flash refused; the settings stored before are still there.
+    /// The flash could not be written. The settings stored before are still there.
     fn save(&mut self, image: &[u8]) -> Result<(), FlashError>;
-    /// Carries out a command; returns whether it had an effect. `None`: [`Session::commanded`] will be told later.
+    /// Carries out a command and returns whether it had an effect. `None`: the device calls [`Session::commanded`] with the result
+    /// later.
     fn command(&mut self, command: DeviceCommand) -> Option<bool>;
-    /// Starts telemetry, one record every given number of control ticks; 0 stops it.
+    /// Starts telemetry with one record every `decimation` control ticks; 0 stops it.
     fn telemetry(&mut self, decimation: u16);
-    /// Takes a new environment beside the wall of these settings. Returns from when on it is active, or the setting
-    /// that is refused. `None`: this device has no room for environments.
+    /// Hands over a new environment (walls, end stops, detents) for these settings. Returns the time from which it applies, or the
+    /// setting that the device refuses. `None`: this device has no room for environments.
     #[cfg(feature = "large")]
     fn use_environment(
         &mut self,
@@ -55,23 +56,25 @@ pub trait Backend {
     ) -> Option<Result<CountsFrom, SettingsError>> {
         None
     }
-    /// Takes the alignment that the next calibration is to check instead of looking for one; `None`: it is to look for one.
+    /// Hands over the stored alignment that the next calibration only checks. With `None` the calibration searches for the
+    /// alignment.
     #[cfg(feature = "large")]
     fn use_kept(&mut self, _kept: Option<KeptAlignment>) {}
-    /// The alignment in use at the encoder's own zero, and its direction; `None` where none was found with the settings in use.
+    /// The alignment in use: the electrical angle at the encoder's own zero (turns/65,536), and whether the angle falls when the
+    /// count rises. `None` if no alignment was found with the settings in use.
     #[cfg(feature = "large")]
     fn alignment(&self) -> Option<(u16, bool)> {
         None
     }
-    /// Whether a kept alignment was used, and how the unattended start went.
+    /// Whether a stored alignment is in use, and how the automatic start went.
     #[cfg(feature = "large")]
     fn started(&self) -> (bool, SelfStart) {
         (false, SelfStart::Off)
     }
-    /// Takes the cogging map that is played from now on; `None`: no map.
+    /// Hands over the cogging map that the device compensates from now on; `None`: no compensation.
     #[cfg(feature = "large")]
     fn use_cogging(&mut self, _settings: &DeviceSettings, _map: Option<&CoggingMap>) {}
-    /// The measurement that the next calibration goes on with.
+    /// Hands over the cogging sweep that the next calibration includes.
     #[cfg(feature = "large")]
     fn sweep(&mut self, _sweep: Sweep) {}
 }
@@ -80,7 +83,7 @@ pub trait Backend {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FlashError;
 
-/// The settings in use, and whether they are stored.
+/// A session's state: the settings in use, the data stored beside them, and whether all of it is in flash.
 #[derive(Debug, Clone)]
 pub struct Session {
     settings: DeviceSettings,
@@ -91,21 +94,21 @@ pub struct Session {
     #[cfg(feature = "large")]
     cogging: Option<KeptCogging>,
     unsaved: bool,
-    /// A command whose result is not known yet, and the request's number.
+    /// Number and command of a request whose result is not known yet.
     waiting: Option<(u8, DeviceCommand)>,
 }
 
-/// What becomes of a payload.
+/// How a session answered a payload.
 // One message is held at a time.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answered {
-    /// The answer is ready.
+    /// The answer is ready to be sent.
     Now(FromDevice),
-    /// The device has yet to carry out a command; [`Session::commanded`] will have the answer. No other request is
-    /// taken meanwhile.
+    /// The device has not carried out the command yet; [`Session::commanded`] will return the answer. Until that call the caller
+    /// must pass no other request.
     Later,
-    /// An unreadable frame is counted and not answered.
+    /// The payload has no request number, so there is no answer. The caller counts the frame as an error.
     Unreadable,
 }
 
@@ -113,7 +116,7 @@ pub enum Answered {
 mod keeping;
 
 impl Session {
-    /// A session with the settings of the start; `saved` if they are those in flash.
+    /// A session with the settings that the device started with. `saved` tells whether they are those in flash.
     #[must_use]
     pub fn new(settings: DeviceSettings, saved: bool) -> Self {
         Self {
@@ -129,7 +132,7 @@ impl Session {
         }
     }
 
-    /// The session with the environment that the device started with.
+    /// Sets the environment that the device started with.
     #[cfg(feature = "large")]
     #[must_use]
     pub const fn with_environment(mut self, environment: Surround) -> Self {
@@ -137,7 +140,7 @@ impl Session {
         self
     }
 
-    /// The session with what is kept for the start.
+    /// Sets the data that are stored for the next start: the alignment and whether the board starts by itself.
     #[cfg(feature = "large")]
     #[must_use]
     pub const fn with_kept(mut self, kept: KeptStart) -> Self {
@@ -145,7 +148,7 @@ impl Session {
         self
     }
 
-    /// The session with the cogging map that the device started with.
+    /// Sets the cogging map that the device started with.
     #[cfg(feature = "large")]
     #[must_use]
     pub fn with_cogging(mut self, cogging: Option<KeptCogging>) -> Self {
@@ -153,28 +156,28 @@ impl Session {
         self
     }
 
-    /// The map of the cogging that is kept, whether or not it may be played.
+    /// The stored cogging map, whether or not it fits the settings in use.
     #[cfg(feature = "large")]
     #[must_use]
     pub const fn kept_cogging(&self) -> Option<&KeptCogging> {
         self.cogging.as_ref()
     }
 
-    /// The map of the cogging that may be played with the settings in use.
+    /// The stored cogging map, if it was measured with the settings in use.
     #[cfg(feature = "large")]
     #[must_use]
     pub fn cogging(&self, board: crate::Board) -> Option<&CoggingMap> {
         self.cogging.as_ref()?.usable(&self.settings, board).ok()
     }
 
-    /// The data that are kept for the next start.
+    /// The data that are stored for the next start.
     #[cfg(feature = "large")]
     #[must_use]
     pub const fn kept(&self) -> &KeptStart {
         &self.kept
     }
 
-    /// What there is to touch.
+    /// The environment: the walls, end stops and detents that the knob renders.
     #[cfg(feature = "large")]
     #[must_use]
     pub const fn environment(&self) -> &Surround {
@@ -187,8 +190,8 @@ impl Session {
         &self.settings
     }
 
-    /// Answers a whole frame's payload. A payload that is no request of this version is answered where its number can be
-    /// read, as the frame was whole.
+    /// Answers the payload of a frame whose CRC was right. A payload that is no request of this version is answered with
+    /// [`Refusal::NotUnderstood`] and its first byte as request number.
     #[inline(never)]
     pub fn answer_payload(
         &mut self,
@@ -221,7 +224,7 @@ impl Session {
         }
     }
 
-    /// What became of a command that was waited for: its answer.
+    /// Returns the answer to the waiting command, after the device has accepted or refused it.
     #[inline(never)]
     pub fn commanded(&mut self, accepted: bool, device: &impl Backend) -> Answered {
         let Some((id, command)) = self.waiting.take() else {
@@ -239,7 +242,7 @@ impl Session {
     /// Answers a request other than a command.
     ///
     /// # Errors
-    /// The reason for a refusal; nothing is changed then.
+    /// The reason for a refusal. A refused request changes nothing.
     // Not a part of its caller: see below.
     #[inline(never)]
     pub fn answer(
@@ -273,7 +276,7 @@ impl Session {
     // The following are functions of their own so that a device with a few kilobytes of stack has no more on it than it needs:
     // one copy of the settings, and no reply while a request is carried out.
 
-    /// Carries out the requests that have parameters.
+    /// Answers the requests that only read data.
     #[inline(never)]
     fn tell(
         &self,
@@ -338,7 +341,7 @@ impl Session {
         }
     }
 
-    /// The requests that do something.
+    /// Carries out the requests that change settings, save them or start telemetry.
     #[inline(never)]
     fn act(&mut self, request: &Request<'_>, device: &mut impl Backend) -> Result<(), Refusal> {
         match request {
@@ -366,7 +369,7 @@ impl Session {
         self.change(&DeviceSettings::defaults(device.identity().board), device)
     }
 
-    /// Takes settings, in the states in which no output depends on them.
+    /// Changes the settings, in the states in which no output depends on them: not while calibrating or armed.
     #[inline(never)]
     fn change(
         &mut self,
@@ -394,7 +397,8 @@ impl Session {
         Ok(())
     }
 
-    /// Writes the settings. Not in `Ready`: the erase of a page stalls the processor for longer than a command to arm takes.
+    /// Writes the settings into flash. Not in `Ready`: erasing a page stalls the processor for longer than the command to arm
+    /// takes.
     #[inline(never)]
     fn save(&mut self, device: &mut impl Backend) -> Result<(), Refusal> {
         match device.phase() {
@@ -420,8 +424,8 @@ impl Session {
         Ok(())
     }
 }
-/// Whether a command without an effect counts as done because the state is already the wanted one. Only for commands
-/// that switch off: they are confirmed.
+/// Whether a command without an effect counts as done because the device already is in the requested state. Only for commands that
+/// switch off.
 const fn is_so(command: DeviceCommand, phase: Phase) -> bool {
     match command {
         DeviceCommand::Stop => matches!(phase, Phase::Stopped),

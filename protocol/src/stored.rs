@@ -1,18 +1,18 @@
-//! The settings as they lie in flash: layout, content, CRC.
+//! The settings as an image in flash: layout version, content, CRC.
 //!
 //! ```text
 //! layout version u16 | postcard of DeviceSettings | CRC-32 of all before
 //! layout version u16 | postcard of DeviceSettings | postcard of Surround | CRC-32 of all before
 //! layout version u16 | postcard of DeviceSettings | postcard of Surround | postcard of KeptStart | CRC-32 of all before
-//! layout version u16 | the same | postcard of the map of the cogging, if one is kept | CRC-32 of all before
+//! layout version u16 | the same | postcard of the cogging map, if one is stored | CRC-32 of all before
 //! ```
 //!
-//! The last form is that of boards with room for an environment. They read the others as well, with the wall alone, with nothing kept
-//! for the start, and with no map.
+//! Boards with room for an environment (more walls, end stops, detents) write the last form. They also read the other forms; what such a
+//! form leaves out is the default: the settings' wall alone, no data for the start, no cogging map.
 //!
-//! Where it lies, and how it survives a cut of power, is in `flash.rs`. What is not whole, of this layout, and valid is refused:
-//! the device then uses the defaults and latches `SettingsInvalid`. There is no guessing at half of an image. An image of
-//! another layout is left alone until its place is needed, so that a step back to the firmware before finds its settings.
+//! `flash.rs` decides where the image lies and how it survives a cut of power. An image is refused if it is incomplete, of an unknown
+//! layout, or not valid. The device then uses the defaults and latches `SettingsInvalid`. An image is never used in part. An image of
+//! another layout stays in flash until its page is needed, so the previous firmware finds its settings again.
 
 use crate::frame::{PAYLOAD_MAX, crc_of};
 #[cfg(feature = "large")]
@@ -23,23 +23,23 @@ use crate::settings::environment::Surround;
 use crate::settings::kept::KeptStart;
 use crate::settings::{DeviceSettings, SettingsError};
 
-/// Version of the layout: raised whenever [`DeviceSettings`] changes its fields, their order or their meaning.
+/// Version of the layout. It must rise when the fields of [`DeviceSettings`], their order or their meaning change.
 pub const LAYOUT_VERSION: u16 = if cfg!(feature = "large") {
     7
 } else {
     WALL_ALONE
 };
 
-/// The layout without an environment: that of boards without room for one, and of all before there was one.
+/// Layout version without an environment: that of boards without room for one.
 const WALL_ALONE: u16 = 4;
 
-/// The layout with an environment and nothing kept for the start.
+/// Layout version with an environment and no data for the next start.
 const NOTHING_KEPT: u16 = 5;
 
-/// The layout without a map of the cogging.
+/// Layout version without a cogging map.
 const NO_MAP: u16 = 6;
 
-/// No image is longer, bytes.
+/// Longest image in bytes.
 pub const IMAGE_MAX: usize = VERSION_BYTES + PAYLOAD_MAX + SURROUND_MAX + CRC_BYTES;
 
 #[cfg(feature = "large")]
@@ -52,39 +52,39 @@ const SURROUND_MAX: usize = 0;
 const VERSION_BYTES: usize = 2;
 const CRC_BYTES: usize = 4;
 
-/// The check of settings, `touchstone_drive::wire::checked` on a device.
+/// A function that checks settings; on a device it is `touchstone_drive::wire::checked`.
 pub type Check<'c> = &'c dyn Fn(&DeviceSettings) -> Result<(), SettingsError>;
 
 /// Why an image is refused.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Refused {
-    /// Too short, a wrong CRC, or no settings inside.
+    /// The image is too short, its CRC is wrong, or its content cannot be decoded.
     Damaged,
-    /// Whole, but of another layout.
+    /// The image is undamaged but has this other layout version.
     OtherLayout(u16),
-    /// Whole, but refused by the validation.
+    /// The image is undamaged, but this setting is not valid.
     Invalid(SettingsError),
 }
 
-/// The data with which a device starts.
+/// The data with which a device starts: settings, environment, alignment and cogging map.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Start {
     /// The settings to use.
     pub settings: DeviceSettings,
-    /// What there is to touch.
+    /// The environment to render: walls, end stops and detents.
     #[cfg(feature = "large")]
     pub environment: Surround,
-    /// The data that are kept for the next start.
+    /// The data stored for the next start: the encoder's alignment and whether the board starts by itself.
     #[cfg(feature = "large")]
     pub kept: KeptStart,
-    /// The map of the cogging, if one is kept.
+    /// The cogging map, if one is stored.
     #[cfg(feature = "large")]
     pub cogging: Option<KeptCogging>,
-    /// Why they are the defaults although something was stored: the device latches `SettingsInvalid`.
+    /// Why the defaults are used although an image was stored. The device then latches `SettingsInvalid`.
     pub refused: Option<Refused>,
 }
 
-/// The image of settings.
+/// Encodes the image of the settings into `buffer`.
 ///
 /// # Errors
 /// The buffer is too small; [`IMAGE_MAX`] bytes are always enough.
@@ -104,7 +104,7 @@ pub fn encode<'b>(
     )
 }
 
-/// Encodes the image: settings, environment, what is kept for the start, and the cogging map.
+/// Encodes the image of the settings, the environment, the data for the next start, and the cogging map.
 ///
 /// # Errors
 /// The buffer is too small; [`IMAGE_MAX`] bytes are always enough.
@@ -135,7 +135,7 @@ fn sealed<'b>(
     buffer.get(..content + CRC_BYTES).ok_or(FULL)
 }
 
-/// The layout version of an image, if it is whole.
+/// The layout version of an image; `None` if its CRC is wrong.
 #[must_use]
 pub fn layout_version(image: &[u8]) -> Option<u16> {
     let (signed, sum) = image.split_last_chunk::<CRC_BYTES>()?;
@@ -146,14 +146,14 @@ pub fn layout_version(image: &[u8]) -> Option<u16> {
     Some(u16::from_le_bytes(*version))
 }
 
-/// Whether this program can read an image of this layout.
+/// Whether this program can read an image with this layout version.
 pub(crate) const fn is_readable(version: u16) -> bool {
     version == LAYOUT_VERSION
         || version == WALL_ALONE
         || (cfg!(feature = "large") && matches!(version, NOTHING_KEPT | NO_MAP))
 }
 
-/// The content of an image, and its layout.
+/// Checks the CRC of an image and returns its layout version and its content.
 fn content(image: &[u8]) -> Result<(u16, &[u8]), Refused> {
     let version = layout_version(image).ok_or(Refused::Damaged)?;
     if !is_readable(version) {
@@ -165,11 +165,11 @@ fn content(image: &[u8]) -> Result<(u16, &[u8]), Refused> {
         .ok_or(Refused::Damaged)
 }
 
-/// Decodes an image: settings, environment, what is kept for the start and the cogging map. `check` validates them,
-/// also against each other.
+/// Decodes an image: settings, environment, the data for the start, and the cogging map. `check` validates the settings, and the
+/// environment is checked against them.
 ///
 /// # Errors
-/// An image that is damaged, of an unknown layout, or not valid.
+/// The image is damaged, of an unknown layout, or not valid.
 #[cfg(feature = "large")]
 pub fn decode_with(image: &[u8], check: Check<'_>) -> Result<Start, Refused> {
     use crate::frame::message;
@@ -194,19 +194,19 @@ pub fn decode_with(image: &[u8], check: Check<'_>) -> Result<Start, Refused> {
     })
 }
 
-/// The settings of an image, validated by `check`.
+/// Decodes the settings of an image. `check` validates them.
 ///
 /// # Errors
-/// The stored data are incomplete, of another layout, or not valid.
+/// The image is damaged, of another layout, or not valid.
 #[cfg(feature = "large")]
 pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused> {
     decode_with(image, check).map(|start| start.settings)
 }
 
-/// The settings of an image, validated by `check`.
+/// Decodes the settings of an image. `check` validates them.
 ///
 /// # Errors
-/// The stored data are incomplete, of another layout, or not valid.
+/// The image is damaged, of another layout, or not valid.
 #[cfg(not(feature = "large"))]
 pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused> {
     let (_, content) = content(image)?;
@@ -217,8 +217,7 @@ pub fn decode(image: &[u8], check: Check<'_>) -> Result<DeviceSettings, Refused>
     }
 }
 
-/// What the device starts with: the stored settings, or the defaults where nothing is stored or the stored settings
-/// are refused.
+/// Chooses the data with which the device starts: those of the image, or the defaults if there is no image or it is refused.
 #[must_use]
 pub fn start(image: Option<&[u8]>, defaults: DeviceSettings, check: Check<'_>) -> Start {
     #[cfg(not(feature = "large"))]
@@ -236,7 +235,7 @@ pub fn start(image: Option<&[u8]>, defaults: DeviceSettings, check: Check<'_>) -
 }
 
 impl Start {
-    /// A start with these settings and one wall.
+    /// A start with these settings, one wall and no stored data. `refused` is the reason if an image was refused.
     pub(crate) fn defaults(settings: DeviceSettings, refused: Option<Refused>) -> Self {
         Self {
             settings,

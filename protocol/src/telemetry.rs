@@ -1,4 +1,4 @@
-//! The telemetry of one control tick, and the record of the last second.
+//! The telemetry record of one control tick, and the smaller records of the ring buffer of the last second.
 
 use crate::machine::{Context, FaultCode, State};
 use crate::measuring::MeasuringTick;
@@ -7,67 +7,67 @@ use fixed::types::I8F24;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// One control tick. Small numbers take few bytes: a tick at rest has 17, a busy one about 32, none more than
-/// [`TELEMETRY_MAX`].
+/// The telemetry record of one control tick. Encoded, small numbers take few bytes: a tick at rest takes 17 bytes, a busy one about
+/// 32, none more than [`TELEMETRY_MAX`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Telemetry {
-    /// Number of the tick since the reset, modulo 2^32. A gap means that the port could not carry some records.
+    /// Number of the tick since the reset, modulo 2^32. A gap between records means that the serial port was too slow for some.
     pub tick: u32,
-    /// Position, counts from the calibrated zero.
+    /// Position in encoder counts from the calibrated zero.
     pub count: i32,
-    /// Penetration of the wall, rad; negative outside.
+    /// Depth of the knob inside the wall, rad; negative outside.
     #[serde(with = "bits")]
     pub penetration_rad: I8F24,
-    /// How far the device has moved inwards since the force changed, had all of the change come at once, rad; 0 where that is not
-    /// measured.
+    /// Displacement of the device into the wall since the change of force, rad, as if the force had changed in a single step. 0 if
+    /// the position at the change is not measured.
     #[serde(with = "bits")]
     pub since_change_rad: I8F24,
-    /// Torque that the law commands, N·m, positive out of the wall.
+    /// Torque that the control law commands, N·m, positive out of the wall.
     #[serde(with = "bits")]
     pub force_n_m: I8F24,
-    /// Offset of the augmented spring, rad; 0 for laws without.
+    /// Offset of the spring in the control law (successive force augmentation), rad; 0 for laws without an offset.
     #[serde(with = "bits")]
     pub offset_rad: I8F24,
-    /// Energy that the law's observer counts, J.
+    /// Energy in joules that the control law's observer has summed.
     pub energy_j: Decimal,
-    /// State of the device.
+    /// State of the device in this tick.
     pub phase: Phase,
-    /// The latched fault, 0 for none: [`FaultCode::to_wire`].
+    /// Number of the stored fault ([`FaultCode::to_wire`]); 0 for none.
     pub fault: u8,
-    /// What held the force back: [`crate::Limits`] as bits.
+    /// The limits that act in this tick: [`crate::Limits`] as bits.
     pub limits: u8,
-    /// Processor cycles of the tick before.
+    /// Duration of the previous control tick in processor cycles.
     pub cycles: u32,
-    /// Processor cycles from when this tick was due to when it began.
+    /// Lateness of this tick in processor cycles, from when it was due to when it began.
     pub lateness_cycles: u32,
     /// Measured q-axis current, mA.
     pub current_q_ma: i32,
-    /// Readings of the motor during a calibration that measures; `None` at other times.
+    /// Values measured at the motor during a calibration that measures it; `None` at other times.
     pub measuring: Option<MeasuringTick>,
 }
 
-/// No record takes more bytes: twelve numbers of 32 bits, one of 64, five bytes.
+/// Longest encoded record in bytes: twelve numbers of 32 bits (5 bytes each), one of 64 bits (10 bytes), five bytes.
 pub const TELEMETRY_MAX: usize = 12 * 5 + 10 + 5;
 
-/// State of the device, without the fault's context.
+/// State of the device, without the context of a fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
-    /// Power is on, nothing is known yet.
+    /// Power is on and no calibration has started yet.
     Boot,
     /// The calibration moves the shaft.
     Calibrating,
-    /// Calibrated, outputs off.
+    /// The device is calibrated and its outputs are off.
     Ready,
-    /// The law drives the outputs.
+    /// The control law drives the outputs.
     Armed,
-    /// Switched off for a reason.
+    /// A fault switched the outputs off.
     Fault,
-    /// Switched off by command; the calibration is forgotten.
+    /// A command switched the outputs off and discarded the calibration.
     Stopped,
 }
 
 impl Phase {
-    /// All phases, by their numbers.
+    /// All states, in the order of their numbers.
     pub const ALL: [Self; 6] = [
         Self::Boot,
         Self::Calibrating,
@@ -77,7 +77,7 @@ impl Phase {
         Self::Stopped,
     ];
 
-    /// Text for people.
+    /// The state's name as text for people.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -104,19 +104,19 @@ impl From<State> for Phase {
     }
 }
 
-/// A fault's context on the wire. The code is a number: an older desktop shows one that it does not know.
+/// The record of a fault on the wire. The code is a plain number, so that an older desktop can show a code that it does not know.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fault {
-    /// [`FaultCode::to_wire`].
+    /// Number of the fault: [`FaultCode::to_wire`].
     pub code: u8,
-    /// Tick in which it was seen.
+    /// Number of the control tick in which the fault was detected.
     pub tick: u32,
-    /// The value that broke the limit, in the raw unit of its source.
+    /// The measured value that exceeded the limit, in the unit that [`FaultCode`] gives for the code.
     pub value: i32,
 }
 
 impl Fault {
-    /// The code, if this version knows it.
+    /// The fault code, if this version of the protocol knows the number.
     #[must_use]
     pub fn known(&self) -> Option<FaultCode> {
         FaultCode::from_wire(self.code)
@@ -133,35 +133,35 @@ impl From<Context> for Fault {
     }
 }
 
-/// Records in one answer to `Ring`.
+/// Largest number of records in one answer to `Ring`.
 pub const RING_CHUNK: usize = 24;
 
-/// Part of the ring of the last second.
+/// Part of the ring buffer, which holds the records of the last second.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RingChunk {
-    /// Index of the first record here; 0 is the oldest.
+    /// Index of the first record in this part; 0 is the oldest of the ring buffer.
     pub first: u16,
-    /// Records in the ring.
+    /// Number of records in the ring buffer.
     pub total: u16,
-    /// The records from `first` on; empty beyond the end.
+    /// The records from index `first` on; empty beyond the end of the ring buffer.
     pub records: Vec<RingRecord, RING_CHUNK>,
 }
 
-/// One tick in the ring: coarser than [`Telemetry`], so that a second fits into the smaller board.
+/// One tick's record in the ring buffer. It is coarser than [`Telemetry`], so that a second fits into the smaller board's memory.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RingRecord {
     /// Low 16 bits of the tick's number.
     pub tick: u16,
-    /// Position, counts from the calibrated zero; 24 bits.
+    /// Position in encoder counts from the calibrated zero; 24 bits.
     pub count: i32,
-    /// Torque that the law commands, N·m in 1/4096, at most ±8.
+    /// Torque that the control law commands, in units of 1/4096 N·m, at most ±8 N·m.
     pub force: i16,
-    /// Measured q-axis current, A in 1/1024, at most ±32.
+    /// Measured q-axis current, in units of 1/1024 A, at most ±32 A.
     pub current_q: i16,
-    /// Lateness in units of 64 cycles.
+    /// Lateness of the tick in units of 64 processor cycles.
     pub lateness_64: u8,
-    /// What held the force back: [`crate::Limits`] as bits.
+    /// The limits that act in this tick: [`crate::Limits`] as bits.
     pub limits: u8,
-    /// [`Phase`] as a number, in its order.
+    /// [`Phase`] as a number: its index in [`Phase::ALL`].
     pub phase: u8,
 }

@@ -1,7 +1,7 @@
-//! From a counter that wraps around to a count that does not.
+//! Turns the readings of a counter that wraps around into an unbroken count.
 //!
-//! A timer in encoder mode counts modulo 2^16 or 2^32. Between two samples the count moved by less than half of that, so the
-//! difference of the readings, taken modulo the counter and read as a signed number, is the true movement.
+//! A timer in encoder mode counts modulo 2^16 or 2^32. The encoder must move by less than half of that range between two readings.
+//! Then the difference of the readings, modulo the counter's range and read as a signed number, is the true movement.
 
 macro_rules! unwrap {
     ($(#[$doc:meta])* $name:ident, $counter:ty, $signed:ty) => {
@@ -13,15 +13,15 @@ macro_rules! unwrap {
         }
 
         impl $name {
-            /// Starts at a reading of the counter that stands for `count`.
+            /// Starts with a first reading of the counter, which stands for the unbroken count `count`.
             #[must_use]
             pub const fn new(reading: $counter, count: i64) -> Self {
                 Self { last: reading, count }
             }
 
-            /// Takes the next reading; returns the unbroken count, at the end of its range if it would leave it.
+            /// Takes the next reading of the counter and returns the unbroken count, which saturates at the ends of `i64`.
             ///
-            /// Right as long as the encoder moved by at most half the counter's range since the last reading.
+            /// The result is right if the encoder moved by at most half the counter's range since the last reading.
             #[inline]
             pub fn update(&mut self, reading: $counter) -> i64 {
                 let moved = reading.wrapping_sub(self.last).cast_signed();
@@ -30,22 +30,22 @@ macro_rules! unwrap {
                 self.count
             }
 
-            /// The last reading.
+            /// The last reading of the counter.
             #[inline]
             #[must_use]
             pub const fn reading(&self) -> $counter {
                 self.last
             }
 
-            /// The count at the last reading.
+            /// The unbroken count at the last reading.
             #[inline]
             #[must_use]
             pub const fn count(&self) -> i64 {
                 self.count
             }
 
-            /// Whole turns (towards minus infinity) and the counts beyond them, `0 <= rest < counts_per_rev`; `None` for an
-            /// encoder without counts.
+            /// Whole turns (rounded towards minus infinity) and the remaining counts, `0 <= rest < counts_per_rev`; `None` if
+            /// `counts_per_rev` is 0.
             #[inline]
             #[must_use]
             pub fn turns(&self, counts_per_rev: u32) -> Option<(i64, u32)> {
@@ -60,11 +60,11 @@ macro_rules! unwrap {
 }
 
 unwrap!(
-    /// Unwraps a 16-bit counter.
+    /// Makes an unbroken count from a 16-bit counter that wraps.
     Unwrap16, u16, i16
 );
 unwrap!(
-    /// Unwraps a 32-bit counter.
+    /// Makes an unbroken count from a 32-bit counter that wraps.
     Unwrap32, u32, i32
 );
 

@@ -1,4 +1,5 @@
-//! Every fault code has a page under its number and name, with all its sections; the index has them all, and there are no others.
+//! Checks that every fault code has a page with its number and name and with all sections, that the index lists all pages, and that
+//! there are no others.
 
 use std::path::{Path, PathBuf};
 use touchstone_protocol::{FaultCode, Limit};
@@ -15,7 +16,7 @@ fn docs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs")
 }
 
-/// `OverCurrent` as `over-current`.
+/// The fault's name in file names, e.g. `over-current` for `OverCurrent`.
 fn name(code: FaultCode) -> String {
     let mut name = String::new();
     for letter in format!("{code:?}").chars() {

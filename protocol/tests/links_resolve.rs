@@ -1,4 +1,4 @@
-//! Every relative link of the repository's Markdown leads to a file, and every anchor to a heading.
+//! Checks that every relative link in the repository's Markdown leads to a file, and every anchor to a heading.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -22,7 +22,7 @@ fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The page without its blocks of code.
+/// The lines of the page outside its code blocks.
 fn prose(page: &str) -> Vec<&str> {
     let mut code = false;
     let outside = |line: &&str| {
@@ -33,12 +33,12 @@ fn prose(page: &str) -> Vec<&str> {
     page.lines().filter(outside).collect()
 }
 
-/// The line without its quoted code.
+/// The line without its inline code.
 fn unquoted(line: &str) -> String {
     line.split('`').step_by(2).collect()
 }
 
-/// The texts of links in place of the links.
+/// The heading with each link replaced by its text.
 fn shown(heading: &str) -> String {
     let mut out = String::new();
     let mut rest = heading;
@@ -49,7 +49,7 @@ fn shown(heading: &str) -> String {
     out + rest
 }
 
-/// The anchors that a renderer gives the headings of a page.
+/// The anchors that a Markdown renderer gives the headings of a page.
 fn anchors(page: &str) -> BTreeSet<String> {
     let mut seen = BTreeMap::<String, usize>::new();
     let mut found = BTreeSet::new();
@@ -70,7 +70,7 @@ fn anchors(page: &str) -> BTreeSet<String> {
     found
 }
 
-/// The links of a page into the repository.
+/// The targets of the links on a page that lead into the repository.
 fn links(page: &str) -> Vec<String> {
     let mut found = Vec::new();
     for line in prose(page) {

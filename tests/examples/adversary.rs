@@ -1,9 +1,9 @@
-//! Looks for the hand that gets the most energy out, with and without the energy guard, at four delays, for every law.
+//! Searches for the simulated hand that gets the most energy out, with and without the energy guard, at four delays, for every law.
 //!
-//! `cargo run --release -p touchstone-tests --example adversary -- FILE.csv 1000000` spends a million evaluations with the guard, in all
-//! ways, delays and laws together, and a tenth of that without. The default is 40,000. A way of moving against a law at a delay is a row, kept
-//! in the file as it is done: the same command goes on where it was stopped. With `shipped` behind it the account and the force limit are
-//! those that ship, and not the 20 mJ and 0.3 N·m of the other figures.
+//! `cargo run --release -p touchstone-tests --example adversary -- FILE.csv 1000000` spends a million evaluations with the guard,
+//! for all types of hand, delays and laws together, and a tenth of that without. The default is 40,000. Each combination of hand
+//! type, law and delay is one row of the file, written as soon as it is finished; the same command continues after an interruption.
+//! With `shipped` at the end, account and force limit are the shipped ones instead of 20 mJ and 0.3 N·m.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -15,10 +15,10 @@ use touchstone_tests::adversary::Way;
 use touchstone_tests::port::{Port, PortLaw, SpringDamper};
 
 const DELAYS: [f64; 4] = [0.0, 0.1, 0.5, 1.0];
-/// Ticks of an evaluation, and of the worst hand's second run, in case it is slow.
+/// Ticks of one evaluation; the worst hand of a search runs again for `LONGER` ticks.
 const TICKS: u32 = 500;
 const LONGER: u32 = 20_000;
-/// Account, J, and force limit, N·m.
+/// Capacity of the guard's energy account in J, and force limit in N·m.
 #[derive(Debug, Clone, Copy)]
 struct Account {
     capacity_j: f64,
@@ -26,7 +26,7 @@ struct Account {
 }
 
 impl Account {
-    /// The guard of the figures in `docs/energy-guard.md`.
+    /// The settings of most figures in `docs/energy-guard.md`: 20 mJ and 0.3 N·m.
     const SMALL: Self = Self {
         capacity_j: 0.02,
         force_limit_n_m: 0.3,
@@ -40,7 +40,7 @@ impl Account {
         }
     }
 
-    /// The bound with a count under the largest force, J.
+    /// The guard's bound in J, with one encoder count at the largest force.
     fn bound_j(self) -> f64 {
         self.capacity_j + self.force_limit_n_m * touchstone_tests::port::COUNT_RAD
     }
@@ -57,8 +57,8 @@ impl Account {
 
 const SEED: u64 = 1;
 
-/// The laws: springs that no controller bounds, one that pushes with all its force when the hand moves out, every law
-/// with the thesis' settings, and the shipped one.
+/// The laws: springs without a controller, one that pushes with all its force when the hand moves out, every law with the thesis'
+/// settings, and the shipped one.
 fn laws() -> Vec<(String, PortLaw)> {
     let spring = |k, b| PortLaw::from(SpringDamper { k, b });
     let mut laws = vec![
@@ -102,18 +102,18 @@ fn laws() -> Vec<(String, PortLaw)> {
     laws
 }
 
-/// One result.
+/// One row of the result file.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Row {
     law: String,
     delay_ticks: f64,
     way: String,
     evaluations: u32,
-    /// Most above the refill with the guard, J.
+    /// Most energy beyond the refill with the guard, J.
     guarded_j: f64,
-    /// What that hand gets with the tick in which it went beyond overspeed, if it did, J.
+    /// The same hand's energy with the tick in which it exceeded the guard's speed limit, if it did, J.
     overspeed_j: f64,
-    /// Most in a window without, J, in half a second.
+    /// Most energy in any window of half a second without the guard, J.
     bare_j: f64,
 }
 
@@ -186,7 +186,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The worst way of every law at every delay.
+/// Prints the worst type of hand for every law and delay.
 fn print(account: Account, laws: &[(String, PortLaw)], rows: &[Row]) {
     let total: u64 = rows.iter().map(|row| u64::from(row.evaluations)).sum();
     println!(

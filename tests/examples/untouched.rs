@@ -1,7 +1,8 @@
-//! How low the guard's account falls while a hand holds, wiggles and trembles against a good wall.
+//! Prints how low the guard's energy account falls while a hand holds, wiggles and trembles against a good wall.
 //!
-//! `cargo run --release -p touchstone-tests --example untouched -- 3600` plays an hour of each; the default is a minute. `counts`:
-//! every change of force is charged half a count; `free`: none is, and what quantisation can take adds up outside the account.
+//! `cargo run --release -p touchstone-tests --example untouched -- 3600` runs an hour of each; the default is a minute. In rows
+//! `counts` every change of force is charged half an encoder count. In rows `free` none is, and the energy that quantisation gives
+//! adds up outside the account.
 
 use touchstone_control::{ChangeOfForce, GuardSettings, Si};
 use touchstone_tests::port::{Gripped, Port, SpringDamper, wiggle};
@@ -52,7 +53,7 @@ fn one(
     hz: f64,
     seconds: u32,
 ) {
-    // Where the account is known to run dry, ten minutes show it.
+    // Where the account is known to run empty, ten minutes show it.
     let dry = refill_w == 0.0 || change == ChangeOfForce::Estimated;
     let seconds = if dry { seconds.min(600) } else { seconds };
     let mut port = Port::new(law, delay, true, true);
@@ -66,7 +67,7 @@ fn one(
         |port: &Port, seconds: u32| port.play(&mut Gripped::medium(wiggle(hz)), 1000 * seconds);
     port.guard = Some(settings);
     let outcome = play(&port, seconds);
-    // With an account so large that neither of its ends is met.
+    // With a capacity so large that the account never meets its ends.
     port.guard = Some(GuardSettings {
         capacity: Si::ONE,
         refill: Si::ZERO,

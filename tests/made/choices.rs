@@ -1,18 +1,18 @@
-//! What a generator chooses by: a seed, in the tests, or bytes, in the fuzzer, which finds out what they change.
+//! Choices of the test generators: from a seed in the tests, or from bytes in the fuzzer, which learns what each byte changes.
 
-/// A source of choices.
+/// A source of choices, by which a generator decides what to make.
 pub trait Choices {
-    /// A number below `most`, which is at least 1.
+    /// A number from 0 up to, not including, `most`, which must be at least 1.
     fn below(&mut self, most: usize) -> usize;
 
-    /// One of these words.
+    /// One of the given words.
     #[allow(dead_code, reason = "of generators with words")]
     fn of<'a>(&mut self, words: &[&'a str]) -> &'a str {
         words[self.below(words.len())]
     }
 }
 
-/// SplitMix64 (Steele, Lea and Flood, 2014).
+/// Choices from a seed, by SplitMix64 (Steele, Lea and Flood, 2014).
 pub struct Seeded(pub u64);
 
 impl Choices for Seeded {
@@ -25,7 +25,7 @@ impl Choices for Seeded {
     }
 }
 
-/// Two bytes a choice; after the last one the first of everything.
+/// Choices from given bytes, two per choice. After the last byte every choice is 0.
 #[allow(dead_code, reason = "the fuzzer's")]
 pub struct Given<'a>(pub &'a [u8]);
 

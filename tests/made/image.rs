@@ -1,5 +1,5 @@
-//! Images of settings in flash: whole ones, damaged, and bytes that are none. What is taken passes its check, and is the same when it is
-//! kept again.
+//! Images of settings in flash: valid ones, damaged ones, and random bytes. An accepted image passes the settings' check, and is
+//! the same after it is stored again.
 
 use super::choices::Choices;
 use touchstone_control::Si;
@@ -15,7 +15,7 @@ fn check(settings: &DeviceSettings) -> Result<(), SettingsError> {
     checked(settings, BOARD)
 }
 
-/// An image with up to three damages; of most, the sum is right again, so that what is behind it is looked at.
+/// A random image with up to three damages. Most get a correct checksum again, so that the content is checked as well.
 pub fn made(seeded: &mut impl Choices) -> Vec<u8> {
     let mut settings = DeviceSettings::defaults(BOARD);
     settings.wall.k_desired_n_m_per_rad = Si::from_num(seeded.below(30) as i32);
@@ -41,14 +41,14 @@ pub fn made(seeded: &mut impl Choices) -> Vec<u8> {
     bytes
 }
 
-/// Gives bytes the sum that they would have as an image.
+/// Writes the correct checksum into the last four bytes of an image.
 pub fn seal(bytes: &mut [u8]) {
     if let Some((content, sum)) = bytes.split_last_chunk_mut::<4>() {
         *sum = crc_of(content).to_le_bytes();
     }
 }
 
-/// Whether it is taken. What is passes its check, and is the same when it is kept again.
+/// Whether an image is accepted. Asserts that an accepted one passes the settings' check, and is the same after it is stored again.
 pub fn is_taken(bytes: &[u8]) -> bool {
     let Ok(start) = stored::decode_with(bytes, &check) else {
         let start = stored::start(Some(bytes), DeviceSettings::defaults(BOARD), &check);

@@ -1,11 +1,11 @@
-//! Recordings of a hand as text: read, or refused in one line.
+//! Recordings of a hand's motion as text: each is read, or refused in one line.
 
 use super::choices::Choices;
 use std::fmt::Write as _;
 use std::path::Path;
 use touchstone_sim::scene::Recording;
 
-/// A recording by structure: a header, rows mostly as they should be, now and then one that is not.
+/// A random recording: a header and rows, most of them valid, now and then an invalid one.
 pub fn made(seeded: &mut impl Choices) -> String {
     let times = ["time_s", "t_ms", "Time [us]", "seconds", "time", "°"];
     let angles = [
@@ -43,7 +43,7 @@ pub fn made(seeded: &mut impl Choices) -> String {
     text
 }
 
-/// Whether it is read; what is odd of it is looked for.
+/// Whether a recording is read. If it is, its remarks are calculated as well.
 pub fn is_read(text: &str) -> bool {
     match Recording::parse(text, Path::new("m.csv")) {
         Ok(recording) => {

@@ -1,5 +1,5 @@
-//! Scenes made from the schema: every field at both ends of its range, at 0 and in between, with every environment. What is accepted runs to
-//! its end in a bounded time; what is refused is refused in one line.
+//! Scenes (simulation files) generated from the schema: every field at both ends of its range, at 0 and in between, with every
+//! environment. An accepted scene runs to its end in a bounded time; a refused one is refused in one line.
 
 use super::choices::Choices;
 use std::time::Instant;
@@ -9,19 +9,19 @@ use touchstone_sim::run::work::{self, Work};
 use touchstone_sim::scene::schema::{FIELDS, Field, Kind, Range};
 use touchstone_sim::scene::{Preset, Scene};
 
-/// Processor time of a scene that is taken without a word, at most. Without optimisation everything is slower.
+/// Largest processor time in s of a scene that is accepted without a remark; longer in builds without optimisation.
 const PATIENCE_S: f64 = if cfg!(debug_assertions) { 6.0 } else { 2.0 };
-/// Of one that is said to be long, in its own estimates, and what a plan takes besides.
+/// Allowed processor time of a long scene, per second that the scene's own estimate says.
 const SHARE: f64 = PATIENCE_S / work::LONG_S;
-/// So much of a long one is run, s.
+/// Part of a long scene that is run, in s of its estimated time.
 pub const TRIED_S: f64 = 0.2;
 
 fn number(seeded: &mut impl Choices, numbers: &[f64]) -> String {
-    // `1e300` for what `Display` would write in 301 digits.
+    // `1e300`, for which `Display` would write 301 digits.
     format!("{:e}", numbers[seeded.below(numbers.len())])
 }
 
-/// Names as people have them, and as nobody should.
+/// Names as users choose them, and names that could do harm.
 const TEXTS: [&str; 6] = [
     "\"\"",
     "\"a \\\"quoted\\\" name\"",
@@ -31,7 +31,7 @@ const TEXTS: [&str; 6] = [
     "\"ü 力\"",
 ];
 
-/// A value for a field: mostly one that it takes.
+/// A random value for a field, mostly one that the field accepts.
 fn value(field: &Field, seeded: &mut impl Choices) -> String {
     const TINY: f64 = 5e-324;
     let wide = [
@@ -89,7 +89,7 @@ fn value(field: &Field, seeded: &mut impl Choices) -> String {
     }
 }
 
-/// What a scene is changed by.
+/// A random scene: the shipped scene that it starts from, and the changes to it.
 pub fn made(seeded: &mut impl Choices) -> (&'static str, Vec<String>) {
     let base = seeded.of(&[
         "thesis-knob",
@@ -117,17 +117,18 @@ pub fn made(seeded: &mut impl Choices) -> (&'static str, Vec<String>) {
     (base, sets)
 }
 
-/// How a made scene ended.
+/// How a generated scene ended.
 pub enum Ended {
-    /// It ran whole.
+    /// It ran to its end.
     Run,
     /// It was refused in one line.
     Refused,
-    /// It is said to take long, and was run in part.
+    /// It was reported as long, and only a part was run.
     Long,
 }
 
-/// Processor time of this thread, s: others on the machine take none of it. Without such an account, the clock.
+/// Processor time of this thread in s, which other programs do not affect. Where the system does not report it, the time since
+/// `begun`.
 fn processor_s(begun: Instant) -> f64 {
     let told = std::fs::read_to_string("/proc/thread-self/schedstat");
     let ns = told
@@ -136,11 +137,11 @@ fn processor_s(begun: Instant) -> f64 {
     ns.map_or_else(|| begun.elapsed().as_secs_f64(), |ns| 1e-9 * ns)
 }
 
-/// Makes and runs a scene; how it ended, and its processor time, s.
+/// Builds and runs a scene; returns how it ended, and its processor time in s.
 pub fn tried(base: &str, sets: &[String]) -> (Ended, f64) {
     let one_line = |error: touchstone_sim::error::Error| {
         let text = error.to_string();
-        // A name of the file may hold anything; what prints it makes it visible.
+        // A file's name may contain anything; the program that prints it escapes it.
         assert!(
             !text.contains('\n') && text.chars().count() < 1200,
             "{base} {sets:?}: {text}"

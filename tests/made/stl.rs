@@ -1,10 +1,10 @@
-//! STL files: made by structure, then damaged. Each is read or refused in one line.
+//! STL files (triangle meshes): generated, then damaged. Each is read, or refused in one line.
 
 use super::choices::Choices;
 use std::path::Path;
 use touchstone_mesh::Mesh;
 
-/// Twelve triangles of a block, corners counter-clockwise from outside.
+/// The twelve triangles of a block; corners are counter-clockwise seen from outside.
 pub fn block(low: [f64; 3], high: [f64; 3]) -> Vec<[[f64; 3]; 3]> {
     let corner = |n: usize| {
         [0, 1, 2].map(|axis| {
@@ -33,7 +33,7 @@ pub fn block(low: [f64; 3], high: [f64; 3]) -> Vec<[[f64; 3]; 3]> {
     .to_vec()
 }
 
-/// As text.
+/// Triangles as a text STL file.
 pub fn solid(name: &str, triangles: &[[[f64; 3]; 3]]) -> String {
     let vertex = |[x, y, z]: &[f64; 3]| format!("      vertex {x:e} {y:e} {z:e}\n");
     let facets: String = triangles
@@ -46,7 +46,7 @@ pub fn solid(name: &str, triangles: &[[[f64; 3]; 3]]) -> String {
     format!("solid {name}\n{facets}endsolid {name}\n")
 }
 
-/// In binary.
+/// Triangles as a binary STL file.
 pub fn binary(head: &[u8], count: u32, triangles: &[[[f64; 3]; 3]]) -> Vec<u8> {
     let mut bytes = vec![b' '; 80];
     bytes[..head.len()].copy_from_slice(head);
@@ -64,7 +64,7 @@ pub fn binary(head: &[u8], count: u32, triangles: &[[[f64; 3]; 3]]) -> Vec<u8> {
     bytes
 }
 
-/// A file with up to three damages.
+/// A random STL file with up to three damages.
 pub fn made(seeded: &mut impl Choices) -> Vec<u8> {
     let sizes = [1e-30, 1.0, 60.0, 1e30, 3e38];
     let mut corner = || [0; 3].map(|_| sizes[seeded.below(5)] * (seeded.below(7) as f64 - 3.0));
@@ -97,7 +97,7 @@ pub fn damage(bytes: &mut Vec<u8>, seeded: &mut impl Choices) {
     }
 }
 
-/// Whether it is read as STL; what is odd of it is looked for.
+/// Whether a file is read. If it is, the mesh's remarks are calculated as well.
 pub fn is_read(bytes: &[u8]) -> bool {
     is_read_as("made.stl", bytes)
 }

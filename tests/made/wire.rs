@@ -1,4 +1,5 @@
-//! Bytes of the wire: whole frames of both sides, damaged, and bytes that are none. Nothing panics, no message is made up.
+//! Bytes on the wire between host and device: valid frames of both directions, damaged ones, and random bytes. Nothing panics, and
+//! every decoded message encodes to the same message.
 
 use super::choices::Choices;
 use touchstone_protocol::frame::{self, Decoder, FRAME_MAX};
@@ -8,7 +9,7 @@ use touchstone_protocol::{
     Board, Counters, DeviceCommand, DeviceSettings, Reply, Request, ToDevice,
 };
 
-/// A whole frame of one of many messages.
+/// A valid frame with one of many messages.
 fn frame_of(seeded: &mut impl Choices) -> Vec<u8> {
     let mut buffer = [0; FRAME_MAX];
     let id = seeded.below(256) as u8;
@@ -33,7 +34,7 @@ fn frame_of(seeded: &mut impl Choices) -> Vec<u8> {
     frame.expect("every message fits").to_vec()
 }
 
-/// Some frames, with damages.
+/// Several frames with damages.
 pub fn made(seeded: &mut impl Choices) -> Vec<u8> {
     let mut bytes = Vec::new();
     for _ in 0..1 + seeded.below(3) {
@@ -51,7 +52,8 @@ pub fn made(seeded: &mut impl Choices) -> Vec<u8> {
     bytes
 }
 
-/// Takes bytes as both sides do; how many messages came of them, each of which is the same again when it is sent.
+/// Decodes bytes as host and device do; returns the number of messages. Asserts that each decodes to the same when it is encoded
+/// again.
 pub fn messages(bytes: &[u8]) -> usize {
     let (mut decoder, mut count) = (Decoder::new(), 0);
     for &byte in bytes {
@@ -62,7 +64,7 @@ pub fn messages(bytes: &[u8]) -> usize {
     count
 }
 
-/// A payload, as whoever has no frame around it sees it.
+/// Whether a payload without a frame is a message; asserts that it decodes to the same when it is encoded again.
 pub fn looked_into(payload: &[u8]) -> bool {
     let mut buffer = [0; 4 * FRAME_MAX];
     let mut is_message = false;

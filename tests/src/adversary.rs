@@ -1,31 +1,32 @@
-//! Hands that want energy: motions and policies of a few numbers, for [`crate::search`] to find the worst of.
+//! Simulated hands that try to get energy out: motions and policies of a few numbers each. [`crate::search`] finds the worst of
+//! them.
 
 use crate::port::{Gripped, Hand, Imposed, Outcome, Port, TICK_S};
 use crate::search;
 
-/// Nothing moves faster: the guard's overspeed, with room for the count that a measurement may be off.
+/// Largest speed of a hand: just below the guard's limit of 60 rad/s, as a measurement may be wrong by an encoder count.
 pub const FASTEST_RAD_PER_S: f64 = 59.0;
 
-/// A way of moving, and how many numbers it takes.
+/// A type of simulated hand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Way {
     /// A motion that repeats every ten ticks; each half of a tick has its own speed.
     Periodic,
-    /// Three sines below 200 Hz around a depth.
+    /// Three sines below 200 Hz around a mean depth.
     Sines,
-    /// A speed for each half of a tick, chosen by the force and its change: a hand that feels everything at once.
+    /// A speed for each half of a tick that depends on the force and its change, so the hand reacts to the force at once.
     Policy,
-    /// A mass behind a spring, pushed.
+    /// A hand with mass that holds the device by a spring and pushes.
     Gripped,
 }
 
 const PERIOD: usize = 10;
 
 impl Way {
-    /// All kinds of motion.
+    /// All types of hand.
     pub const ALL: [Way; 4] = [Way::Periodic, Way::Sines, Way::Policy, Way::Gripped];
 
-    /// How many numbers choose a hand.
+    /// Number of parameters that describe a hand.
     #[must_use]
     pub fn dimensions(self) -> usize {
         match self {
@@ -36,7 +37,7 @@ impl Way {
         }
     }
 
-    /// Energy that the hand with these numbers gets out.
+    /// Runs the hand with these parameters; returns how much energy it got out.
     #[must_use]
     pub fn play(self, port: &Port, numbers: &[f64], ticks: u32) -> Outcome {
         match self {
@@ -68,7 +69,8 @@ impl Way {
         }
     }
 
-    /// The worst hand that this many evaluations find, and its energy above the refill in a second.
+    /// Searches for the worst hand with this many evaluations. Returns its parameters and the most energy that it got beyond the
+    /// refill, J.
     #[must_use]
     pub fn worst(self, port: &Port, evaluations: u32, ticks: u32, seed: u64) -> (Vec<f64>, f64) {
         search::largest(self.dimensions(), 0.5, evaluations, seed, |numbers| {
@@ -90,7 +92,7 @@ fn sines(n: &[f64]) -> impl Fn(f64) -> f64 + use<> {
     let parts: Vec<(f64, f64, f64)> = (0..3)
         .map(|i| {
             let omega = std::f64::consts::TAU * frequency(n[1 + 3 * i]);
-            // Together below the fastest.
+            // The three sines together stay below the largest speed.
             let most = FASTEST_RAD_PER_S / 3.0 / omega;
             (
                 (0.02 * n[2 + 3 * i]).clamp(-most, most),
@@ -107,7 +109,7 @@ fn sines(n: &[f64]) -> impl Fn(f64) -> f64 + use<> {
     }
 }
 
-/// What both halves of a tick take at most of a wanted way.
+/// Limits a displacement in rad to what is possible in this time at [`FASTEST_RAD_PER_S`].
 fn limited(wanted: f64, seconds: f64) -> f64 {
     let most = FASTEST_RAD_PER_S * seconds;
     wanted.clamp(-most, most)
@@ -133,7 +135,7 @@ impl Periodic {
         let mut steps: Vec<f64> = (0..2 * PERIOD)
             .map(|i| limited(size * n[2 + i], seconds(i % 2)))
             .collect();
-        // Round and round: what is left of the way is spread over all that can take it.
+        // In several rounds the remaining displacement is spread over all steps that can still take some.
         let left: f64 = steps.iter().sum();
         for (i, step) in steps.iter_mut().enumerate() {
             *step -= left * seconds(i % 2) / (TICK_S * PERIOD as f64);
@@ -201,7 +203,7 @@ impl Hand for Policy {
         0.0
     }
     fn go(&mut self, tick: u32, late: bool, force: f64, seconds: f64) -> (f64, f64) {
-        // Once a tick, however many parts it has.
+        // Once per tick, however many parts the tick has.
         if late && !self.was_late {
             self.change = force - self.force;
             self.force = force;

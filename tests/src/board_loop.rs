@@ -1,35 +1,35 @@
-//! A board's current loop at the hand's port: how a force comes about after the tick that commands it.
+//! Simulates a board's current loop at the hand's port: how a force comes about after the tick that commands it.
 
 use touchstone_drive::change::{ChangeConfig, law_settings};
 use touchstone_drive::wire::hardware;
 use touchstone_protocol::{Board, DeviceSettings};
 
-/// PWM periods of a tick at 1 kHz.
+/// PWM periods per tick at 1 kHz.
 const PERIODS: u16 = 20;
 const PERIOD_S: f64 = 50e-6;
 
-/// A stretch of time in which the force is a mean: whether it comes after the encoder was read once more, that force, N·m, and how long.
+/// A span of time with one mean force: whether it comes after the second encoder reading, the force in N·m, and the duration in s.
 pub type Stretch = (bool, f64, f64);
 
-/// The current loop alone, in `f64`: `1/s` of the error that a period's sample finds, from half a period later on.
+/// The current loop alone, in `f64`. A PWM period's sample gives an error; half a period later, the loop begins to integrate it.
 #[derive(Debug, Clone, Copy)]
 pub struct BoardLoop {
-    /// The firmware's use of the encoder's readings.
+    /// How the firmware uses its encoder readings at the change of force.
     pub change: ChangeConfig,
-    /// How much of an error goes in half a period.
+    /// Fraction of an error that the loop removes in half a period.
     half: f64,
     force: f64,
-    /// The wanted force, as the loop knows it.
+    /// The force that the loop regulates to, N·m.
     asked: f64,
-    /// The error of the period before.
+    /// Error of the previous period's sample, N·m.
     error: f64,
 }
 
 impl BoardLoop {
-    /// A board as shipped, with the guard's settings that it computes for its own delay.
+    /// A board's current loop as shipped, with the law's settings. The guard's delay in them is the one that the board calculates.
     ///
     /// # Panics
-    /// If it refuses its own defaults.
+    /// The board refuses its own default settings.
     #[must_use]
     pub fn shipped() -> (Self, touchstone_control::Settings) {
         let board = Board::NucleoG474re;
@@ -46,7 +46,8 @@ impl BoardLoop {
         (this, law)
     }
 
-    /// The forces between a tick's reading, a quarter of a period after its sample, and the next: the command is seen a period later.
+    /// Forces from one encoder reading, a quarter of a period after the tick's sample, to that of the next tick. The loop receives
+    /// a command one period after the sample.
     pub fn tick(&mut self, wanted: f64, into: &mut Vec<Stretch>) {
         into.clear();
         for period in 0..=PERIODS {
@@ -73,7 +74,7 @@ impl BoardLoop {
             }
             self.error = error;
             if is_last {
-                // The next tick begins with this period.
+                // The next tick begins with this PWM period, so its state is restored.
                 *self = before;
             }
         }

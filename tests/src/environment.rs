@@ -1,4 +1,4 @@
-//! Walls and detents of the tests of environments, and a reading of their encoder.
+//! Walls, detents and an encoder for the tests of environments.
 
 use crate::si::si;
 use touchstone_control::environment::{
@@ -6,13 +6,13 @@ use touchstone_control::environment::{
 };
 use touchstone_control::{CountScale, Reported, Settings, Si};
 
-/// Counts of a turn.
+/// Encoder counts per turn.
 pub const COUNTS: u32 = 40_000;
 
-/// One count, rad.
+/// One encoder count, rad.
 pub const COUNT_RAD: f64 = std::f64::consts::TAU / COUNTS as f64;
 
-/// The encoder of these tests.
+/// The encoder of the environment tests, with [`COUNTS`] per turn.
 ///
 /// # Panics
 /// Never.
@@ -21,7 +21,7 @@ pub fn encoder() -> CountScale {
     CountScale::new(COUNTS, Si::ZERO).unwrap()
 }
 
-/// A reading of that encoder.
+/// A reading of that encoder at a count.
 #[must_use]
 pub fn at(count: i64) -> Counted {
     Counted {
@@ -30,7 +30,7 @@ pub fn at(count: i64) -> Counted {
     }
 }
 
-/// A wall of 5 N·m/rad.
+/// Settings of a wall of 5 N·m/rad.
 #[must_use]
 pub fn wall(surface: &str, side: Side) -> WallSettings {
     WallSettings {
@@ -42,7 +42,7 @@ pub fn wall(surface: &str, side: Side) -> WallSettings {
     }
 }
 
-/// The wall's mirror image.
+/// Settings of the wall's mirror image.
 #[must_use]
 pub fn mirrored(wall: &WallSettings) -> WallSettings {
     let side = match wall.face.side {
@@ -56,7 +56,7 @@ pub fn mirrored(wall: &WallSettings) -> WallSettings {
     }
 }
 
-/// Detents, 12 to a half turn, one of them where there is no count.
+/// Settings of detents, 12 in half a turn; one lies between two encoder counts.
 #[must_use]
 pub fn detents() -> DetentSettings {
     DetentSettings {
@@ -66,10 +66,10 @@ pub fn detents() -> DetentSettings {
     }
 }
 
-/// An environment of all that.
+/// An environment built from walls and detents.
 ///
 /// # Panics
-/// If it is refused.
+/// The environment is refused.
 #[must_use]
 pub fn built<N: Reported>(
     settings: &Settings,

@@ -1,4 +1,4 @@
-//! The state estimator as an independent one of matrices has it, and devices to compare both on.
+//! An independent form of the state estimator, calculated with matrices, and devices on which both are compared.
 
 use std::f64::consts::TAU;
 
@@ -6,7 +6,8 @@ use touchstone_control::{Estimator, EstimatorSettings, Number, Si};
 
 use crate::random::Random;
 
-/// `[x, d, g, f]` in ticks: penetration, displacement per tick, the hand's push per tick², held force.
+/// Matrix over `[x, d, g, f]` with time in ticks: penetration, displacement per tick, the hand's push per tick², and the held
+/// force.
 type Four = [[f64; 4]; 4];
 type Three = [[f64; 3]; 3];
 
@@ -14,7 +15,7 @@ fn product<const N: usize>(a: &[[f64; N]; N], b: &[[f64; N]; N]) -> [[f64; N]; N
     std::array::from_fn(|i| std::array::from_fn(|j| (0..N).map(|k| a[i][k] * b[k][j]).sum()))
 }
 
-/// `exp(M t)` by scaling and squaring.
+/// The matrix exponential `exp(M t)`, by scaling and squaring.
 fn exponential(m: &Four, t: f64) -> Four {
     let identity: Four = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(i == j)));
     let small = m.map(|row| row.map(|x| x * t / 1024.0));
@@ -42,22 +43,22 @@ fn inverse(m: &Three) -> Three {
     std::array::from_fn(|i| std::array::from_fn(|j| minor(j, i) / determinant))
 }
 
-/// A device as the estimator assumes it.
+/// The estimator in matrix form, for a device that is as the estimator assumes.
 pub struct Reference {
     motion: Four,
-    /// Matrix of one tick of `[x, d, g]`.
+    /// Matrix of one tick for `[x, d, g]`.
     pub step: Three,
-    /// Gains of the correction.
+    /// Gains of the correction by the measured position.
     pub gains: [f64; 3],
     delay: f64,
-    /// `[x, d, g]` at the last sample; nothing before the first.
+    /// `[x, d, g]` at the last sample; `None` before the first.
     pub state: Option<[f64; 3]>,
-    /// Past commands, the latest last.
+    /// Past commands in N·m, the latest last.
     commands: Vec<f64>,
 }
 
 impl Reference {
-    /// Poles at `z`; `b T/J`, `T²/J`, delay in ticks.
+    /// The estimator with all poles at `z`, for a device with `loss` = `b T/J`, `per_force` = `T²/J`, and a delay in ticks.
     pub fn new(z: f64, loss: f64, per_force: f64, delay: f64) -> Self {
         let motion = [
             [0.0, 1.0, 0.0, 0.0],
@@ -67,7 +68,7 @@ impl Reference {
         ];
         let whole = exponential(&motion, 1.0);
         let f: Three = std::array::from_fn(|i| std::array::from_fn(|j| whole[i][j]));
-        // Ackermann: (F - z)³ O⁻¹ e₃ with the rows C F, C F², C F³, as the correction comes after the prediction.
+        // Ackermann's formula: (F - z)³ O⁻¹ e₃ with the rows C F, C F², C F³, as the correction comes after the prediction.
         let shifted: Three =
             std::array::from_fn(|i| std::array::from_fn(|j| f[i][j] - z * f64::from(i == j)));
         let wanted = product(&product(&shifted, &shifted), &shifted);
@@ -90,12 +91,12 @@ impl Reference {
         std::array::from_fn(|i| e[i][0] * x + e[i][1] * d + e[i][2] * g + e[i][3] * force)
     }
 
-    /// The command this many ticks ago, 1 for the last.
+    /// The command of this many ticks ago; 1 is the last command.
     fn back(&self, ticks: usize) -> f64 {
         self.commands[self.commands.len() - ticks]
     }
 
-    /// Position and displacement per tick when the next command begins to act.
+    /// Runs one tick at a measured position; returns position and displacement per tick for when the next command begins to act.
     pub fn tick(&mut self, measured: f64) -> (f64, f64) {
         let (whole, fraction) = (self.delay.floor() as usize, self.delay.fract());
         let state = match self.state {
@@ -115,25 +116,25 @@ impl Reference {
         (ahead[0], ahead[1])
     }
 
-    /// A command, N·m, that begins to act after the delay.
+    /// Reports a command, N·m, which begins to act after the delay.
     pub fn commanded(&mut self, force: f64) {
         self.commands.remove(0);
         self.commands.push(force);
     }
 
-    /// How an error goes on from tick to tick: `(1 - L C) F`.
+    /// Matrix by which an estimation error changes from tick to tick: `(1 - L C) F`.
     pub fn error_step(&self) -> Three {
         let first = self.step[0];
         std::array::from_fn(|i| std::array::from_fn(|j| self.step[i][j] - self.gains[i] * first[j]))
     }
 }
 
-/// Largest force, N·m.
+/// Force limit of the devices, N·m.
 pub const LIMIT: Si = Si::lit("0.5");
 
-/// A device: rate, bandwidth, inertia, damping, delay in ticks.
+/// A row of the table of devices: rate in Hz, bandwidth, inertia, damping, delay in ticks.
 pub type DeviceRow = (u32, &'static str, &'static str, &'static str, f64);
-/// From slow to quick, with no delay to two ticks.
+/// Devices from slow to quick, with delays from 0 to two ticks.
 pub const DEVICES: [DeviceRow; 7] = [
     (1000, "60", "0.0001", "0.0004", 1.0),
     (1000, "60", "0.0001", "0.0004", 0.0),
@@ -144,7 +145,7 @@ pub const DEVICES: [DeviceRow; 7] = [
     (500, "90", "0.00001", "0", 1.5),
 ];
 
-/// The estimator's settings of a device.
+/// The estimator's settings for a device.
 pub fn settings(&(rate, p, j, b, delay): &DeviceRow) -> EstimatorSettings {
     EstimatorSettings {
         bandwidth_hz: Si::from_str(p).unwrap(),
@@ -154,16 +155,16 @@ pub fn settings(&(rate, p, j, b, delay): &DeviceRow) -> EstimatorSettings {
     }
 }
 
-/// The estimator of a device.
+/// The estimator for a device.
 ///
 /// # Panics
-/// Where its settings are refused.
+/// Its settings are refused.
 pub fn estimator<N: Number>(device: &DeviceRow) -> Estimator<N> {
     let built = settings(device).estimator(device.0, LIMIT);
     built.unwrap_or_else(|error| panic!("{device:?}: {error}"))
 }
 
-/// The reference of a device, with the values that the settings can hold.
+/// The matrix form for a device, with parameters rounded as the settings round them.
 pub fn reference(device: &DeviceRow) -> Reference {
     let given = settings(device);
     let rate = f64::from(device.0);
@@ -179,14 +180,14 @@ pub fn reference(device: &DeviceRow) -> Reference {
     )
 }
 
-/// Plays a moving hand's counts and forces, calling `tick` with each.
+/// Runs a moving hand for this many ticks; calls `tick` with each measured position and force.
 pub fn play(ticks: u32, seed: u64, mut tick: impl FnMut(f64, f64)) {
     let mut random = Random::new(seed);
     let (mut x, mut phase) = (0.1, 0.0);
     for n in 0..ticks {
         phase += 0.002 + 0.02 * f64::from(n % 700) / 700.0;
         x += 1e-4 * f64::sin(phase) + 5e-6 * random.real();
-        // A count of 40,000 in a turn, in a step of the format.
+        // One encoder count, at 40,000 per turn, rounded to a quantum of the format.
         let count = TAU / 40_000.0;
         let e = ((x / count).round() * count * f64::from(1 << 24)).round() / f64::from(1 << 24);
         let f = (0.4 * random.real() * f64::from(1 << 24)).round() / f64::from(1 << 24);
@@ -194,8 +195,8 @@ pub fn play(ticks: u32, seed: u64, mut tick: impl FnMut(f64, f64)) {
     }
 }
 
-/// How much an error of each state is amplified on its way to the output: the sum of its moduli over all ticks after a
-/// pulse.
+/// How much an error of each state is amplified in the outputs: the sum over all ticks of the outputs' magnitudes after an error of
+/// 1.
 pub fn amplification(matrices: &Reference, delay: f64) -> [[f64; 3]; 2] {
     let a = matrices.error_step();
     let mut power: [[f64; 3]; 3] =

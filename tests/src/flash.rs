@@ -1,5 +1,5 @@
-//! A flash memory as the microcontroller has it: words of 8 bytes that are programmed once between two erases, pages of 2 KiB, and
-//! power that can go at any moment.
+//! A simulated flash memory like a microcontroller's: words of 8 bytes that can be programmed once after an erase, pages of 2 KiB,
+//! and power that can fail at any moment.
 
 use crate::random::Random;
 use embedded_storage::nor_flash::{
@@ -9,23 +9,23 @@ use embedded_storage::nor_flash::{
 const WORD: usize = 8;
 const PAGE: usize = 2048;
 
-/// The memory.
+/// The simulated flash memory.
 #[derive(Debug, Clone)]
 pub struct Flash {
     bytes: Vec<u8>,
     random: Random,
-    /// Words to program and pages to erase until the power goes in the middle of one; `None` for steady power.
+    /// Number of operations (word programmed or page erased) until the power fails in the middle of one; `None` for steady power.
     left: Option<usize>,
     /// Words programmed and pages erased so far.
     pub operations: usize,
 }
 
-/// Why the flash refused.
+/// Why the flash refused an operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FlashFault {
-    /// The power is gone.
+    /// The power has failed.
     PowerGone,
-    /// A word was not erased before it was programmed, or an address is no word's or page's.
+    /// The word was not erased before it was programmed, or the address does not begin a word or page.
     Wrong,
 }
 
@@ -36,7 +36,7 @@ impl NorFlashError for FlashFault {
 }
 
 impl Flash {
-    /// A flash of this many erased pages.
+    /// A flash memory of this many erased pages.
     #[must_use]
     pub fn erased(pages: usize) -> Self {
         Self {
@@ -53,29 +53,30 @@ impl Flash {
         0..self.bytes.len() as u32
     }
 
-    /// The power fails in the middle of the operation after this many whole ones; the seed decides about its bits.
+    /// Makes the power fail in the middle of the operation after this many complete ones. The seed decides which bits of the
+    /// unfinished operation change.
     pub fn cut_after(&mut self, operations: usize, seed: u64) {
         self.left = Some(operations);
         self.random = Random::new(seed);
     }
 
-    /// The power is back.
+    /// Restores the power.
     pub fn power_on(&mut self) {
         self.left = None;
     }
 
-    /// Overwrites everything with this byte.
+    /// Overwrites the whole memory with this byte.
     pub fn fill(&mut self, byte: u8) {
         self.bytes.fill(byte);
     }
 
-    /// Begins an operation; returns whether the power fails in it.
+    /// Begins an operation (programming a word or erasing a page); returns whether the power fails in it.
     fn begin(&mut self) -> Result<bool, FlashFault> {
         self.operations += 1;
         match &mut self.left {
             None => Ok(false),
             Some(0) => {
-                // Nothing after this one either.
+                // Nothing after this operation succeeds either.
                 self.left = Some(usize::MAX);
                 Ok(true)
             }
@@ -119,13 +120,13 @@ impl NorFlash for Flash {
         for (index, word) in bytes.chunks(WORD).enumerate() {
             let cut = self.begin()?;
             let place = offset as usize + index * WORD;
-            // In the middle of a word some of its bits are programmed and some are not.
+            // If the power fails while a word is programmed, random bits of it are programmed.
             let not_yet = if cut { self.random.bits() } else { 0 };
             let there = self
                 .bytes
                 .get_mut(place..place + WORD)
                 .ok_or(FlashFault::Wrong)?;
-            // The check code beside each word allows no second programming but to all zeros.
+            // Because of the check code beside each word, a word cannot be programmed twice, except to all zeros.
             if there.iter().any(|&byte| byte != 0xff) && word.iter().any(|&byte| byte != 0) {
                 return Err(FlashFault::Wrong);
             }
@@ -147,7 +148,7 @@ impl NorFlash for Flash {
         for page in (from..to).step_by(PAGE) {
             let cut = self.begin()?;
             for byte in &mut self.bytes[page..page + PAGE] {
-                // In the middle of an erase some bits are back at one and some are not.
+                // If the power fails during an erase, random bits are back at one.
                 *byte |= if cut { self.random.bits() as u8 } else { 0xff };
             }
             if cut {

@@ -1,16 +1,16 @@
-//! Steps of forces, stiffnesses and energies in each number format, for error bounds.
+//! Smallest steps of forces, stiffnesses and energies in each number format, for error bounds.
 
 use touchstone_control::{Fixed16, Fixed32, Reported};
 
-/// The grains of a format, for forces of at most 0.5 N·m.
+/// The smallest steps of a number format, for forces of at most 0.5 N·m.
 pub trait Grain: Reported {
     /// Largest error of a rounded force, N·m: one step where a format truncates, half a step where it rounds to nearest.
     const FORCE_N_M: f64;
-    /// Largest error of a stiffness that a law derives, N·m/rad.
+    /// Largest rounding error of a stiffness that a law calculates, N·m/rad.
     const GAIN_N_M_PER_RAD: f64;
-    /// Largest relative error of one sum or product of energies; the fixed formats make none.
+    /// Largest relative error of one sum or product of energies; 0 for the fixed-point formats.
     const ENERGY: f64;
-    /// Fractional bits of a grid on which the format holds every angle below 0.5 rad exactly, and `Fixed32` too.
+    /// Fractional bits of a grid of angles. This format and `Fixed32` hold every grid point below 0.5 rad exactly.
     const ANGLE_BITS: i32;
 }
 
@@ -29,7 +29,7 @@ impl Grain for Fixed32 {
 }
 
 impl Grain for f32 {
-    // Half the distance of two numbers below 0.5, and as much again for the product that was rounded before a sum.
+    // Half the distance of two numbers below 0.5, and as much again for the product that is rounded before a sum.
     const FORCE_N_M: f64 = 1.0 / 33_554_432.0;
     const GAIN_N_M_PER_RAD: f64 = f32::EPSILON as f64;
     const ENERGY: f64 = f32::EPSILON as f64;

@@ -1,5 +1,5 @@
-//! Parts that the tests across the crates share: motions, a flash memory, random numbers, the estimator in matrices,
-//! every variant of every law.
+//! Shared helpers of the tests across the crates: motions, a flash memory, random numbers, the estimator in matrix form, and every
+//! variant of every law.
 
 pub mod adversary;
 pub mod board_loop;
@@ -19,10 +19,10 @@ pub mod variants;
 
 pub use touchstone_knob::knob;
 
-/// A shipped scene with the thesis' law, which is what most tests are about.
+/// A shipped scene with the thesis' law, which most tests use.
 ///
 /// # Panics
-/// If there is no such scene.
+/// There is no scene of this name.
 #[must_use]
 pub fn thesis(name: &str) -> touchstone_sim::scene::Scene {
     use touchstone_sim::scene::{Preset, Scene};

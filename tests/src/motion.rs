@@ -1,11 +1,11 @@
-//! Motions of the HIP, given in penetration.
+//! Motions of the HIP, as penetrations per tick.
 
 /// Half a sine wave: one press of `depth_rad`, in and out of the wall in `ticks`, zero at both ends.
 #[must_use]
 pub fn half_sine(depth_rad: f64, ticks: u32) -> Vec<f64> {
     (0..=ticks)
         .map(|tick| {
-            // The sine of π is not quite zero in floats.
+            // In floating point the sine of π is not quite zero.
             if tick == 0 || tick == ticks {
                 0.0
             } else {
@@ -15,7 +15,7 @@ pub fn half_sine(depth_rad: f64, ticks: u32) -> Vec<f64> {
         .collect()
 }
 
-/// A press that comes out by a third and goes in again, eight times on its way, as a hand that searches does.
+/// A press that comes out by a third and goes in again eight times on its way, like a searching hand.
 #[must_use]
 pub fn wiggle(depth_rad: f64, ticks: u32) -> Vec<f64> {
     let press = half_sine(depth_rad, ticks);
@@ -30,7 +30,7 @@ pub fn wiggle(depth_rad: f64, ticks: u32) -> Vec<f64> {
         .collect()
 }
 
-/// Into the wall in 200 ticks, a little back in 50 (the first contact ends), and held there.
+/// A motion into the wall in 200 ticks, a little back in 50 (which ends the first contact phase), and a hold there.
 #[must_use]
 pub fn hold(depth_rad: f64, ticks: usize) -> Vec<f64> {
     let ramp = |tick: u32, of: u32| {
@@ -44,7 +44,7 @@ pub fn hold(depth_rad: f64, ticks: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The motion rounded to a grid of this many fractional bits.
+/// A motion whose positions are rounded to a grid of this many fractional bits.
 #[must_use]
 pub fn on_grid(path: &[f64], bits: i32) -> Vec<f64> {
     let scale = 2_f64.powi(bits);

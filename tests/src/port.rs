@@ -1,8 +1,7 @@
-//! The hand's port of a device, in exact energy: a hand, a law, the guard, an encoder and a delay, and what the hand got out.
+//! The port between device and hand, with exact energy bookkeeping: a hand, a law, the guard, an encoder and a delay.
 //!
-//! Positions are linear in time within each half of a tick (before and after the force changes), or go as a hand with masses
-//! lets them. Either way force times displacement and damping are summed over what really happened, in `f64`, and not over
-//! what was measured.
+//! Within each half of a tick (before and after the force changes) the position is linear in time, or moves as a hand with masses
+//! lets it. In both cases the energy is summed in `f64` from the true motion, not from the measured one.
 
 use crate::board_loop::{BoardLoop, Stretch};
 use touchstone_control::{
@@ -10,31 +9,32 @@ use touchstone_control::{
     Position, Reported, Settings, Si, Warning,
 };
 
-/// Period of the control law.
+/// Period of the control law, s.
 pub const TICK_S: f64 = 1e-3;
-/// The thesis' knob.
+/// Damping of the thesis' knob.
 pub const DAMPING_N_M_S_PER_RAD: f64 = 4e-4;
-/// The thesis' knob.
+/// Inertia of the thesis' knob.
 pub const INERTIA_KG_M2: f64 = 1e-4;
-/// 40,000 counts a turn.
+/// One encoder count, rad, at 40,000 counts per turn.
 pub const COUNT_RAD: f64 = std::f64::consts::TAU / 40_000.0;
 
-/// A spring with virtual damping: differences of the measured position.
+/// A spring with virtual damping on differences of the measured position.
 #[derive(Debug, Clone, Copy)]
 pub struct SpringDamper {
-    /// Stiffness, N·m/rad.
+    /// Stiffness of the spring, N·m/rad.
     pub k: f64,
-    /// Damping, N·m·s/rad.
+    /// Virtual damping, N·m·s/rad.
     pub b: f64,
 }
 
-/// What chooses the force.
+/// The law that chooses the force.
 #[derive(Debug, Clone, Copy)]
 #[expect(clippy::large_enum_variant, reason = "there is one for each port")]
 pub enum PortLaw {
-    /// A law in `f64`, so that the guard meets forces that no law of this project would want.
+    /// A law in `f64`, so that the guard meets forces that no shipped law would request.
     SpringDamper(SpringDamper),
-    /// A law of the controller with its states, at 1 kHz; a guard in its settings is left out, as the port has one, and so is its limit.
+    /// A law of the controller with its estimator, at 1 kHz. Guard and force limit of the settings are not used, as the port has
+    /// its own.
     Controlled(Settings),
 }
 
@@ -50,7 +50,7 @@ impl From<Settings> for PortLaw {
     }
 }
 
-/// A law with its memory.
+/// A running law with its memory.
 enum Working {
     SpringDamper(SpringDamper, Position<Fixed32>),
     Controlled(Box<Controller<Fixed32>>),
@@ -93,55 +93,55 @@ impl Working {
     }
 }
 
-/// What moves the device.
+/// A hand that moves the device.
 pub trait Hand {
-    /// Where the device is at the first tick, rad inside the wall.
+    /// Position of the device at the first tick, rad inside the wall.
     fn start(&self) -> f64;
-    /// Moves the device for a part of a tick, `late` after the force has changed, against a force; returns its place,
-    /// and the energy that its damping took.
+    /// Moves the device for a part of a tick against a force. `late` says whether the force has already changed. Returns the
+    /// position in rad, and the energy in J that the device's damping dissipated.
     fn go(&mut self, tick: u32, late: bool, force_n_m: f64, seconds: f64) -> (f64, f64);
 }
 
-/// The device, law and guard in front of the hand.
+/// The port: device, law and guard, which a hand moves.
 #[derive(Debug, Clone)]
 pub struct Port {
-    /// From sample to force, in ticks, 0 to 1; not where there is a board's current loop.
+    /// Delay from sample to force in ticks, 0 to 1; not used with a board's current loop.
     pub delay_ticks: f64,
-    /// Whether that board reads its encoder when the force changes.
+    /// Whether a board (`board`) reads its encoder when the force changes.
     pub reads: bool,
-    /// How a board's force comes about, instead of all at once.
+    /// A board's current loop, by which the force changes; `None` if it changes at once.
     pub board: Option<BoardLoop>,
-    /// Whether positions are measured in counts.
+    /// Whether positions are measured in whole encoder counts.
     pub counts: bool,
-    /// Radians of a count.
+    /// One encoder count, rad.
     pub count_rad: f64,
-    /// Whether the guard knows it.
+    /// Whether the guard is configured with the encoder count.
     pub told: bool,
-    /// The law.
+    /// The law that chooses the force.
     pub law: PortLaw,
-    /// The guard, if there is one.
+    /// Settings of the guard; `None` for no guard.
     pub guard: Option<GuardSettings>,
-    /// The law's own limit, N·m.
+    /// The law's force limit, N·m.
     pub force_limit_n_m: f64,
 }
 
-/// Result of a run.
+/// Result of running a hand.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Outcome {
-    /// Most that the hand got out in any window of time, J.
+    /// Most energy that the hand got out in any window of time, J.
     pub worst_window_j: f64,
-    /// The energy less the refill over that window.
+    /// Most energy that the hand got out in any window, minus the refill in that window, J.
     pub above_refill_j: f64,
-    /// The same energy with the tick in which the device exceeded the guard's overspeed, if a run ended there; the
-    /// other figures are without that tick, as the bound is.
+    /// `above_refill_j` with the tick in which the device exceeded the guard's speed limit, if the run ended so, J. The other
+    /// figures are without that tick, as the guard's bound is.
     pub with_overspeed_j: f64,
-    /// The lowest that the account was, J.
+    /// Lowest level of the guard's account, J.
     pub lowest_account_j: f64,
-    /// The guard's account at the end.
+    /// Level of the guard's account at the end, J.
     pub last_account_j: f64,
-    /// Ticks in which the guard changed the force.
+    /// Number of ticks in which the guard changed the force.
     pub changed_ticks: u32,
-    /// Ticks that were played: fewer than wanted after overspeed.
+    /// Ticks that were run: fewer than requested if an over-speed ended the run.
     pub ticks: u32,
     /// Sum of all changes of the commanded force, N·m.
     pub changes_n_m: f64,
@@ -152,7 +152,7 @@ fn si(value: f64) -> Si {
 }
 
 impl Port {
-    /// 20 mJ, half a milliwatt, 80 % of the damping, with a delay in ticks.
+    /// The guard's settings: capacity 20 mJ, refill 0.5 mW, 80 % of the damping, and a delay in ticks.
     #[must_use]
     pub fn settings(delay_ticks: f64) -> GuardSettings {
         GuardSettings {
@@ -162,7 +162,7 @@ impl Port {
         }
     }
 
-    /// A port with the settings above, or without a guard.
+    /// A port with the guard of [`settings`], or without a guard.
     #[must_use]
     pub fn new(law: impl Into<PortLaw>, delay_ticks: f64, counts: bool, guarded: bool) -> Self {
         Self {
@@ -178,7 +178,7 @@ impl Port {
         }
     }
 
-    /// The device as the guard's settings know it.
+    /// Properties of the device as the guard is given them.
     #[must_use]
     pub fn device(&self) -> GuardedDevice {
         GuardedDevice {
@@ -192,17 +192,17 @@ impl Port {
         }
     }
 
-    /// Warnings on the guard's settings.
+    /// Warnings about the guard's settings.
     #[must_use]
     pub fn warnings(&self) -> [Option<Warning>; 2] {
         self.guard
             .map_or([None; 2], |guard| guard.warnings(&self.device()))
     }
 
-    /// Plays a hand for this many ticks.
+    /// Runs a hand for this many ticks.
     ///
     /// # Panics
-    /// If guard or law refuse their settings.
+    /// Guard or law refuse their settings.
     pub fn play(&self, hand: &mut impl Hand, ticks: u32) -> Outcome {
         let signal = |x: f64| <Fixed32 as Reported>::signal_from_f64(x);
         let mut guard = self
@@ -237,12 +237,12 @@ impl Port {
             lowest_account_j: joules(&guard),
             ..Outcome::default()
         };
-        // As of the beginning of the tick that was played last.
+        // Results at the beginning of the last tick that was run.
         let mut settled = (0.0, 0.0);
         for tick in 0..ticks {
             let now = sample(x);
             if let Some(board) = &board {
-                // What was read is in `at_change`, and what follows from it takes its place.
+                // `at_change` holds the second reading; the position calculated from it replaces it.
                 let since = board.change.since_change(at_change - told, now - at_change);
                 at_change = if self.reads { now - since } else { told };
             }
@@ -260,7 +260,7 @@ impl Port {
                 None => wanted,
                 Some(guard) => {
                     let force = guard.tick(now, measured.then_some(at_change), wanted);
-                    // What overspeed costs is a remainder of its own.
+                    // The energy of an over-speed is beyond the bound, and is reported on its own.
                     if ways.iter().any(|way| way.modulus() > guard.guard.furthest) {
                         outcome.with_overspeed_j = outcome.above_refill_j;
                         (outcome.worst_window_j, outcome.above_refill_j) = settled;
@@ -309,7 +309,7 @@ impl Port {
     }
 }
 
-/// A motion that no force hinders, given as a function of time; damping takes what it would along the straight way.
+/// A hand whose motion is a given function of time, whatever the force. The damping dissipates what it would in linear motion.
 #[derive(Debug, Clone)]
 pub struct Imposed<F> {
     path: F,
@@ -318,7 +318,7 @@ pub struct Imposed<F> {
 }
 
 impl<F: Fn(f64) -> f64> Imposed<F> {
-    /// The motion from time 0 on.
+    /// The imposed motion, which starts at time 0.
     pub fn new(path: F) -> Self {
         let at = path(0.0);
         Self {
@@ -342,10 +342,10 @@ impl<F: Fn(f64) -> f64> Hand for Imposed<F> {
     }
 }
 
-/// Two masses: the knob, and a hand that holds it by a spring and a damper and pushes; both in fine steps.
+/// Two masses, integrated in fine steps: the knob, and a hand that holds it by a spring and a damper, and pushes.
 #[derive(Debug, Clone)]
 pub struct Gripped<F> {
-    /// Push on the hand, N·m, of the time.
+    /// Push on the hand in N·m, as a function of time.
     pub push: F,
     /// The hand's inertia, kg·m².
     pub inertia: f64,
@@ -353,16 +353,16 @@ pub struct Gripped<F> {
     pub stiffness: f64,
     /// Damping of the grip, N·m·s/rad.
     pub grip_damping: f64,
-    /// Knob: position and speed.
+    /// Position and speed of the knob, rad and rad/s.
     pub knob: (f64, f64),
-    /// Hand: position and speed.
+    /// Position and speed of the hand, rad and rad/s.
     pub hand: (f64, f64),
-    /// Time so far.
+    /// Time since the start, s.
     pub time_s: f64,
 }
 
 impl<F: Fn(f64) -> f64> Gripped<F> {
-    /// A medium grip at the wall's surface, pushing.
+    /// A hand with a medium grip that starts at the wall's surface and pushes.
     pub fn medium(push: F) -> Self {
         Self {
             push,
@@ -376,7 +376,7 @@ impl<F: Fn(f64) -> f64> Gripped<F> {
     }
 }
 
-/// A push that comes up in 0.3 s to 0.1 N·m, and then is that and 0.03 N·m of a sine; of 0 Hz: holds.
+/// A push that rises to 0.1 N·m in 0.3 s, and then adds a sine of 0.03 N·m at `hz`; 0 Hz is a constant push.
 pub fn wiggle(hz: f64) -> impl Fn(f64) -> f64 {
     move |t| (t / 0.3).min(1.0) * (0.1 + 0.03 * (std::f64::consts::TAU * hz * t).sin())
 }

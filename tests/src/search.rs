@@ -1,19 +1,19 @@
-//! A search that needs no gradient: the matrix adaptation evolution strategy, (μ/μ_w, λ)-MA-ES (Beyer and Sendhoff, "Simplify
-//! your covariance matrix adaptation evolution strategy", 2017), which is CMA-ES without an eigendecomposition.
+//! Optimisation without gradients: the matrix adaptation evolution strategy, (μ/μ_w, λ)-MA-ES. Source: Beyer and Sendhoff,
+//! "Simplify your covariance matrix adaptation evolution strategy", 2017; it is CMA-ES without an eigendecomposition.
 
 use crate::random::Random;
 
 fn normal(random: &mut Random) -> f64 {
-    // Box and Muller; `real` is of -1..1.
+    // Box-Muller transform; `real` is between -1 and 1.
     let (u, v) = ((random.real() + 1.0) / 2.0, random.real());
     (-2.0 * (u.max(1e-300)).ln()).sqrt() * (std::f64::consts::PI * v).cos()
 }
 
-/// A value, the drawn vector, and the step that led to the value.
+/// One trial: its value, the random vector drawn for it, and the step to its point.
 type Child = (f64, Vec<f64>, Vec<f64>);
 
-/// The best point found and its value: the largest of `evaluations` (a whole generation more at most), from around the origin
-/// with a first step of `step`.
+/// Searches for the largest value; returns the best point and its value. It takes `evaluations` (at most one whole generation
+/// more), from around the origin with a first step size of `step`.
 pub fn largest(
     dimensions: usize,
     step: f64,
@@ -40,7 +40,7 @@ pub fn largest(
     let (mut best, mut best_value) = (vec![0.0; dimensions], f64::NEG_INFINITY);
     let mut spent = 0;
     while spent < evaluations {
-        // A restart whenever a search has come to its end.
+        // Restarts whenever a search has converged.
         let mut centre: Vec<f64> = (0..dimensions)
             .map(|_| step * normal(&mut random))
             .collect();

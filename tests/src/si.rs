@@ -1,28 +1,28 @@
-//! SI values as tests write them, and checks of messages about them.
+//! Setting values as tests write them, and a check of messages.
 
 use touchstone_control::Si;
 
-/// An SI value from its decimal text.
+/// A setting value from its decimal text.
 ///
 /// # Panics
-/// The text is no number.
+/// The text is not a number.
 #[must_use]
 pub fn si(text: &str) -> Si {
     text.parse()
         .unwrap_or_else(|error| panic!("{text}: {error}"))
 }
 
-/// The next value up or down.
+/// The next larger or smaller setting value, one quantum apart.
 #[must_use]
 pub fn next(value: Si, up: bool) -> Si {
     let step = if up { 1 } else { -1 };
     Si::from_bits(value.to_bits() + step)
 }
 
-/// A message for people is one line without loose ends.
+/// Asserts that a message for a user is one line and complete.
 ///
 /// # Panics
-/// If it is not.
+/// The message is not.
 pub fn assert_one_line(text: &str) {
     assert!(!text.is_empty() && !text.contains('\n'), "{text:?}");
     assert_eq!(text.trim(), text, "{text:?}");

@@ -1,4 +1,4 @@
-//! Three axes as tests write them: millimetres and newtons, an omega.3's settings.
+//! Helpers for tests on three axes: positions in millimetres, forces in newtons, settings of an omega.3 haptic device.
 
 use touchstone_control::settings::FilterSettings;
 use touchstone_control::space::{Direction, LengthUnit, Vector};
@@ -6,19 +6,19 @@ use touchstone_control::{Fixed32, Force, LawKind, Position, Settings, Si};
 
 use crate::si::si;
 
-/// The format of these tests.
+/// The number format of these tests.
 pub type F = Fixed32;
-/// A position, a displacement.
+/// A position or displacement on three axes.
 pub type Place = Vector<Position<F>>;
-/// A force.
+/// A force on three axes.
 pub type Push = Vector<Force<F>>;
 
-/// Quanta of a position to a millimetre, in centimetres.
+/// Quanta of a position per millimetre; positions are in centimetres.
 const QUANTA_PER_MM: f64 = 16_777_216.0 / 10.0;
-/// Quanta of a force to a newton.
+/// Quanta of a force per newton.
 const QUANTA_PER_N: f64 = 16_777_216.0;
 
-/// A length.
+/// A length given in mm.
 #[must_use]
 pub fn mm(length: f64) -> Position<F> {
     Position(fixed::types::I8F24::from_bits(
@@ -26,25 +26,25 @@ pub fn mm(length: f64) -> Position<F> {
     ))
 }
 
-/// A length in mm.
+/// A length, in mm.
 #[must_use]
 pub fn in_mm(length: Position<F>) -> f64 {
     f64::from(length.0.to_bits()) / QUANTA_PER_MM
 }
 
-/// A place.
+/// A position given in mm.
 #[must_use]
 pub fn at(x: f64, y: f64, z: f64) -> Place {
     Vector([mm(x), mm(y), mm(z)])
 }
 
-/// A place in mm.
+/// A position, in mm.
 #[must_use]
 pub fn place_in_mm(place: Place) -> [f64; 3] {
     place.0.map(in_mm)
 }
 
-/// A force.
+/// A force given in N.
 #[must_use]
 pub fn newton(force: f64) -> Force<F> {
     Force(fixed::types::I8F24::from_bits(
@@ -52,25 +52,25 @@ pub fn newton(force: f64) -> Force<F> {
     ))
 }
 
-/// A force in N.
+/// A force, in N.
 #[must_use]
 pub fn in_n(force: Force<F>) -> f64 {
     f64::from(force.0.to_bits()) / QUANTA_PER_N
 }
 
-/// A force vector in N.
+/// A force vector, in N.
 #[must_use]
 pub fn push_in_n(force: Push) -> [f64; 3] {
     force.0.map(in_n)
 }
 
-/// A direction in numbers.
+/// The components of a direction as `f64`.
 #[must_use]
 pub fn numbers(direction: &Direction<F>) -> [f64; 3] {
     direction.0.map(|x| f64::from(x.to_bits()) / 16_777_216.0)
 }
 
-/// The direction of three numbers.
+/// The direction of a vector given by three numbers.
 ///
 /// # Panics
 /// The vector is zero.
@@ -85,13 +85,13 @@ pub fn direction(x: f64, y: f64, z: f64) -> Direction<F> {
     .expect("a direction")
 }
 
-/// Scalar product.
+/// Scalar product of two vectors.
 #[must_use]
 pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Length.
+/// Length of a vector.
 #[must_use]
 pub fn length(a: [f64; 3]) -> f64 {
     dot(a, a).sqrt()
@@ -108,7 +108,7 @@ pub fn angle(a: [f64; 3], b: [f64; 3]) -> f64 {
     length(cross).atan2(dot(a, b))
 }
 
-/// The laws' settings for an omega.3 in SI, at 1 kHz: k_c 5 N/mm (thesis §5.2), the knob's filter in the same proportions to k_c.
+/// Law settings in SI units for an omega.3 at 1 kHz: k_c 5 N/mm (thesis §5.2). The knob's filter is scaled in proportion to k_c.
 #[must_use]
 pub fn omega(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
     Settings {
@@ -133,5 +133,5 @@ pub fn omega(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
     }
 }
 
-/// The unit of these tests.
+/// The unit of length of these tests.
 pub const UNIT: LengthUnit = LengthUnit::Centimetre;

@@ -1,4 +1,5 @@
-//! The hand's port of a device of three axes, in exact energy, and hands that want some: as `port` and `adversary` for one.
+//! The port between a three-axis device and a hand, with exact energy bookkeeping, and simulated hands that try to get energy out;
+//! as `port` and `adversary` for one axis.
 
 use touchstone_control::space::{LengthUnit, Vector, VectorGuard};
 use touchstone_control::{ChangeOfForce, GuardSettings, GuardedDevice, Si};
@@ -6,23 +7,23 @@ use touchstone_control::{ChangeOfForce, GuardSettings, GuardedDevice, Si};
 use crate::search;
 use crate::space::{F, Push, at, dot, length, newton, push_in_n};
 
-/// Period of the control law.
+/// Period of the control law, s.
 pub const TICK_S: f64 = 1e-3;
-/// Damping of the device that the guard trusts, 80 % of it. The adversary's device has no more.
+/// Damping that the guard trusts, N/mm per tick: 80 % of the device's. The simulated device has no more than that.
 pub const TRUSTED_N_PER_MM_TICK: f64 = 0.8 * 2.5;
-/// A count.
+/// One encoder count, mm.
 pub const COUNT_MM: f64 = 0.01;
-/// Overspeed, mm a tick.
+/// Displacement in a tick above which the guard trips, mm.
 pub const FASTEST_MM: f64 = 1.0;
-/// Capacity, mJ: `C`.
+/// Capacity `C` of the guard's energy account, mJ.
 pub const CAPACITY_MJ: f64 = 20.0;
-/// Refill, mW: `P`.
+/// Power `P` that refills the guard's energy account, mW.
 pub const REFILL_MW: f64 = 0.5;
 
-/// A wanted force of a position.
+/// A law: the requested force in N as a function of the position in mm.
 pub type Law = fn([f64; 3]) -> [f64; 3];
 
-/// Springs towards the outside of a ball of 30 mm, 25 N/mm, at most 12 N.
+/// The force of a ball of 30 mm radius: a spring outwards of 25 N/mm, at most 12 N.
 #[must_use]
 pub fn ball(x: [f64; 3]) -> [f64; 3] {
     let r = length(x).max(1e-9);
@@ -30,7 +31,7 @@ pub fn ball(x: [f64; 3]) -> [f64; 3] {
     x.map(|part| force * part / r)
 }
 
-/// A force that drives around: active, so that only the guard bounds it.
+/// A force that drives the hand in circles. It gives energy, so only the guard bounds it.
 #[must_use]
 pub fn whirl(x: [f64; 3]) -> [f64; 3] {
     let [a, b, c] = x.map(|part| part / 2.0);
@@ -41,25 +42,25 @@ pub fn whirl(x: [f64; 3]) -> [f64; 3] {
     ]
 }
 
-/// The port.
+/// The port: device, law and guard, which a hand moves.
 #[derive(Debug, Clone, Copy)]
 pub struct Port {
-    /// The law.
+    /// The law that requests the force.
     pub law: Law,
-    /// From sample to force, 0 to 1.
+    /// Delay from sample to force in ticks, 0 to 1.
     pub delay_ticks: f64,
-    /// The delay that the guard assumes; `None` for no guard.
+    /// Delay in ticks that the guard is configured for; `None` for no guard.
     pub guard_delay: Option<f64>,
 }
 
-/// Result of a run, mJ.
+/// Result of a run; energies in mJ.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Outcome {
-    /// Most that was got out in any window, less its refill.
+    /// Most energy that the hand got out in any window, minus the refill in that window, mJ.
     pub above_refill: f64,
-    /// Ticks in which the force was shortened.
+    /// Ticks in which the guard shortened the force.
     pub shortened: u32,
-    /// Worst turn of a force by the guard, rad.
+    /// Largest angle by which the guard turned a force, rad.
     pub turned: f64,
 }
 
@@ -87,7 +88,7 @@ impl Port {
         VectorGuard::new(&settings, &device).expect("settings")
     }
 
-    /// Plays a hand of these numbers for this many ticks.
+    /// Runs a hand with these parameters for this many ticks.
     #[must_use]
     pub fn play(&self, way: Way, numbers: &[f64], ticks: u32) -> Outcome {
         let guard = self.guard_delay.map(Self::guard);
@@ -95,7 +96,7 @@ impl Port {
         let mut hand = HandState::new(way, numbers, self.delay_ticks);
         let (mut last, mut now) = (None, [0.0; 3]);
         let mut outcome = Outcome::default();
-        // Got out since the window began that began best, at a tick.
+        // Energy got out in total, and the least total at a tick so far, where the best window began.
         let (mut total, mut least) = (0.0_f64, 0.0_f64);
         for tick in 0..ticks {
             let count = |x: f64| (x / COUNT_MM).round() * COUNT_MM;
@@ -134,7 +135,7 @@ impl Port {
                 }
                 let step = hand.go(tick, late, acting, seconds);
                 let damped = TRUSTED_N_PER_MM_TICK * dot(step, step) / seconds;
-                // N mm are mJ; 0.5 mW are 0.5 uJ a tick.
+                // N·mm are mJ; 0.5 mW are 0.5 µJ per tick.
                 total += dot(acting, step) - damped - REFILL_MW * 1e-3 * seconds;
                 outcome.above_refill = outcome.above_refill.max(total - least);
             }
@@ -142,7 +143,7 @@ impl Port {
         outcome
     }
 
-    /// The most that a search finds.
+    /// The worst hand that a search finds: its parameters and the most energy beyond the refill, mJ.
     #[must_use]
     pub fn worst(&self, way: Way, evaluations: u32, ticks: u32, seed: u64) -> (Vec<f64>, f64) {
         search::largest(way.dimensions(), 0.5, evaluations, seed, |numbers| {
@@ -151,24 +152,24 @@ impl Port {
     }
 }
 
-/// A way of moving.
+/// A type of simulated hand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Way {
     /// A motion that repeats every six ticks; each half of a tick has its own speed.
     Periodic,
-    /// A speed for each half of a tick, chosen by the force and its change.
+    /// A speed for each half of a tick that depends on the force and its change.
     Policy,
-    /// Circles: two sines across each other and one along.
+    /// Circles: two perpendicular sines, and one along the circle's axis.
     Circles,
 }
 
 const PERIOD: usize = 6;
 
 impl Way {
-    /// All kinds of motion.
+    /// All types of hand.
     pub const ALL: [Way; 3] = [Way::Periodic, Way::Policy, Way::Circles];
 
-    /// How many numbers choose a hand.
+    /// Number of parameters that describe a hand.
     #[must_use]
     pub fn dimensions(self) -> usize {
         match self {
@@ -196,7 +197,7 @@ impl HandState {
             way,
             numbers: numbers.to_vec(),
             delay,
-            // Just outside of the ball.
+            // Starts just outside the ball.
             at: [3.0, 2.0, 29.9],
             before: [0.0; 3],
             force: [0.0; 3],
@@ -205,9 +206,9 @@ impl HandState {
         }
     }
 
-    /// The step, limited to the overspeed limit as a vector.
+    /// Limits a step, as a vector, to the guard's speed limit for this many ticks.
     fn limited(step: [f64; 3], ticks: f64) -> [f64; 3] {
-        // Room for the counts that the measurement may be off: the promise is for what is not overspeed.
+        // Leaves room for the counts by which a measurement may be wrong: the bound does not hold at an over-speed.
         let most = 0.97 * FASTEST_MM * ticks;
         let size = length(step);
         if size > most {
@@ -235,7 +236,7 @@ impl HandState {
                     let of =
                         |half: usize, phase: usize, i: usize| n[2 + (2 * phase + half) * 3 + i];
                     std::array::from_fn(|i| {
-                        // The mean of a round is taken off, so that it comes home.
+                        // The mean of a period is subtracted, so that the motion comes back to its start.
                         let mean: f64 = (0..PERIOD)
                             .map(|p| of(0, p, i) * self.delay + of(1, p, i) * (1.0 - self.delay))
                             .sum::<f64>()

@@ -1,4 +1,4 @@
-//! A HIP that is led along straight lines through an object, and the path of its surface point.
+//! Leads a HIP along straight lines through an object, and records the path of its surface point.
 
 use touchstone_control::Position;
 use touchstone_control::space::environment::{Cuboid, Plane, Plate};
@@ -6,19 +6,19 @@ use touchstone_control::space::{Direction, Rule, Surface, SurfacePoint, Touch, T
 
 use crate::space::{F, angle, at, mm, numbers};
 
-/// The tangent of the cone's half angle, a degree or so.
+/// Tangent of the cone's half angle, which is about one degree.
 pub const RATIO: f64 = 0.02;
-/// Rounding of a direction and of the angle between two.
+/// Rounding error of a direction and of the angle between two directions, rad.
 pub const ROUNDING: f64 = 1e-6;
 
-/// The rule of a restricted surface point, with the cone of [`RATIO`].
+/// The rule "restricted surface point", with the cone of [`RATIO`].
 #[must_use]
 pub fn restricted() -> Rule<F> {
-    // 1 is 10 mm in centimetres.
+    // As a position in centimetres, the number 1 is 10 mm.
     Rule::Restricted(Turn::of_ratio(mm(10.0 * RATIO).0))
 }
 
-/// A plane, its height in mm.
+/// A plane with a normal and a height in mm.
 #[must_use]
 pub fn plane(normal: Direction<F>, height: f64) -> Plane<F> {
     Plane {
@@ -27,7 +27,7 @@ pub fn plane(normal: Direction<F>, height: f64) -> Plane<F> {
     }
 }
 
-/// All touches along a path of straight lines, in mm, with this many ticks a leg.
+/// All touches along a path of straight lines between points in mm, with this many ticks per line.
 #[must_use]
 pub fn along(
     rule: Rule<F>,
@@ -48,13 +48,13 @@ pub fn along(
     touches
 }
 
-/// Whether the HIP is inside.
+/// Whether the HIP of a touch is inside the object.
 #[must_use]
 pub fn inside(touch: &Touch<F>) -> bool {
     touch.depth > Position::zero()
 }
 
-/// The largest turn of the direction in a tick, while inside.
+/// Largest angle by which the surface direction turns in a tick while the HIP is inside, rad.
 #[must_use]
 pub fn largest_turn(touches: &[Touch<F>]) -> f64 {
     touches
@@ -64,7 +64,7 @@ pub fn largest_turn(touches: &[Touch<F>]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// A plate of 0.2 mm: thinner than the 0.48 mm that 12 N press into 25 N/mm.
+/// A plate of 0.2 mm, thinner than the 0.48 mm by which 12 N press into a wall of 25 N/mm.
 #[must_use]
 pub fn thin() -> Plate<F> {
     Plate {

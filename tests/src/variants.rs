@@ -1,4 +1,4 @@
-//! Every law with every choice that changes its course.
+//! Every law with every option that changes how it runs.
 
 use touchstone_control::settings::FilterSettings;
 use touchstone_control::{
@@ -15,9 +15,9 @@ const UPDATES: [OffsetUpdate; 3] = [
 const IDEAL_STEPS: [IdealStep; 2] = [IdealStep::Position, IdealStep::Force];
 const REGULATES: [Regulate; 3] = [Regulate::Mass, Regulate::MassCompensated, Regulate::Hip];
 
-/// Every law with every choice, around the given settings; each with a name for messages.
+/// Every law with every option, based on the given settings; each with a name for messages.
 ///
-/// The compensated regulator of the enhanced law needs `k_de < k_f` and gets a coupling of twice `k_de` for it.
+/// The enhanced law with the compensated regulator needs `k_de < k_f`, and gets a coupling stiffness `k_f` of twice `k_de` for it.
 #[must_use]
 pub fn all(base: &Settings) -> Vec<(String, Settings)> {
     let mut variants = Vec::new();

@@ -1,4 +1,4 @@
-//! The second reading of the encoder when the force changes: the cost of a failed reading, and drives without one.
+//! The second encoder reading, at the change of force: what a failed reading costs, and drives that make no such reading.
 
 use touchstone_control::{ChangeOfForce, Si};
 use touchstone_drive::change::law_settings;
@@ -13,12 +13,12 @@ use touchstone_world::motor::{GIMBAL, as5047p_frame};
 
 const BOARD: Board = Board::NucleoG474re;
 
-/// Spoils the readings at the change of force before some ticks.
+/// Replaces the readings at the change of force within a range of ticks.
 #[derive(Default)]
 struct Spoilt {
     from: u32,
     until: u32,
-    /// `None`: not made at all.
+    /// The reading that is given instead; `None` if none is made.
     reading: Option<EncoderReading>,
 }
 
@@ -32,7 +32,7 @@ impl Tamper for Spoilt {
     }
 }
 
-/// Armed, leaning on the wall.
+/// An armed knob that is pressed against the wall.
 fn leaning() -> Knob<Spoilt> {
     let mut settings = DeviceSettings::defaults(BOARD);
     settings.wall.surface_rad = Si::lit("0.2");
@@ -47,7 +47,7 @@ fn leaning() -> Knob<Spoilt> {
 
 #[test]
 fn a_tick_that_was_not_told_where_its_force_changed_shows_none() {
-    // Not made; a check that fails; and half a turn in a part of a tick.
+    // Three bad readings: none made, one that fails its check, and one half a turn away after a part of a tick.
     let far = Frames::alone(as5047p_frame(8_192));
     for reading in [
         None,
@@ -62,8 +62,8 @@ fn a_tick_that_was_not_told_where_its_force_changed_shows_none() {
                 until: next + ticks,
                 reading,
             };
-            // The tick after one that drove needs it; the one after a tick without force does not, so that it is as if every second
-            // reading had come.
+            // A tick after one with a force needs the reading; a tick after one without does not. So the result is as if every
+            // second reading had come.
             for tick in 0..2 * ticks {
                 let record = knob.tick();
                 let is_off = tick % 2 == 0 && tick < ticks;

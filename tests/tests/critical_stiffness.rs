@@ -1,8 +1,8 @@
-//! The golden value of the whole sampled loop, found by bisection on the loop that runs: `K_max = b/(T/2 + t_d)`.
+//! The largest stable stiffness of the whole sampled loop, `K_max = b/(T/2 + t_d)`, found by bisection on the running loop.
 //!
-//! The spring runs through plan, law (f64) and `cycle` as in any scene: exact angle, a bare knob, no dry friction. A wall pushes
-//! one way only, so a constant torque presses the knob into it; that moves the equilibrium inside the wall and changes nothing
-//! else in a linear loop. Whether a stiffness is stable is read off the growth of the oscillation around that equilibrium.
+//! The spring runs through plan, law (f64) and `cycle` as in any scene, with the exact angle, a knob without a hand and no dry
+//! friction. A wall pushes one way only, so a constant torque presses the knob into it. That moves the equilibrium inside the wall
+//! and changes nothing else in a linear loop. A stiffness is stable if the oscillation around that equilibrium does not grow.
 
 use touchstone_sim::run::chain::{Stage, Staged};
 use touchstone_sim::run::plan::Plan;
@@ -12,14 +12,15 @@ use touchstone_world::plant::{self, Device};
 
 const INERTIA: f64 = 1e-4;
 const DAMPING: f64 = 5e-4;
-/// Where the press holds the knob, rad inside.
+/// Penetration at which the press holds the knob, rad.
 const EQUILIBRIUM: f64 = 0.1;
-/// First deflection from there, rad.
+/// First deflection of the knob from the equilibrium, rad.
 const DEFLECTION: f64 = 0.01;
-/// With a stiffness `K` the oscillation grows by `(K/K_max - 1) b/(2J)` = 2.5/s times the share that `K` is off.
+/// Duration of a run. At a stiffness `K` the oscillation grows at `(K/K_max - 1) b/(2J)`, which is 2.5/s times the relative
+/// distance of `K` from `K_max`.
 const DURATION_S: f64 = 12.0;
 
-/// The press, added behind the amplifier.
+/// A constant torque, added behind the amplifier.
 #[derive(Debug, Clone, Copy)]
 struct Pressed {
     press_n_m: f64,
@@ -31,7 +32,7 @@ impl Stage for Pressed {
     }
 }
 
-/// Root mean square deflection in the second and in the last quarter.
+/// Root mean square deflection in the second and in the last quarter of a run.
 struct Growth {
     quarter: u64,
     squares: [f64; 2],
@@ -89,11 +90,11 @@ fn growth(rate_hz: u32, delay_s: f64, stiffness: f64) -> Growth {
 
 fn is_stable(rate_hz: u32, delay_s: f64, stiffness: f64) -> bool {
     let growth = growth(rate_hz, delay_s, stiffness);
-    // A knob that is thrown out of the wall has grown, whatever its motion is later.
+    // A knob that is thrown out of the wall counts as growing, whatever its later motion.
     !growth.left && growth.squares[1] < growth.squares[0]
 }
 
-/// Largest stable stiffness of the running loop, N·m/rad, to a ten-thousandth.
+/// Largest stable stiffness of the running loop, N·m/rad, to one part in 10,000.
 fn found(rate_hz: u32, delay_s: f64) -> f64 {
     let expected = DAMPING / (0.5 / f64::from(rate_hz) + delay_s);
     let (mut stable, mut unstable) = (0.5 * expected, 1.5 * expected);
@@ -124,9 +125,9 @@ fn assert_critical(rate_hz: u32, delay_s: f64, golden: f64) {
         "{rate_hz} Hz, {delay_s} s of delay: loop {found:.5}, eigenvalues {exact:.5}, formula {formula:.5} N·m/rad"
     );
     assert!((formula / golden - 1.0).abs() < 1e-12);
-    // The formula leaves out terms of the order b T/J = 5e-3.
+    // The formula leaves out terms of relative size b T/J = 5e-3.
     assert!((found / formula - 1.0).abs() < 0.02);
-    // What bisection (1e-4) and windows that cut an oscillation of some 30 periods (2e-4) leave.
+    // Allowed for bisection (1e-4) and for windows that cut an oscillation of some 30 periods (2e-4).
     assert!((found / exact - 1.0).abs() < 1e-3);
 }
 

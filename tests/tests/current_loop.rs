@@ -1,4 +1,4 @@
-//! The current loop around the simulated motor: how fast, how exact, and what it does at its limits.
+//! The current loop with the simulated motor: its speed, its accuracy, and how it acts at its limits.
 
 use touchstone_control::{Fixed32, Position, Si};
 use touchstone_drive::change::ChangeConfig;
@@ -14,18 +14,18 @@ use touchstone_world::plant::{BareLinear, Device, State};
 
 const PERIOD_S: f64 = 50e-6;
 
-/// The loop and the motor, with the rotor's true angle in the mailbox.
+/// The current loop and the motor; the rotor's true angle is in the mailbox.
 struct Setup {
     current: CurrentLoop,
     rig: Rig<BareLinear>,
     motor: MotorParameters,
     shunts: [Shunt; 2],
     preloaded: Drive,
-    /// The command of the next control tick.
+    /// The command that the next control tick gives to the current loop.
     wanted: CurrentCommand,
     command: CurrentCommand,
     alive: bool,
-    /// The compare values of the last period came late.
+    /// Whether the compare values of the last period came too late.
     late: bool,
 }
 
@@ -60,7 +60,7 @@ impl Setup {
         setup
     }
 
-    /// Runs one period, with a new command whenever one is due.
+    /// Runs one PWM period, with a new command whenever one is due.
     fn period(&mut self) -> CurrentOutput {
         let now = self.rig.now();
         let sample = CurrentSample {
@@ -87,14 +87,14 @@ impl Setup {
                 Drive::On(duties),
             ),
         };
-        // Sampled at the counter's top; the timer takes what was written over at the bottom.
+        // Currents are sampled at the counter's top; the timer takes over new compare values at the bottom.
         self.rig.step(acting, 0.0);
         self.preloaded = next;
         self.rig.step(next, 0.0);
         out
     }
 
-    /// Runs the control tick, which reads the shaft as it is now.
+    /// Runs the control tick, which reads the shaft's present angle.
     fn control(&mut self) {
         let now = self.rig.now();
         let turn = |rad: f64| rad / std::f64::consts::TAU;
@@ -108,7 +108,7 @@ impl Setup {
         };
     }
 
-    /// Runs up to and including the next control tick.
+    /// Runs periods up to and including the next control tick.
     fn tick(&mut self) {
         while !self.period().pend_control {}
     }
@@ -121,7 +121,7 @@ impl Setup {
     }
 }
 
-/// A shaft too heavy to move.
+/// A device whose inertia is so large that the shaft does not move.
 const BLOCKED: Device = Device {
     inertia: 1e3,
     ..KNOB
@@ -150,9 +150,9 @@ fn a_step_of_current_is_there_in_a_millisecond_without_overshoot() {
     }
 }
 
-/// The assumptions of the guard's account: how much of a change of force is missing at the encoder's second reading,
-/// and how late the change is in the mean. With the motor's and the bridge's own time, and a reading a quarter of a
-/// period after each sample.
+/// The guard's energy account assumes how much of a change of force is missing at the encoder's second reading, and the mean delay
+/// of the change. The test compares both with the simulated motor and bridge, with a reading a quarter of a period after each
+/// sample.
 #[test]
 fn a_step_of_current_comes_as_the_guard_counts_on() {
     let settings = DeviceSettings::defaults(Board::NucleoG474re);
@@ -170,7 +170,7 @@ fn a_step_of_current_comes_as_the_guard_counts_on() {
     setup.tick();
     setup.hold(0.0, 1.0);
     setup.tick();
-    // The current at the end of each half period since the sample of the tick that asks for it.
+    // Current at the end of each half period since the sample of the tick that commands the change.
     let missing = |setup: &Setup| 1.0 - setup.rig.dq_a().1;
     let mut halves = vec![1.0, 1.0, missing(&setup)];
     for _ in 1..=20 {
@@ -181,7 +181,7 @@ fn a_step_of_current_comes_as_the_guard_counts_on() {
     for at in (3..halves.len()).step_by(2) {
         halves[at] = (halves[at - 1] + halves[at + 1]) / 2.0;
     }
-    // The shunts are not quite what the loop takes them for: of what it comes to in the end.
+    // The loop's shunt values are not quite right, so currents are relative to the final value.
     for _ in 0..400 {
         setup.period();
     }
@@ -202,7 +202,7 @@ fn a_step_of_current_comes_as_the_guard_counts_on() {
     let read = f64::from(change.read_at) + 0.25;
     let whole_s = mean(0.25, 20.25) * 20.0 * PERIOD_S;
     let told_s: f64 = change.delay_s.to_num::<f64>() + change.lag_s.to_num::<f64>();
-    // What the guard makes of a way that is all before the reading, and all after it.
+    // How the guard counts a displacement that is all before the reading, and one that is all after it.
     let unit = Position::<Fixed32>::from_si(Si::ONE).unwrap();
     let lag = change.lag_s.to_num::<f64>();
     let own = lag / (1e-3 - change.delay_s.to_num::<f64>());
@@ -234,7 +234,7 @@ fn a_step_of_current_comes_as_the_guard_counts_on() {
 fn a_large_step_meets_the_voltage_limit_and_does_not_wind_up() {
     let mut setup = Setup::new(&BLOCKED, 16.0);
     setup.period();
-    // 1.9 A need 11.4 V; 16 V give at most 8.5 V: the limit acts for as long as it is asked.
+    // 1.9 A need 11.4 V; 16 V give at most 8.5 V. So the limit acts for as long as 1.9 A are commanded.
     setup.hold(0.0, 1.9);
     setup.period();
     let before = setup.current.report().saturated;
@@ -249,7 +249,7 @@ fn a_large_step_meets_the_voltage_limit_and_does_not_wind_up() {
     );
     let held = setup.rig.dq_a().1;
     assert!((1.35..1.45).contains(&held), "{held}");
-    // Back below: what was wound up would hold the current up for longer than a step takes.
+    // Back below the limit: a wound-up integrator would hold the current up for longer than a step takes.
     setup.hold(0.0, 0.5);
     setup.tick();
     for _ in 0..20 {
@@ -268,8 +268,8 @@ fn a_large_step_meets_the_voltage_limit_and_does_not_wind_up() {
 
 #[test]
 fn the_torque_stands_while_the_motor_turns() {
-    // Damped so that 0.25 N·m turn it at 40 rad/s: 280 rad/s electrically, 6.7 V of back-EMF and 6 V
-    // of resistance, below what 28 V leave beside the time for sampling: 14.4 V.
+    // Damped so that 0.25 N·m turn it at 40 rad/s, which is 280 rad/s electrically. That needs 6.7 V of back-EMF and 6 V of
+    // resistance. 28 V leave 14.4 V beside the time for sampling.
     let mut setup = Setup::new(
         &Device {
             inertia: 1e-4,
@@ -297,7 +297,7 @@ fn the_torque_stands_while_the_motor_turns() {
 
 #[test]
 fn the_voltage_acts_at_the_angle_it_is_made_for() {
-    // Turned from outside at 350 rad/s electrically: a period is one degree.
+    // Turned from outside at 350 rad/s electrically: a PWM period is one degree.
     let omega = 350.0;
     let mut setup = Setup::new(
         &Device {
@@ -325,7 +325,7 @@ fn the_voltage_acts_at_the_angle_it_is_made_for() {
         -omega * GIMBAL.inductance_h * 0.5,
         GIMBAL.resistance_ohm * 0.5 + omega * GIMBAL.flux_linkage_wb,
     ];
-    // Half a period would turn 0.1 V of the one into the other.
+    // An angle error of half a period would turn 0.1 V from one axis into the other.
     for axis in 0..2 {
         assert!(
             (mean[axis] - exact[axis]).abs() < 0.02,
@@ -341,7 +341,7 @@ fn too_much_current_switches_off_in_the_same_period_and_stays_off_until_told() {
     for _ in 0..100 {
         assert!(matches!(setup.period().bridge, Out::On(_)));
     }
-    // 4 A of the trip: 258 codes.
+    // The over-current limit of 4 A is 258 codes.
     for (phase, codes) in [(0, 300.0), (1, -300.0), (0, -300.0), (1, 300.0)] {
         setup.period();
         let trips = setup.current.report().trips;
@@ -375,7 +375,7 @@ fn an_old_command_switches_off_within_two_control_periods() {
         setup.period();
     }
     setup.tick();
-    // Nobody is alive any more.
+    // The control tick is no longer running.
     setup.alive = false;
     for period in 1..=40 {
         assert!(matches!(setup.period().bridge, Out::On(_)), "{period}");
@@ -422,7 +422,7 @@ fn a_late_period_or_two_are_borne_and_the_third_in_a_row_switches_off() {
     assert_eq!(out.bridge, Out::Off);
     let trip = setup.current.report().trip.unwrap();
     assert_eq!((trip.code, trip.value), (FaultCode::DeadlineMiss, 3));
-    // On time again: stays off until the control tick has said so.
+    // Compare values in time again: outputs stay off until the control tick switches them on.
     setup.late = false;
     assert_eq!(setup.period().bridge, Out::Off);
 }

@@ -1,4 +1,4 @@
-//! A device's settings: both sides of every bound, the bounds between settings, and the text of a refusal.
+//! Validation of a device's settings: both sides of every bound, bounds between settings, and the text of a refusal.
 
 use touchstone_control::{LawKind, Regulate, Si};
 use touchstone_drive::wire::{checked, hardware};
@@ -8,7 +8,7 @@ use touchstone_protocol::settings::{
 };
 use touchstone_protocol::{Board, Decimal, DeviceSettings};
 
-/// Settings that leave every other setting its whole range.
+/// Settings with which every single setting may take its whole range.
 fn roomy(board: Board) -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(board);
     let largest = hardware(board).current_max_a;
@@ -27,7 +27,7 @@ fn roomy(board: Board) -> DeviceSettings {
     settings
 }
 
-/// Sets a number, whatever its type.
+/// Sets a numeric field, whatever its type.
 fn set(settings: &mut DeviceSettings, field: &Field, value: Decimal) -> bool {
     let mut buffer = [0; VALUE_MAX];
     let bytes = match field.kind {
@@ -38,7 +38,7 @@ fn set(settings: &mut DeviceSettings, field: &Field, value: Decimal) -> bool {
     settings.set(field.path, bytes.expect("room")).is_ok()
 }
 
-/// Other settings with which the ends of a range can be had.
+/// Changes other settings so that the field at `path` may take both ends of its range.
 fn companions(settings: &mut DeviceSettings, path: &str) {
     let small = Si::lit("0.05");
     match path {
@@ -55,8 +55,8 @@ fn companions(settings: &mut DeviceSettings, path: &str) {
     }
 }
 
-/// The settings whose range is wider than what the device's format holds, with the power of the rate in their coefficient: the parts
-/// of the filter's sum `m/T² + k_f + d_f/T + d_g/T`. Their ranges are the law's, for all number formats and rates.
+/// Settings whose range is wider than the device's format holds, with the power of the rate in their coefficient. They are the
+/// terms of the filter's sum `m/T² + k_f + d_f/T + d_g/T`. Their ranges are those of the law, for all number formats and rates.
 const PARTS_OF_THE_SUM: [(&str, u32); 4] = [
     ("law.filter.mass_kg_m2", 2),
     ("law.filter.stiffness_n_m_per_rad", 0),
@@ -64,11 +64,11 @@ const PARTS_OF_THE_SUM: [(&str, u32); 4] = [
     ("law.filter.ground_damping_n_m_s_per_rad", 1),
 ];
 
-/// The damper, whose range is the law's, for all number formats and rates; a device's format holds `B/T` up to 2^19
+/// The damper's setting. Its range is that of the law, for all number formats and rates; a device's format holds `B/T` up to 2^19
 /// N·m/rad.
 const DAMPER: &str = "law.virtual_damping_n_m_s_per_rad";
 
-/// What each board says of a field's value.
+/// The answer of each board to a field's value: `None`, or the refusal.
 fn said(field: &Field, value: Decimal) -> [Option<SettingsError>; Board::ALL.len()] {
     Board::ALL.map(|board| {
         let mut settings = roomy(board);
@@ -100,8 +100,8 @@ fn both_ends_of_every_range_are_accepted_on_some_board() {
     }
 }
 
-/// Twice the sum is a gain of `fixed32`, which has 12 fractional bits and 19 above the point. Each part may come, the others at their
-/// least, just below 2^18 N·m/rad, and is named for what is more.
+/// Twice the filter's sum must fit a gain of `fixed32`, which has 12 fractional and 19 integer bits. With the other terms at their
+/// least, each term may reach just below 2^18 N·m/rad, and a refusal of more names that term.
 #[test]
 fn a_part_of_the_filters_sum_may_be_what_the_format_holds() {
     let room = Si::from_num(1 << 18);
@@ -147,7 +147,7 @@ fn beyond_every_range_the_path_the_value_and_the_range_are_named() {
         for value in [least.0 - step, most.0 + step].map(Decimal) {
             let mut settings = roomy(Board::NucleoG474re);
             if !set(&mut settings, field, value) {
-                // Nothing below zero, or beyond the type: refused before.
+                // Negative values, or values beyond the type, are refused earlier.
                 continue;
             }
             let invalid = checked(&settings, Board::NucleoG474re).expect_err(field.path);
@@ -172,13 +172,13 @@ fn beyond_every_range_the_path_the_value_and_the_range_are_named() {
     }
 }
 
-/// The reason for which a change of the defaults is refused.
+/// The text with which a change of the defaults is refused.
 fn refusal(board: Board, change: impl Fn(&mut DeviceSettings)) -> String {
     let mut settings = DeviceSettings::defaults(board);
     settings.law = LawSettings::thesis();
     change(&mut settings);
     let invalid = checked(&settings, board).expect_err("accepted");
-    // Every path fits its buffer and is a leaf's.
+    // Every path fits its buffer and names a single setting.
     assert!(FIELDS.iter().any(|field| field.path == invalid.path));
     invalid.to_string()
 }
@@ -247,7 +247,7 @@ fn settings_are_checked_against_each_other_and_the_board() {
 
 #[test]
 fn the_law_is_the_one_of_the_settings() {
-    // All fields of the law, changed: what the tree makes of them is what the law's own settings are.
+    // All fields of the law are changed: the settings tree must give the same law settings as direct conversion.
     let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
     settings.law = LawSettings::thesis();
     let law = touchstone_control::Settings {

@@ -1,5 +1,5 @@
-//! A million random inputs into the two interrupts: no panic (arithmetic is checked in this build), no output outside of
-//! calibrating and armed, no way from a fault to armed but through stop and calibration.
+//! A million random inputs into the two interrupts (control tick and current loop). Nothing panics, and this build checks
+//! arithmetic. Outputs are on only while calibrating or armed. Only stop and calibration lead from a fault back to armed.
 
 use touchstone_drive::encoder::{Asked, Frames};
 use touchstone_drive::hardware::{B_G431B_ESC1, IHM08M1, IHM16M1, SIMPLEFOC_MINI};
@@ -11,14 +11,14 @@ use touchstone_drive::{
 use touchstone_protocol::{Board, Command, FaultCode, Outputs, State};
 use touchstone_tests::random::Random;
 
-/// A number with few or many bits: the ends of the range come up as often as its middle.
+/// A number with a random number of significant bits, so that the ends of the range occur as often as its middle.
 fn bits(random: &mut Random) -> u32 {
     let word = random.bits();
     let shifted = (word >> 32) as u32 >> (word & 31);
     if word & 32 == 0 { shifted } else { !shifted }
 }
 
-/// True once in this many times on average.
+/// True in one of `times` calls on average.
 fn once_in(random: &mut Random, times: u64) -> bool {
     (random.bits() >> 20).is_multiple_of(times)
 }
@@ -27,7 +27,7 @@ fn reading(random: &mut Random, kind: EncoderKind, last: &mut u32) -> EncoderRea
     if once_in(random, 400) {
         return EncoderReading::Silent;
     }
-    // A shaft that moves a little, most of the time.
+    // Mostly a shaft that moves a little.
     *last = if once_in(random, 4_000) {
         bits(random)
     } else {
@@ -53,7 +53,7 @@ fn reading(random: &mut Random, kind: EncoderKind, last: &mut u32) -> EncoderRea
 }
 
 fn command(random: &mut Random, state: State) -> Option<Command> {
-    // Mostly the one that leads on, so that every state is reached often.
+    // Mostly the command that leads on to the next state, so that every state is reached often.
     let towards = match state {
         State::Boot | State::Stopped => Command::Calibrate,
         State::Calibrating | State::Ready => Command::Arm,
@@ -75,7 +75,7 @@ fn settings(kind: EncoderKind, drive: DriveKind, rate_hz: u32) -> DeviceSettings
     settings.encoder.kind = kind;
     settings.drive.kind = drive;
     settings.timing.rate_hz = rate_hz;
-    // A calibration that is soon over.
+    // A calibration that ends soon.
     settings.motor.pole_pairs = 1;
     settings.calibration.electrical_turns_per_s = Si::lit("20");
     settings.wall.surface_rad = Si::lit("-0.1");
@@ -90,7 +90,7 @@ struct Visits {
     on: u32,
 }
 
-/// Random reports and readings into `Device`, and its commands with random samples into `CurrentLoop`.
+/// Feeds random reports and readings into `Device`, and its commands with random samples into `CurrentLoop`.
 fn run(settings: &DeviceSettings, ticks: u32, seed: u64, visits: &mut Visits) {
     let mut random = Random::new(seed);
     let mut device = Device::new(settings, &IHM08M1).unwrap();
@@ -103,11 +103,11 @@ fn run(settings: &DeviceSettings, ticks: u32, seed: u64, visits: &mut Visits) {
         let before = device.state();
         let wild = once_in(&mut random, 5_000);
         if wild {
-            // Anything at all that fits through the mailbox.
+            // Any bits that fit through the mailbox.
             report = CurrentReport::from_words(&std::array::from_fn(|_| bits(&mut random)));
         }
         let rare = |random: &mut Random| once_in(random, 6_000);
-        // A rotor that stands in the calibration's field, seen by an encoder of 14 bits.
+        // A rotor that stands in the calibration's field, measured by an encoder of 14 bits.
         if before == State::Calibrating && mailbox.mode == CurrentMode::Drive {
             last = (last & !0x3FFF) | u32::from(mailbox.angle.0 >> 2);
         }
@@ -166,7 +166,7 @@ fn run(settings: &DeviceSettings, ticks: u32, seed: u64, visits: &mut Visits) {
         let torque_limit = settings.law.force_limit_n_m.to_num::<f64>();
         assert!(output.record.torque.0.to_num::<f64>().abs() <= torque_limit);
 
-        // The loop under the device's command, with samples from quiet to wild.
+        // The current loop under the device's command, with samples from quiet to wild.
         mailbox = CurrentCommand::from_words(&output.mailbox().to_words());
         if output.reconfigure {
             current.reconfigure(device.current_config());
@@ -179,7 +179,7 @@ fn run(settings: &DeviceSettings, ticks: u32, seed: u64, visits: &mut Visits) {
                     bits(random) as u16 % 16
                 }
             };
-            // A current that does what the calibration asks while its field stands still: 1 A, 64 codes.
+            // A current as the calibration commands it while its field stands still: 1 A, which is 64 codes.
             let (a, b) = match (after, mailbox.mode) {
                 (State::Calibrating, CurrentMode::Drive) => (64, 32),
                 _ => (0, 0),
@@ -234,7 +234,7 @@ fn a_million_ticks_keep_the_promises() {
         visits.calibrating,
         visits.on
     );
-    // Which faults chance brought up; the rest have tests of their own.
+    // Faults that occurred by chance; the others have tests of their own.
     let seen = visits.faults.iter().filter(|n| **n > 0).count();
     assert!(seen >= 10, "{:?}", visits.faults);
 }
@@ -251,7 +251,7 @@ fn wild_commands_into_the_loop() {
     ];
     for (board, hardware) in boards {
         let mut settings = DeviceSettings::defaults(board);
-        // All boards bear it.
+        // A supply voltage that all boards allow.
         settings.limits.bus_max_v = Si::lit("24");
         let device = Device::new(&settings, &hardware).unwrap();
         let mut current = CurrentLoop::new(device.current_config());

@@ -1,8 +1,7 @@
-//! An effect that a scene does not name costs no instruction, and one that is named with a value that does nothing changes no
-//! bit.
+//! An effect that a scene does not name costs no instruction. An effect with a neutral value changes no bit of a run.
 //!
-//! Instructions are counted by callgrind over two runs of different length of the example `tick_cost`: their difference is what
-//! the ticks in between cost. Without valgrind that half is skipped, and says so.
+//! Callgrind counts the instructions of the example `tick_cost` in two runs of different length; the difference is what the ticks
+//! in between cost. Without valgrind that half of the test is skipped, with a note.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -11,12 +10,13 @@ use touchstone_sim::run::{self, record::Trace};
 use touchstone_sim::scene::Scene;
 use touchstone_tests::thesis;
 
-/// Ticks between the two runs. Hash seeds make the start of a process differ by some hundred instructions.
+/// Difference in ticks between the two runs. It is large, as hash seeds make the start of a process differ by some hundred
+/// instructions.
 const TICKS: u64 = 50_000;
 
 fn example() -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    // Optimised like the program that is handed out.
+    // Optimised like the released program.
     let built = Command::new(env!("CARGO"))
         .args([
             "build",
@@ -61,7 +61,7 @@ fn instructions(example: &Path, name: &str, ticks: u64) -> u64 {
         .unwrap_or_else(|| panic!("no count in {said}"))
 }
 
-/// Instructions of one tick.
+/// Mean instructions per tick of the example `tick_cost` with the named effect.
 fn per_tick(example: &Path, name: &str) -> f64 {
     let (short, long) = (
         instructions(example, name, 1_000),
@@ -70,7 +70,7 @@ fn per_tick(example: &Path, name: &str) -> f64 {
     (long - short) as f64 / TICKS as f64
 }
 
-/// Where the loop ends, in bits.
+/// State at the end of the loop, as bits.
 fn end(example: &Path, name: &str) -> String {
     let output = Command::new(example).args([name, "5000"]).output().unwrap();
     assert!(output.status.success());
@@ -107,8 +107,8 @@ fn what_a_scene_does_not_name_costs_no_instruction() {
     let bare = cost["bare"];
     for (planned, by_hand) in [("bare", "bare-by-hand"), ("held", "held-by-hand")] {
         assert_eq!(end(&example, planned), end(&example, by_hand), "{planned}");
-        // The same work in two functions: registers may be allotted differently, by an instruction. The cheapest effect of all
-        // costs more than that, see below. Written by hand it may be dearer by what the compiler makes of it.
+        // The same work in two functions may differ by an instruction, as registers are allotted differently. The cheapest effect
+        // costs more than that (see below). The hand-written loop may be slower by what the compiler makes of it.
         let more = cost[planned] - cost[by_hand];
         assert!(
             (-5.0..=1.1).contains(&more),
@@ -126,7 +126,7 @@ fn what_a_scene_does_not_name_costs_no_instruction() {
             cost[effect]
         );
     }
-    // A limit computes two comparisons.
+    // A limit calculates two comparisons.
     assert!(
         cost["limit"] <= bare + STAGE,
         "limit {}, bare {bare}",
@@ -134,11 +134,11 @@ fn what_a_scene_does_not_name_costs_no_instruction() {
     );
 }
 
-/// Instructions that a stage may cost beyond its own computation: two calls, the one to it and the one from it to the
-/// inner part, and the check whether it changed the torque, which estimator and guard must learn.
+/// Instructions that a stage may cost beyond its own calculation. They are two calls (of the stage, and by the stage of the loop
+/// inside it) and the check whether it changed the torque, which is reported to estimator and guard.
 const STAGE: f64 = 32.0;
 
-/// Every column of a run, in bits.
+/// Every column of a run's trace, as bits.
 fn bits(trace: &Trace) -> Vec<Vec<u64>> {
     [
         &trace.angle_rad,
@@ -166,7 +166,7 @@ fn changes(scene: &Scene, setting: &str) -> bool {
 
 #[test]
 fn an_effect_named_without_effect_equals_an_absent_one_to_the_bit() {
-    // No dry friction, no torque limit, no encoder.
+    // A scene without dry friction, torque limit or encoder.
     let ideal = thesis("press-hold");
     let device = &ideal.device;
     assert!(device.friction.is_none() && device.torque_limit_n_m.is_none());
@@ -178,7 +178,7 @@ fn an_effect_named_without_effect_equals_an_absent_one_to_the_bit() {
         let name = &scene.name;
         assert!(!changes(scene, "device.torque_limit_n_m=1e9"), "{name}");
         assert!(!changes(scene, "timing.computational_delay_s=0"), "{name}");
-        // The settings do something as soon as they have a value that does.
+        // The settings have an effect as soon as their value has one.
         assert!(changes(scene, "device.torque_limit_n_m=0.05"), "{name}");
         assert!(
             changes(scene, "timing.computational_delay_s=1e-4"),
@@ -194,8 +194,8 @@ fn an_effect_named_without_effect_equals_an_absent_one_to_the_bit() {
 fn friction_of_zero_equals_none_to_the_bit_or_in_a_hand_to_rounding() {
     let free = thesis("free-release");
     assert!(!changes(&free, "device.friction.kinetic_n_m=0"));
-    // In a hand the plant locates where the velocity changes sign, and crosses such a tick in two parts. With a linear law in
-    // f64 nothing magnifies the rounding of that.
+    // In a hand the plant finds the instant at which the velocity changes sign, and crosses such a tick in two parts. With a linear
+    // law in f64 nothing amplifies that rounding.
     let held = thesis("press-hold")
         .with_overrides(&[
             "law.kind=spring",
@@ -214,6 +214,6 @@ fn friction_of_zero_equals_none_to_the_bit_or_in_a_hand_to_rounding() {
         .map(|(a, b)| (a - b).abs())
         .fold(0.0, f64::max);
     println!("largest difference {largest:.1e} rad");
-    // Some hundred turns of the motion, each of an ulp of 1 rad or two.
+    // Some hundred reversals of the motion, each with an error of one or two ulp of 1 rad.
     assert!(largest < 1e-13);
 }

@@ -1,5 +1,6 @@
-//! A calibration that measures also finds the encoder's error from an off-centre magnet: both orders within a count
-//! and a hundredth of their amplitude, and within twice their stated uncertainty. `-- --nocapture` shows by how much.
+//! A calibration with measurement also finds the encoder's error from an off-centre magnet. The errors of both orders are found to
+//! within a count and a hundredth of their amplitude, and within twice their stated uncertainty. `-- --nocapture` prints the
+//! deviations.
 
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -28,7 +29,7 @@ const KNOB: Device = Device {
 
 const COUNTS: u32 = 16_384;
 const COUNT_RAD: f64 = TAU / COUNTS as f64;
-/// The found value may be off by a count and this share of the amplitude.
+/// Allowed relative deviation of a found amplitude, beside one encoder count.
 const OFF_MOST: f64 = 0.01;
 
 const fn torque(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
@@ -39,17 +40,17 @@ const fn torque(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
     }
 }
 
-/// A motor of 12 slots and 14 poles.
+/// Cogging of a motor of 12 slots and 14 poles.
 const COGGING: [Harmonic; 4] = [
     torque(2e-3, 84.0, 0.4),
     torque(4e-4, 168.0, 2.0),
     torque(6e-4, 12.0, -1.0),
     torque(5e-4, 14.0, 3.0),
 ];
-/// 1 mN·m: ten grams, ten millimetres out of the axis.
+/// Torque of a weight on the shaft, 1 mN·m: ten grams, ten millimetres from the axis.
 const WEIGHT: Harmonic = torque(1e-3, 1.0, 0.7);
 
-/// Noise of the current sensors, 1.15 codes rms, and of the encoder, 0.8 counts rms.
+/// Adds noise to the readings: 1.15 codes rms to the current sensors, 0.8 counts rms to the encoder.
 struct Noisy(Random);
 
 impl Tamper for Noisy {
@@ -67,15 +68,15 @@ impl Tamper for Noisy {
     }
 }
 
-/// A case: the encoder's error in degrees and its phases, and other disturbances.
+/// A test case: amplitude in degrees and phase of the encoder's error of each order, and other disturbances.
 #[derive(Clone, Copy)]
 struct Case {
     degrees: [f64; 2],
     phase_rad: [f64; 2],
-    /// Resistance, flux, inertia, damping, friction, of the usual.
+    /// Resistance, flux, inertia, damping and friction, as factors of the usual ones.
     parts: [f64; 5],
     weight: bool,
-    /// The encoder counts the other way; the motor's phases are in another order.
+    /// Whether the encoder counts the other way, and whether the motor's phases are in another order.
     reversed: [bool; 2],
 }
 
@@ -100,7 +101,7 @@ fn settings(case: &Case) -> DeviceSettings {
     settings
 }
 
-/// Telemetry of a calibration, and the true error from the zero that it set.
+/// Telemetry of a calibration, the known encoder, and the true error relative to the calibration's zero.
 fn told(case: &Case, seed: u64) -> (Vec<CalibrationTick>, KnownEncoder, [Complex<f64>; 2]) {
     let settings = settings(case);
     let [r, flux, j, b, friction] = case.parts;
@@ -169,13 +170,13 @@ fn told(case: &Case, seed: u64) -> (Vec<CalibrationTick>, KnownEncoder, [Complex
     (ticks, known, truth)
 }
 
-/// The found error and the true one.
+/// The measured eccentricity, and the true one.
 fn measured(case: &Case, seed: u64) -> (Eccentricity, [Complex<f64>; 2]) {
     let (ticks, known, truth) = told(case, seed);
     (Eccentricity::new(&ticks, &known).unwrap(), truth)
 }
 
-/// Error of each order, rad; alone, and as a share of the stated uncertainty, with half a count.
+/// Deviation of each order: in rad, and as a fraction of the allowed one (twice the stated uncertainty, at least half a count).
 fn off(found: &Eccentricity, truth: &[Complex<f64>; 2]) -> [[f64; 2]; 2] {
     std::array::from_fn(|index| {
         let it = &found.harmonics[index];
@@ -185,7 +186,7 @@ fn off(found: &Eccentricity, truth: &[Complex<f64>; 2]) -> [[f64; 2]; 2] {
     })
 }
 
-/// Each within what it may be; the worst and the best, degrees.
+/// Asserts that each deviation is within its limits; prints the largest and the smallest in degrees.
 fn all_found(cases: &[Case]) {
     let (mut worst, mut best, mut surest) = (0.0_f64, f64::INFINITY, 0.0_f64);
     for (seed, case) in (1..).zip(cases) {
@@ -262,7 +263,7 @@ fn another_motor_and_other_directions_make_no_difference() {
     ]);
 }
 
-/// A knob that hardly brakes itself: inertia and friction as usual, a fortieth of the damping.
+/// Factors of a knob with little damping: inertia as usual, friction half, a fortieth of the damping.
 const SMOOTH: [f64; 5] = [1.0, 1.0, 1.0, 0.025, 0.5];
 
 #[test]
@@ -271,7 +272,8 @@ fn a_weight_out_of_the_axis_is_told_from_the_magnet_by_a_long_coast_alone() {
         weight: true,
         ..Case::of([0.3, 0.0], [1.0, 0.0])
     };
-    // A short coast: the field is believed, and off by the weight over its stiffness, seven times 0.25 N·m/A and 1 A.
+    // After a short coast the torque of the field is trusted. It is wrong by the weight's torque over the field's stiffness, seven
+    // times 0.25 N·m/A times 1 A.
     let (found, truth) = measured(&heavy, 40);
     assert_eq!(found.apart_rad, None);
     let [[once, _], [twice, _]] = off(&found, &truth);
@@ -279,7 +281,7 @@ fn a_weight_out_of_the_axis_is_told_from_the_magnet_by_a_long_coast_alone() {
     println!("by the field, off by {once:.2e} rad; the weight makes {by_weight:.2e}");
     assert!((once / by_weight - 1.0).abs() < 0.2, "{once}");
     assert!(twice < COUNT_RAD);
-    // A long one sees it.
+    // A long coast shows the weight.
     let smooth = Case {
         parts: SMOOTH,
         ..heavy
@@ -287,7 +289,7 @@ fn a_weight_out_of_the_axis_is_told_from_the_magnet_by_a_long_coast_alone() {
     let (found, _) = measured(&smooth, 41);
     assert_eq!(found.witness, [Witness::Coast, Witness::Field]);
     all_found(&[smooth]);
-    // And without a weight the field stays believed.
+    // Without a weight the torque of the field stays trusted.
     let light = Case {
         weight: false,
         ..smooth
@@ -304,12 +306,12 @@ fn what_is_not_whole_or_no_turn_of_the_field_is_refused() {
     let field = ticks.iter().filter(|it| it.part.is_none()).count();
     let refused = |ticks: &[CalibrationTick]| Eccentricity::new(ticks, &known).unwrap_err();
 
-    // The last half of the way back was not heard.
+    // Telemetry of the last half of the way back is lost.
     let lost: Vec<CalibrationTick> = [&ticks[..field - 900], &ticks[field - 1..]].concat();
     assert!(matches!(refused(&lost), NotSeen::Incomplete { .. }));
     assert!(matches!(refused(&[]), NotSeen::Incomplete { .. }));
 
-    // A shaft that stands, or that a hand takes along by 2 degrees on the way back.
+    // A shaft that stands still, or that a hand moves by 2 degrees on the way back.
     let changed = |how: &dyn Fn(usize, &mut CalibrationTick)| -> Vec<CalibrationTick> {
         let mut changed = ticks.clone();
         changed
@@ -328,7 +330,7 @@ fn what_is_not_whole_or_no_turn_of_the_field_is_refused() {
     });
     assert!(matches!(refused(&held), NotSeen::DoesNotRepeat { .. }));
 
-    // Every second record: as good as all.
+    // Every second telemetry record is as good as all.
     let second: Vec<CalibrationTick> = ticks.iter().step_by(2).copied().collect();
     Eccentricity::new(&second, &known).unwrap();
 }
@@ -339,7 +341,7 @@ fn what_it_costs_is_that_of_its_largest_error() {
         let (ticks, known, _) = told(&Case::of(degrees, [0.3, 1.0]), 60);
         Eccentricity::new(&ticks, &known).unwrap().cost(7.0)
     };
-    // One order alone: A, cos(7 A), n A.
+    // With one order alone: A, cos(7 A), n A.
     let within = |found: f64, truth: f64, most: f64| {
         assert!((found - truth).abs() < most, "{found} for {truth}");
     };

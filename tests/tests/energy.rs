@@ -1,4 +1,4 @@
-//! Energy over ten million ticks: what the law's side sums up, what crossed the port, and where it all went.
+//! Energy over ten million ticks: the law's own sum, the energy that crossed the port, and where that energy went.
 
 use touchstone_control::observer::{ExactObserver, ThesisObserver};
 use touchstone_control::{CountScale, Force, Position, Settings, Si};
@@ -11,10 +11,10 @@ use touchstone_world::plant::{
 
 const TICKS: u64 = 10_000_000;
 const PERIOD_S: f64 = 1e-3;
-/// No sum of powers of two: penetrations are rounded.
+/// Position of the wall's surface, rad. It is not a sum of powers of two, so penetrations are rounded.
 const SURFACE_RAD: f64 = 0.3;
 
-/// A sum whose rounding does not grow with its length (Neumaier).
+/// A sum whose rounding error does not grow with its length (Neumaier).
 #[derive(Debug, Clone, Copy, Default)]
 struct Sum {
     total: f64,
@@ -36,7 +36,7 @@ impl Sum {
     }
 }
 
-/// Energies that go into and out of device and hand.
+/// Energies in J that go into and out of device and hand.
 #[derive(Debug, Clone, Copy, Default)]
 struct Books {
     motor: Sum,
@@ -47,7 +47,7 @@ struct Books {
     last_rest: Option<f64>,
 }
 
-/// A plant whose every tick is entered in the energy account.
+/// A simulated device and hand whose energies are summed in every tick.
 struct Audited<'a, S> {
     plant: S,
     books: &'a mut Books,
@@ -63,7 +63,7 @@ impl<S: Stepper> Crossing for Audited<'_, S> {
     fn cross_with_flow(&mut self, state: &mut S::State, torque_n_m: f64, rest_rad: f64) -> Flow {
         let books = &mut *self.books;
         let last = books.last_rest.replace(rest_rad).unwrap_or(rest_rad);
-        // The rest point jumps at the tick: that strains the hand's spring.
+        // The rest point of the hand jumps at the tick, which strains the hand's spring.
         books.rest_point.add(
             self.plant.stored_energy_j(state, rest_rad) - self.plant.stored_energy_j(state, last),
         );
@@ -83,12 +83,12 @@ impl<S: Stepper> Crossing for Audited<'_, S> {
     }
 }
 
-/// The law's side: observers with the law's own inputs.
+/// Energy observers that get the law's own inputs.
 struct Observers {
     exact: ExactObserver<f64>,
     thesis: ThesisObserver<f64>,
     contact: u64,
-    /// Port energy by the plant's own account, compensated.
+    /// Energy of the port as the simulated device calculates it, with compensated summation.
     port: Sum,
 }
 
@@ -102,7 +102,7 @@ impl Recorder for Observers {
     }
 }
 
-/// A hand that presses harder and softer, and leaves the wall now and then.
+/// The rest position of a hand that presses harder and softer, and leaves the wall now and then, rad.
 fn rest_rad(time_s: f64) -> f64 {
     let slow = (0.7 * time_s).sin();
     let fast = (12.6 * time_s).sin();
@@ -191,9 +191,9 @@ fn over_ten_million_ticks_the_exact_observer_reads_what_crossed_the_port_and_the
         100.0 * share,
         (thesis - port).abs() / throughput
     );
-    // What limits it: the observer's plain sum rounds each tick by up to half a unit in the last place of the sum.
+    // The observer's plain sum rounds each tick by up to half a unit in the last place of the sum; that limits the error.
     assert!(error < 1e-9);
-    // The same comparison tells the thesis' form apart.
+    // The same comparison detects the thesis' form.
     assert!((thesis - port).abs() > 1e-3 * throughput);
 
     let books = &done.books;
@@ -212,7 +212,7 @@ fn over_ten_million_ticks_the_exact_observer_reads_what_crossed_the_port_and_the
         gap.abs() / turnover
     );
     assert!(device > 0.0 && hand > 0.0 && rest > 0.0);
-    // Rounding of the states, 1e-16 of a radian a tick times some 0.1 N·m, and of the losses' quadratic forms.
+    // Rounding of the states, 1e-16 rad per tick times about 0.1 N·m, and of the losses' quadratic forms.
     assert!(gap.abs() < 1e-9 * turnover);
 }
 

@@ -1,5 +1,5 @@
-//! The energy guard keeps its promise at the hand's port. In every window of time no hand gets out more than the capacity and
-//! the refill, whatever the delay, whatever the law, whether it is looked for or not.
+//! The energy guard keeps its bound at the hand's port. In every window of time no hand gets out more than the capacity and the
+//! refill, for every delay and law, also hands that a search has optimised.
 
 use std::f64::consts::TAU;
 use touchstone_control::{ChangeOfForce, GuardSettings, Settings, Si};
@@ -10,17 +10,17 @@ use touchstone_tests::port::{COUNT_RAD, Gripped, Imposed, Outcome, Port, SpringD
 const DELAYS: [f64; 4] = [0.0, 0.1, 0.5, 1.0];
 const CAPACITY_J: f64 = 0.02;
 const REFILL_W: f64 = 0.0005;
-/// Half a count at each end of a window under the largest force that the account allows, 0.33 N·m.
+/// Energy of half an encoder count at each end of a window, under the largest force that the account allows, 0.33 N·m.
 const ENCODER_J: f64 = 0.34 * COUNT_RAD;
 
-/// From a board's sample until its force acts, in the mean: a tenth of a tick and a current loop of 600 Hz.
+/// Mean delay in ticks from a board's sample until its force acts: a tenth of a tick, and a current loop of 600 Hz.
 const LATE_TICKS: f64 = 0.365;
 
 const STIFF: SpringDamper = SpringDamper { k: 20.0, b: 0.055 };
 const SOFT: SpringDamper = SpringDamper { k: 5.0, b: 0.0076 };
 const SPRING: SpringDamper = SpringDamper { k: 20.0, b: 0.0 };
 
-/// 20 s of a motion at 20 Hz in a bare spring of 20 k_c.
+/// Runs a motion at 20 Hz for 20 s against a spring of 20 k_c without damping.
 fn at_20_hz(port: &Port) -> Outcome {
     let path = |t: f64| 0.0075 * (1.0 + (TAU * 20.0 * t).sin());
     port.play(&mut Imposed::new(path), 20_000)
@@ -41,13 +41,13 @@ fn a_motion_at_20_hz_gets_out_no_more_than_promised() {
         assert!(bare.worst_window_j > 3.0 * CAPACITY_J);
         assert!(guarded.above_refill_j <= CAPACITY_J + ENCODER_J);
         assert!(guarded.worst_window_j <= CAPACITY_J + 20.0 * REFILL_W + ENCODER_J);
-        // And it is not the wall that is gone. (With a delay the charge for what is not measured empties the account first.)
+        // The guard has not switched the wall off. (With a delay the charge for what is not measured empties the account first.)
         assert!(delay > 0.0 || guarded.worst_window_j > CAPACITY_J);
     }
 }
 
-/// A hand presses, rests and then leaves faster than the guard's overspeed. The guard lets go one tick later, and the
-/// energy of that tick comes on top of the bound. At 50 rad/s, below the overspeed, there is no such tick.
+/// A hand presses, rests and then leaves faster than the guard's speed limit. The guard switches the force off one tick later, and
+/// the energy of that tick comes on top of the bound. At 50 rad/s, below the limit, there is no such tick.
 #[test]
 fn a_tick_of_overspeed_counts_by_itself() {
     let gone = |rad_per_s: f64| {
@@ -66,7 +66,8 @@ fn a_tick_of_overspeed_counts_by_itself() {
             1e3 * over.with_overspeed_j
         );
         assert!((600..=602).contains(&over.ticks));
-        // A whole tick late the charge for what is not measured has emptied the account before, and there is no force to take from.
+        // At a delay of a whole tick, the charge for what is not measured has emptied the account before, so no force acts that
+        // could give energy.
         assert!(delay == 1.0 || over.with_overspeed_j > over.above_refill_j + 0.005);
         assert!(over.above_refill_j <= CAPACITY_J + ENCODER_J);
         reached.push(over.with_overspeed_j);
@@ -74,7 +75,7 @@ fn a_tick_of_overspeed_counts_by_itself() {
         assert_eq!((within.ticks, within.with_overspeed_j), (700, 0.0));
         assert!(within.above_refill_j <= CAPACITY_J + ENCODER_J);
     }
-    // A tick under a force of at most 0.3 N·m.
+    // One tick under a force of at most 0.3 N·m.
     assert!(
         reached
             .iter()
@@ -82,7 +83,8 @@ fn a_tick_of_overspeed_counts_by_itself() {
     );
 }
 
-/// The account of a guard that does not know of the delay are wrong, and a search finds it: the tests here can fail.
+/// A guard that is configured without the delay has a wrong account, and a search finds a hand that gets more out. So the tests in
+/// this file can fail.
 #[test]
 fn a_guard_that_does_not_know_the_delay_does_not_hold() {
     for delay in [0.1, 0.5, 1.0] {
@@ -97,9 +99,9 @@ fn a_guard_that_does_not_know_the_delay_does_not_hold() {
     }
 }
 
-/// A board as shipped: 0.1 ms until a voltage acts and 0.265 ms of a current loop. Its guard takes positions once a
-/// tick and assumes none of that delay. The shipped law, without its damper; compared with a guard that knows the
-/// delay, and takes the position when the force changes.
+/// A board with 0.1 ms until a voltage acts and a current loop of 0.265 ms. One guard reads positions once a tick and is configured
+/// for no delay. It is compared with a guard that is configured for the delay and reads the position at the change of force. The
+/// law is the shipped one without its damper.
 #[test]
 fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
     let shipped = GuardSettings::default();
@@ -126,16 +128,15 @@ fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
         if name == "not told" {
             assert!(taken > 1.5 * capacity_j && longer > 10.0 * capacity_j);
         } else {
-            // The force that 45 mJ allow is 0.75 N·m.
+            // An account of 45 mJ allows a force of 0.75 N·m.
             assert!(taken.max(longer) <= capacity_j + 0.76 * COUNT_RAD);
         }
     }
 }
 
-/// A board as shipped: its current loop, and a second reading of the encoder when half of a change of force has taken
-/// place. What remains is the part of a change that comes after the tick. With the same guard without that reading, or
-/// with positions taken once a tick, the same search takes more. The hands that it finds there, or against a guard
-/// that assumes no delay, are played to the board too.
+/// A board as shipped: its current loop, and a second encoder reading when half of a change of force has taken place. Only the part
+/// of a change after the tick remains uncounted. With the same guard without that reading, or with one reading per tick, the same
+/// search gets more energy out. The hands found there are also run against the shipped board.
 #[test]
 fn a_board_that_reads_when_the_force_changes_keeps_the_promise() {
     let (board, law) = BoardLoop::shipped();
@@ -146,7 +147,7 @@ fn a_board_that_reads_when_the_force_changes_keeps_the_promise() {
         change: ChangeOfForce::Estimated,
         ..law.guard
     };
-    // `board_window` of proofs/coq/Boards.v: half a count under the force that 45 mJ allow.
+    // `board_window` of proofs/coq/Boards.v, with half a count under the force that 45 mJ allow.
     let bound_j = 0.045_145;
     let count_rad = law.position.count.to_num::<f64>();
     let port = |settings: GuardSettings, reads: bool| {
@@ -187,7 +188,7 @@ fn a_board_that_reads_when_the_force_changes_keeps_the_promise() {
             }
         }
     }
-    // Something was to be had.
+    // The search did find energy to get out.
     assert!(worst_j > 0.8 * capacity_j);
 }
 
@@ -214,7 +215,7 @@ fn a_search_finds_no_hand_that_gets_out_more() {
     }
 }
 
-/// Inwards for eight seconds, and to and fro for ten where the positions of 32 bits end, at 128 rad.
+/// Runs a hand that moves inwards for eight seconds, and then to and fro for ten seconds where 32-bit positions end, at 128 rad.
 fn beyond_the_end(port: &Port, centre_rad: f64, amplitude_rad: f64, hz: f64) -> Outcome {
     let path = |t: f64| {
         let inwards = (centre_rad / 8.0 * t).min(centre_rad);
@@ -223,7 +224,8 @@ fn beyond_the_end(port: &Port, centre_rad: f64, amplitude_rad: f64, hz: f64) -> 
     port.play(&mut Imposed::new(path), 18_000)
 }
 
-/// A finding of the search beyond the end of positions: with samples that stand still there, the hand got 1.5 J out.
+/// The search found this motion beyond the end of positions: with measured positions that stand still there, the hand got 1.5 J
+/// out.
 #[test]
 fn no_motion_goes_uncounted_where_positions_end() {
     let mut worst = 0.0_f64;
@@ -246,11 +248,11 @@ fn no_motion_goes_uncounted_where_positions_end() {
         "worst about the end of positions: {:.2} mJ above the refill",
         1e3 * worst
     );
-    // Something was to be had.
+    // The search did find energy to get out.
     assert!(worst > 0.5 * CAPACITY_J, "{worst}");
 }
 
-/// The bound also holds where the position at the change of force is measured.
+/// The bound also holds if the position at the change of force is measured.
 #[test]
 fn measuring_the_change_of_force_holds_as_well() {
     for delay in [0.1, 0.5, 0.9] {
@@ -268,8 +270,8 @@ fn measuring_the_change_of_force_holds_as_well() {
     }
 }
 
-/// Checks a hand that holds (0 Hz), wiggles or trembles for ten seconds; `--example untouched -- 3600` does it for an
-/// hour.
+/// A hand that holds (0 Hz), wiggles or trembles for ten seconds does not empty the account; `--example untouched -- 3600` runs it
+/// for an hour.
 #[test]
 fn a_good_wall_is_left_untouched() {
     for (law, name, delay) in [(SOFT, "5", 0.0), (SOFT, "5", 0.5), (STIFF, "20", 0.0)] {
@@ -292,7 +294,7 @@ fn a_good_wall_is_left_untouched() {
     }
 }
 
-/// A wall whose account is nearly empty: the force never falls faster than the hand itself takes it away.
+/// At a wall whose account is nearly empty, the force never falls faster than the hand itself reduces it by moving.
 #[test]
 fn an_empty_account_is_a_softer_wall_and_no_trapdoor() {
     let mut port = Port::new(SOFT, 0.0, true, true);
@@ -300,7 +302,7 @@ fn an_empty_account_is_a_softer_wall_and_no_trapdoor() {
         capacity: Si::lit("0.004"),
         ..Port::settings(0.0)
     });
-    // 4 mJ pay for 0.066 N·m: a press of 0.1 N·m goes deeper, and is held all the same.
+    // 4 mJ cover 0.066 N·m: a press of 0.1 N·m goes deeper, but is held.
     let hand = |push: f64| Gripped::medium(move |t: f64| push * (t / 0.3).min(1.0));
     let mut light = hand(0.05);
     assert_eq!(port.play(&mut light, 3_000).changed_ticks, 0);

@@ -1,4 +1,4 @@
-//! Walls on both sides, several walls and detents: their joint promise, over hostile motions and every law.
+//! Walls on both sides, several walls and detents: what they guarantee together, over hostile motions and with every law.
 
 use touchstone_control::environment::{
     Counted, DetentSettings, Environment, Face, MOST_WALLS, Reading, Refused, Side, Spacing,
@@ -13,7 +13,7 @@ use touchstone_tests::environment::{
 use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
 
-/// Ways of a hand over some counts: slow and fast, to and fro, with jumps over a wall.
+/// Motions of a hand in encoder counts: slow and fast, to and fro, with jumps over a wall.
 fn path(seed: u64, ticks: usize, reach: i64) -> Vec<i64> {
     let mut random = Random::new(seed);
     let (mut at, mut speed) = (0_i64, 0_i32);
@@ -62,9 +62,9 @@ fn a_mirrored_environment_answers_a_mirrored_motion_with_mirrored_forces() {
             ..detent
         };
         for (seed, mut settings) in (1..).zip(laws()) {
-            // A guard that has to limit, and one that has not: its roundings must be mirrored as well.
+            // A guard that has to reduce forces, or one that has not: its rounding must be mirrored as well.
             settings.guard.capacity = si(if seed % 2 == 0 { "0.001" } else { "0.045" });
-            // And one that answers for a late force, whose share of a displacement is rounded.
+            // Also a guard with a delay, which rounds its part of a displacement.
             settings.guard.delay = si(if seed % 3 == 0 { "0.0004" } else { "0" });
             let mut here = built::<N>(&settings, &walls, Some(&detent));
             let mut there = built::<N>(&settings, &images, Some(&image));
@@ -86,7 +86,7 @@ fn a_mirrored_environment_answers_a_mirrored_motion_with_mirrored_forces() {
 
 #[test]
 fn two_walls_are_two_scenes() {
-    // Gentle enough for the account to pay for everything, and not to be seen in any force.
+    // Motions so gentle that the account covers everything and the guard changes no force.
     for mut settings in laws() {
         settings.guard.capacity = si("8");
         settings.guard.overspeed = si("900");
@@ -111,7 +111,8 @@ fn two_walls_are_two_scenes() {
             {
                 *force = controller.tick(scale.penetration(*way));
             }
-            // One estimator must not be told of a force that another scene has; where both push it is told of both.
+            // The scene of one wall must not report a force of the other wall to its estimator. Where both push, both forces are
+            // reported.
             let together = both.tick(&at(count), None);
             assert_eq!(alone.tick(&at(count), None), forces[0], "{settings:?}");
             if settings.states == StatesKind::Measured {
@@ -125,8 +126,8 @@ fn two_walls_are_two_scenes() {
     }
 }
 
-/// On estimated states each wall has an estimator that knows every force: as long as only one wall was ever touched, it says what that
-/// wall's own scene says.
+/// On estimated states each wall has an estimator that gets every force. While only one wall was ever touched, the force equals
+/// that of a scene with that wall alone.
 #[test]
 fn a_wall_that_is_not_touched_is_not_there() {
     let settings = Settings::default();
@@ -161,7 +162,7 @@ fn detents_are_a_triangle_with_no_work_over_a_pitch() {
             4.0 * strength * share
         };
         let mut environment = built::<N>(&quiet, &[], Some(&detent));
-        // The pitch is known to 2^-33 rad and its inverse to as much: 20,000 turns away, to 5e-4 of a pitch.
+        // The pitch and its inverse are right to 2^-33: 20,000 turns away that is 5e-4 of a pitch.
         for turn in [0_i64, 1, -1, 50, -50, 20_000] {
             let from = turn * i64::from(COUNTS);
             let mut work = 0.0;
@@ -178,7 +179,7 @@ fn detents_are_a_triangle_with_no_work_over_a_pitch() {
                 largest = largest.max(force.abs());
                 work += force * COUNT_RAD;
             }
-            // Over the 1666 counts of a pitch: half a count's force at each end, and a step of each force.
+            // Over the 1666 counts of a pitch: half a count's force at each end, and a quantum of each force.
             assert!(work.abs() < strength * COUNT_RAD + step * pitch, "{work}");
             assert!(largest <= strength && largest > strength * (1.0 - 0.02));
         }
@@ -276,12 +277,12 @@ fn a_reading_is_odd() {
     }
 }
 
-/// A position so many turns away that it cannot occur by chance.
+/// A number of turns so large that a position there does not occur by chance.
 const FAR: i64 = 10_000;
 
-/// A wall this many turns further on.
+/// The same wall, this many whole turns further on.
 fn further(wall: &WallSettings, turns: i64) -> WallSettings {
-    // A turn in 2^-64 rad.
+    // A turn in units of 2^-64 rad.
     let way = (i128::from(turns) * 0x6_487e_d511_0b46_11a6 + (1 << 31)) >> 32;
     let surface = wall.face.surface + Si::from_bits(way as i64);
     WallSettings {
@@ -332,7 +333,8 @@ fn a_knob_is_the_same_ten_thousand_turns_on() {
     }
 }
 
-/// Turned there step by step: nothing that was remembered on the way is felt. A wall deeper than positions reach is off.
+/// A knob that was turned there step by step feels the same: nothing on the way is remembered. A wall is off where the knob is
+/// deeper than positions reach.
 #[test]
 fn a_knob_that_was_turned_there_is_the_same() {
     let settings = Settings::default();

@@ -1,4 +1,4 @@
-//! An environment that is changed under a hand: no jump in force beyond the stated rate, and no new account.
+//! An environment that changes under a hand: the force jumps no faster than the stated rate, and the energy account is kept.
 
 use touchstone_control::environment::{DetentSettings, Environment, Side, WallSettings};
 use touchstone_control::{Controller, Fixed32, Force, LawKind, Settings, Si, StatesKind};
@@ -7,7 +7,7 @@ use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
 
 const RATE_HZ: u32 = 1_000;
-/// N·m/s.
+/// Rate at which a force that was left behind fades, N·m/s.
 const RATE: &str = "0.5";
 
 fn settings(law: LawKind, states: StatesKind) -> Settings {
@@ -29,7 +29,7 @@ fn laws() -> impl Iterator<Item = Settings> {
         })
 }
 
-/// What there may be: nothing, walls near and far and on either side, detents.
+/// Environments to change between: empty, walls near and far and on either side, detents.
 fn environments(settings: &Settings) -> Vec<Environment<Fixed32>> {
     let near = wall("0.05", Side::Above);
     let below = wall("0.09", Side::Below);
@@ -57,16 +57,16 @@ fn newton_metres(force: Force<Fixed32>) -> f64 {
     force.0.to_num()
 }
 
-/// A change adds the difference at its first tick, and lets it fade at the rate. It is compared with the same
-/// environment without a change, and without a guard, which would react to both.
+/// A change adds the difference of forces in its first tick, and lets it fade at the rate. It is compared with the same environment
+/// without a change, both without a guard, which would react to the added force.
 #[test]
 fn a_change_adds_what_is_let_go_of_and_nothing_else() {
     let mut random = Random::new(7);
     let (mut changes, mut compared, mut at_limit) = (0, 0_u32, 0_u32);
     for mut settings in laws() {
-        // Its books are another's, so that it would limit otherwise.
+        // The guard's account would be that of another motion, and the guard could limit.
         settings.guard.on = false;
-        // What is at the limit would hide what is carried.
+        // At the force limit the added force could not be seen.
         settings.force_limit = si("20");
         let all = environments(&settings);
         for before in &all {
@@ -82,7 +82,7 @@ fn a_change_adds_what_is_let_go_of_and_nothing_else() {
                 let mut new = *after;
                 new.begin(None);
                 new.take_over(&running, per_tick());
-                // Its own force: told of the force that is shown, as that is what moves the device.
+                // The environment's own force. The rendered force is reported to it, as that force moves the device.
                 let mut own = new;
                 own.take_over(&running, Force(fixed::types::I8F24::MAX));
                 let mut left = f64::INFINITY;
@@ -94,7 +94,7 @@ fn a_change_adds_what_is_let_go_of_and_nothing_else() {
                         assert_eq!(f, shown, "the first tick shows what the last one showed");
                         continue;
                     }
-                    // At the limit nothing more can be shown.
+                    // At the limit no larger force can be rendered.
                     if newton_metres(f).abs() >= 19.999 || newton_metres(g).abs() >= 19.999 {
                         at_limit += 1;
                         left = f64::INFINITY;
@@ -126,8 +126,8 @@ fn a_change_adds_what_is_let_go_of_and_nothing_else() {
     );
 }
 
-/// A hand that does not move feels the rate and no more, whatever appears or goes. Only a law's own change of force
-/// comes on top, and a spring has none.
+/// A hand at rest feels only a change of force at the rate, whatever appears or disappears. Changes of force by the law itself
+/// would come on top; a spring has none.
 #[test]
 fn a_hand_that_rests_feels_the_rate_and_no_more() {
     let settings = settings(LawKind::Spring, StatesKind::Measured);
@@ -163,12 +163,13 @@ fn a_hand_that_rests_feels_the_rate_and_no_more() {
     assert_eq!(reached as usize, all.len() * all.len());
 }
 
-/// From the wall alone, which a board runs without an environment: as from an environment of that wall.
+/// A change from a wall alone, which a board runs without an environment, is the same as one from an environment that has only that
+/// wall.
 #[test]
 fn a_wall_alone_hands_over_as_an_environment_of_it_does() {
     let mut touched = 0;
     for mut settings in laws() {
-        // Their guards round the motion differently: with an account that pays for all, that is in no force.
+        // Both guards round the motion differently. With an account that covers everything, that changes no force.
         settings.guard.capacity = si("8");
         settings.guard.overspeed = si("900");
         let first = wall("0.05", Side::Above);
@@ -198,7 +199,7 @@ fn a_wall_alone_hands_over_as_an_environment_of_it_does() {
     assert!(touched > 40, "{touched}");
 }
 
-/// One account bounds what a hand gets out by having walls put under it again and again.
+/// One energy account bounds what a hand gets out when walls are placed under it again and again.
 #[test]
 fn many_changes_have_one_account() {
     let mut settings = settings(LawKind::Spring, StatesKind::Measured);
@@ -224,10 +225,10 @@ fn many_changes_have_one_account() {
                 new.take_over(&running, fast);
                 running = new;
             }
-            // It yields where it is pushed: the way to get most.
+            // The hand yields where it is pushed, which gives it the most energy.
             let push = newton_metres(force);
             count -= (push * 60.0) as i64;
-            // And comes back where nothing pushes.
+            // It comes back where nothing pushes.
             if push.abs() < 0.01 {
                 count += (400 - count).clamp(-3, 3);
             }
@@ -239,7 +240,7 @@ fn many_changes_have_one_account() {
             worst = worst.max(given - least);
         }
     }
-    // The last tick's force is on its way still.
+    // The last tick's force still acts.
     assert!(worst <= 0.02 + 1e-4, "{worst} J");
     assert!(
         worst > 0.01 && limited > 100,

@@ -1,4 +1,5 @@
-//! The guard of an environment: one account for all walls and detents, one limit, and no force where a motion would not be counted.
+//! The guard of an environment: one energy account for all walls and detents, one force limit, and no force where a motion would
+//! not be counted.
 
 use touchstone_control::environment::{Environment, Reached, Reading, Side};
 use touchstone_control::{Fixed16, Fixed32, Force, LawKind, Position, Settings, Si, StatesKind};
@@ -6,7 +7,7 @@ use touchstone_tests::environment::{COUNT_RAD, at, built, detents, mirrored, wal
 use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
 
-/// Energy that a hand got out of the motor so far, J, at the true positions.
+/// Energy in J that a hand has got out of the motor so far, calculated at the true positions.
 struct Audit {
     force: f64,
     at: f64,
@@ -26,7 +27,8 @@ impl Audit {
         }
     }
 
-    /// Moved to here under the last force; another takes its place. `refill` is what may be had for nothing in a tick.
+    /// Moves the device to `at` under the last force; then `force` acts. `refill` is the energy that a hand may get in a tick
+    /// without cost.
     fn step(&mut self, at: f64, force: f64, refill: f64) {
         // A force against +x is work for the hand on the way to -x.
         self.taken -= self.force * (at - self.at) + refill;
@@ -36,8 +38,8 @@ impl Audit {
     }
 }
 
-/// Into one wall within a tick and out within the next, then into the other one: on each way out a wall without a
-/// guard pays for more than the hand put in.
+/// The hand goes into one wall within a tick and out within the next, then into the other wall. On each way out a wall without a
+/// guard gives more than the hand put in.
 #[test]
 fn one_account_answers_for_all_walls_and_detents() {
     let mut settings = Settings {
@@ -51,7 +53,7 @@ fn one_account_answers_for_all_walls_and_detents() {
     settings.guard.share_of_damping = si("0");
     let capacity = 0.02;
     let refill = 0.0005 / 1000.0;
-    // Half a count at each end of a window under the largest force that the account can pay for.
+    // Half a count at each end of a window, under the largest force that the account can cover.
     let rounding = 0.34 * COUNT_RAD;
     let walls = [wall("0.005", Side::Above), wall("-0.005", Side::Below)];
     let (mut guarded, mut apart) = ([0.0_f64; 2], 0.0_f64);
@@ -61,12 +63,12 @@ fn one_account_answers_for_all_walls_and_detents() {
         open.guard.on = false;
         let mut one = built::<Fixed32>(&settings, &walls, Some(&detents()));
         let mut bare = built::<Fixed32>(&open, &walls, Some(&detents()));
-        // What two guards would let through: a controller with a guard a wall.
+        // For comparison, the energy from two guards: one controller with its guard per wall.
         let mut each = walls.map(|wall| built::<Fixed32>(&settings, &[wall], None));
         let mut audits = [Audit::new(), Audit::new(), Audit::new()];
         for tick in 0..4_000_u32 {
             let side = if seed % 2 == 0 {
-                // Each wall in turn, for as long as its own account would last.
+                // Each wall in turn, for as long as its own account would allow.
                 if (tick / 400).is_multiple_of(2) {
                     1.0
                 } else {
@@ -75,7 +77,7 @@ fn one_account_answers_for_all_walls_and_detents() {
             } else {
                 random.real().signum()
             };
-            // Deep in one tick, on the surface in the next, anywhere within a count.
+            // Deep in one tick, at the surface in the next, anywhere within a count.
             let depth = if tick.is_multiple_of(2) { 0.03 } else { 0.0 };
             let x = side * (0.005 + depth) + 0.5 * COUNT_RAD * random.real();
             let here = at((x / COUNT_RAD).round() as i64);
@@ -121,13 +123,13 @@ fn what_all_of_them_ask_for_is_limited_as_one_force() {
     let limit = Force::<Fixed32>::from_si(settings.force_limit).unwrap();
     let nested = [wall("0", Side::Above), wall("0.01", Side::Above)];
     let mut both = built::<Fixed32>(&settings, &nested, Some(&detents()));
-    // 0.06 rad deep: 0.3 and 0.25 N·m of springs, and detents that push as well.
+    // 0.06 rad deep: springs give 0.3 and 0.25 N·m, and detents push as well.
     let deep = (0.06 / COUNT_RAD) as i64;
     assert_eq!(both.tick(&at(deep), None), limit);
     let images = nested.each_ref().map(mirrored);
     let mut both = built::<Fixed32>(&settings, &images, None);
     assert_eq!(both.tick(&at(-deep), None), -limit);
-    // Two that overlap from either side push against each other.
+    // Two walls that overlap from opposite sides push against each other.
     let facing = [wall("-0.02", Side::Above), wall("0.02", Side::Below)];
     let mut squeezed = built::<Fixed32>(&settings, &facing, None);
     assert_eq!(squeezed.tick(&at(0), None), Force::zero());
@@ -159,7 +161,7 @@ fn overspeed_between_two_walls_takes_the_force_away_for_good() {
     assert!(account(&again) < account(&fresh));
 }
 
-/// An angle, far from every wall.
+/// An encoder reading at an angle far from every wall, rad.
 struct Far(Si);
 impl Reading<Fixed32> for Far {
     fn angle(&self) -> Si {
@@ -170,7 +172,7 @@ impl Reading<Fixed32> for Far {
     }
 }
 
-/// After 340 million turns angles end; a motion there would not be counted.
+/// Angles end after 340 million turns. A motion beyond would not be counted, so there is no force.
 #[test]
 fn no_force_where_angles_end() {
     let mut settings = Settings::thesis();
@@ -196,7 +198,7 @@ fn no_force_where_angles_end() {
 
 #[test]
 fn a_knob_turns_on_without_end() {
-    // 12,000 rad: beyond what a position of any format can hold.
+    // 12,000 rad, beyond the positions of every format.
     let mut settings = Settings::thesis();
     settings.guard.on = true;
     let mut environment = built::<Fixed16>(&settings, &[], Some(&detents()));

@@ -1,4 +1,4 @@
-//! The state estimator against an independent one of matrices, and what it promises.
+//! The state estimator compared with an independent matrix form, and its guarantees.
 
 use std::f64::consts::TAU;
 use touchstone_control::estimator::EstimatorState;
@@ -13,7 +13,7 @@ fn float_agrees_with_the_matrices() {
         play(3_000, 1, |e, f| {
             let sample = law.tick(&mut state, Position(e));
             let (x, d) = matrices.tick(e);
-            // An inertia and a damping per tick in steps of 2.3e-10 N·m/rad, of the smallest inertia that is used.
+            // Inertia and damping per tick have steps of 2.3e-10 N·m/rad; this is for the smallest inertia that is used.
             let tolerance = 1e-9;
             assert!(
                 (sample.e.0 - x).abs() < tolerance,
@@ -31,8 +31,8 @@ fn float_agrees_with_the_matrices() {
     }
 }
 
-/// Rounding of each state in one tick, and once more in the output, from the steps of the format and the size of
-/// states and commands. Half a step of a weight is 2^-27 of a motion and 2^-31 of a torque; a part is cut at 2^-28.
+/// Bounds of the rounding errors: of each state in one tick, and of the outputs, from the format's quanta and the size of states
+/// and commands. Half a quantum of a weight is 2^-27 of a motion and 2^-31 of a torque; a part is cut at 2^-28.
 fn rounding(largest: [f64; 3], delay: f64, force: f64) -> ([f64; 3], [f64; 2]) {
     let (weight, torque, part) = (2f64.powi(-27), 2f64.powi(-31), 2f64.powi(-28));
     let [d, g, r] = largest;
@@ -45,7 +45,7 @@ fn rounding(largest: [f64; 3], delay: f64, force: f64) -> ([f64; 3], [f64; 2]) {
         ]
     };
     let [x, v] = flow(1.0);
-    // The correction: its weights, and the part of the surprise under weights of at most 1, 3/2 and 1.
+    // Errors of the correction: its weights, and the cut part of the innovation under weights of at most 1, 3/2 and 1.
     let correction = weight * r + 1.5 * part;
     let ahead = flow(delay);
     ([x + correction, v + correction, correction], ahead)
@@ -73,7 +73,7 @@ fn fixed_agrees_with_float_within_what_rounding_adds_up_to() {
         });
         let delay = device.4;
         let sums = amplification(&reference(device), delay);
-        // Surprises are at most the change of what was measured and of what was expected.
+        // An innovation is at most the change of the measured and of the expected position.
         let (into, ahead) = rounding([largest[0], largest[1], 4.0 * largest[2]], delay, 0.5);
         let shown = 2f64.powi(-25);
         for (index, name) in ["position", "displacement"].iter().enumerate() {
@@ -95,7 +95,7 @@ fn at_rest_it_is_exact_and_stays_so_for_ten_million_ticks() {
         let ticks = if index == 0 { 10_000_000 } else { 200_000 };
         let (law, mut state) = (estimator::<Fixed32>(device), EstimatorState::default());
         let e = Position::<Fixed32>::from_f64(0.0123);
-        // Nothing but parts that are cut, and what is shown to its nearest step: none for the knobs at 1 kHz.
+        // Only cut parts and the rounding of the result remain: no error for the knobs at 1 kHz.
         let sums = amplification(&reference(device), device.4);
         let (into, ahead) = rounding([0.0; 3], device.4, 0.1);
         let bound = [0, 1].map(|row| {
@@ -106,7 +106,7 @@ fn at_rest_it_is_exact_and_stays_so_for_ten_million_ticks() {
                 sum + ahead[row] + 2f64.powi(-25)
             }
         });
-        // A hand that pushes against a held force: at rest, whatever inertia is assumed.
+        // A hand that pushes against a held force at rest, for any assumed inertia.
         let force = Force::from_f64(0.1);
         let start = Position::from_f64(0.01);
         law.tick(&mut state, start);
@@ -137,7 +137,7 @@ fn all_three_poles_are_where_the_bandwidth_puts_them() {
                 "{device:?} gain {i}: {own} {other}"
             );
         }
-        // (1 - L C) F with the weights as they are in the format: its characteristic polynomial is (s - z)³.
+        // (1 - L C) F with the weights as the format holds them: its characteristic polynomial is (s - z)³.
         let fixed = estimator::<Fixed32>(device);
         let weight = |bits: i32| f64::from(bits) / f64::from(1 << 26);
         let (v, x, loss) = (
@@ -162,7 +162,7 @@ fn all_three_poles_are_where_the_bandwidth_puts_them() {
             determinant - z * z * z,
         ];
         assert!(off.iter().all(|x| x.abs() < 3e-7), "{device:?}: {off:?}");
-        // Jury: all roots inside the unit circle, of the weights as stored.
+        // Jury's criterion with the stored weights: all roots are inside the unit circle.
         let (c2, c1, c0) = (-trace, minors, -determinant);
         assert!(
             1.0 + c2 + c1 + c0 > 0.0 && 1.0 - c2 + c1 - c0 > 0.0,

@@ -1,4 +1,4 @@
-//! Promises of the state estimator where its assumptions fail: a wrong inertia, jumps, settings out of range.
+//! What the state estimator guarantees where its assumptions fail: a wrong inertia, jumps, settings out of range.
 
 use touchstone_control::estimator::EstimatorState;
 use touchstone_control::{
@@ -8,7 +8,7 @@ use touchstone_control::{
 use touchstone_tests::estimator::{DEVICES, LIMIT, amplification, estimator, reference, settings};
 use touchstone_tests::random::Random;
 
-/// A knob with this inertia in a soft grip, against a force that changes every 50 ms. `tick` gets the motion at each
+/// Simulates a knob with this inertia in a soft grip, against a force that changes every 50 ms. `tick` gets the motion at each
 /// sample and the force from then on.
 fn knob(inertia: f64, ticks: u32, mut tick: impl FnMut(u32, f64, f64, f64)) {
     const PARTS: u32 = 200;
@@ -40,8 +40,8 @@ fn a_wrong_inertia_costs_what_the_force_changes_by_and_no_more() {
         });
         worst
     });
-    // A force that changes by 0.05 N·m pushes by that much of the difference of T²/J in every tick from then on; `X` is 1/2
-    // and `V` 1. The grip's own pushes come on top, and are those of a device half or twice as quick.
+    // A change of force by 0.05 N·m pushes by that times the difference of T²/J in every later tick; `X` is 1/2 and `V` 1. The
+    // grip's own pushes are added; they are those of a device half or twice as quick.
     let sums = amplification(&reference(&device), 0.0)[1];
     let bound = |inertia: f64| {
         let push = 0.05 * 1e-6 * (1.0 / inertia - 1e4_f64).abs();
@@ -67,7 +67,7 @@ fn nothing_overflows_whatever_is_measured_and_jumps_are_forgotten() {
             };
             let mut state = EstimatorState::default();
             for n in 0..20_000 {
-                // Anywhere, slowly, at the ends, to and fro: debug builds panic where a sum does not fit.
+                // Any positions, slow motions, the ends of the range, and to and fro: debug builds panic if a sum does not fit.
                 let e = match n / 500 % 5 {
                     0 => 128.0 * random.real(),
                     1 => 2.0 * random.real(),
@@ -108,7 +108,7 @@ fn settings_out_of_range_are_refused_by_name_and_their_limits_accepted() {
     let good = EstimatorSettings::default();
     let lit = |text: &str| Si::from_str(text).unwrap();
     assert_eq!(good.validate(1000, LIMIT), Ok(()));
-    /// Field, setter, both ends of the accepted range, and refused values beyond them.
+    /// Setting, function that sets it, both ends of the accepted range, and refused values beyond them.
     type Case = (
         Field,
         fn(&mut EstimatorSettings, Si),

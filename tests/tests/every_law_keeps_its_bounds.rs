@@ -1,5 +1,5 @@
-//! What every law promises whatever the user does, over every choice of every law. No force outside, never more than the
-//! limit, no pull where it has no business to pull, nothing remembered after leaving, the same again for the same input.
+//! Guarantees of every law with every option, for any motion. No force outside the wall, never more than the limit, no pull except
+//! where a law may pull, nothing remembered after leaving, and the same result for the same input.
 
 use touchstone_control::law::Contact;
 use touchstone_control::{Controller, Force, LawKind, Position, Reported, Settings};
@@ -16,7 +16,7 @@ fn walls<N: Reported>() -> Vec<(String, Settings, Controller<N>)> {
         .collect()
 }
 
-/// Positions as they come: a random walk around the surface, with jumps and stays.
+/// Positions of a random walk around the surface, with jumps and rests.
 fn walk<N: Reported>(random: &mut Random, ticks: usize) -> Vec<Position<N>> {
     let mut e = 0.0_f64;
     (0..ticks)
@@ -70,7 +70,8 @@ fn the_force_stays_within_its_limit<N: Reported>() {
     }
 }
 
-/// Only TDPA with the exact observer (against a deficit) and the coupling of the enhanced law may pull, and only inside.
+/// Forces push outwards. Only TDPA with the exact observer (against a deficit) and the coupling of the enhanced law may pull, and
+/// only inside the wall.
 fn a_wall_pushes<N: Reported>() {
     let mut random = Random::new(7);
     let path = walk::<N>(&mut random, 20_000);
@@ -86,7 +87,7 @@ fn a_wall_pushes<N: Reported>() {
     }
 }
 
-/// (2.15) lets an offset push outside the undeformed wall; laws without one have nothing to push with there.
+/// Thesis (2.15) allows an offset to push outside the undeformed wall. A law without an offset gives no force there.
 fn laws_without_an_offset_give_no_force_outside<N: Reported>() {
     let mut random = Random::new(8);
     let path = walk::<N>(&mut random, 20_000);
@@ -113,7 +114,7 @@ fn the_same_input_gives_the_same_force<N: Reported>() {
         for (tick, &e) in path.iter().enumerate() {
             assert_eq!(first.tick(e), second.tick(e), "{name}, tick {tick}");
             if tick == 2_000 {
-                // The state is all there is: a copy goes on as the original.
+                // The memory is complete: a copy of it continues as the original.
                 second = first;
             }
         }
@@ -121,7 +122,7 @@ fn the_same_input_gives_the_same_force<N: Reported>() {
     }
 }
 
-/// Away from the wall further than any offset reaches.
+/// Outside the wall by more than any offset, a law clears its memory.
 fn leaving_clears_the_memory<N: Reported>() {
     let mut random = Random::new(6);
     for (name, _, fresh) in walls::<N>() {

@@ -1,5 +1,5 @@
-//! The observers of the fixed formats add exact products: over ten million ticks the 32-bit one equals, bit for bit and at
-//! every tick, a sum of the raw integers in 128 bits. At the ends of their range they stop and do not wrap.
+//! The energy observers of the fixed-point formats add exact products. Over ten million ticks the 32-bit observer equals a sum of
+//! the raw integers in 128 bits, bit for bit in every tick. At the ends of their range observers saturate and do not wrap.
 
 use touchstone_control::observer::{ExactObserver, ThesisObserver};
 use touchstone_control::{Energy, Fixed8, Fixed16, Fixed32, Force, Number, Position};
@@ -9,9 +9,10 @@ type Signal32 = <Fixed32 as Number>::Signal;
 type Signal16 = <Fixed16 as Number>::Signal;
 type Signal8 = <Fixed8 as Number>::Signal;
 
-/// 2 rad in the 32-bit format: the motion stays within, to both sides of the surface.
+/// 2 rad in quanta of the 32-bit format: the motion stays within this distance of the surface, on both sides.
 const REACH: i32 = 2 << 24;
-/// Largest move of a tick, 1/64 rad at 1 kHz: 15 rad/s. With forces of up to 128 N·m the sum stays far inside its format.
+/// Largest displacement in a tick in quanta: 1/64 rad, which is about 15 rad/s at 1 kHz. With forces of up to 128 N·m the sum stays
+/// far inside its format.
 const STEP: i32 = 1 << 18;
 
 #[test]
@@ -23,14 +24,14 @@ fn over_ten_million_ticks_of_random_motion_and_force() {
     let (mut exact_sum, mut thesis_sum) = (0_i128, 0_i128);
     let mut largest = 0_i128;
     for tick in 0..10_000_000_u32 {
-        // Reflected at the ends of its reach.
+        // Reflected at the ends of [`REACH`].
         let step = random.whole(STEP);
         let next = if (position + step).abs() > REACH {
             position - step
         } else {
             position + step
         };
-        // All of the format, its ends and zero included.
+        // Forces from the whole format, with its ends and zero.
         let force = match random.bits() % 16 {
             0 => i32::MIN,
             1 => i32::MAX,
@@ -49,11 +50,11 @@ fn over_ten_million_ticks_of_random_motion_and_force() {
         let seen = thesis.tick(e, f).0.to_bits();
         assert_eq!(i128::from(seen), thesis_sum, "thesis observer, tick {tick}");
     }
-    // Neither trivially small nor near saturation: what was compared is sums, not limits.
+    // Neither very small nor near saturation, so that the test compared sums and not limits.
     assert!(largest > 1 << 50 && largest < 1 << 62, "{largest:e}");
 }
 
-/// The same for a narrow format, whose sum leaves its range now and then: the expected sum saturates there.
+/// The test for a narrow format, whose sum leaves its range now and then; the expected sum saturates as well.
 macro_rules! narrow {
     ($name:ident, $format:ty, $signal:ty, $int:ty, $wide:ty) => {
         #[test]
@@ -64,7 +65,7 @@ macro_rules! narrow {
             let mut sum = 0_i128;
             let mut saturated = 0_u32;
             for tick in 0..1_000_000_u32 {
-                // Any position after any other, as long as the way between them is in the format.
+                // Any position after any other, if the displacement between them fits the format.
                 let next = loop {
                     let next = random.bits() as $int;
                     if next.checked_sub(position).is_some() {
@@ -95,14 +96,14 @@ fn at_the_ends_of_its_range_the_sum_stops_and_comes_back() {
     for (push, end) in [(127.0, i64::MAX), (-127.0, i64::MIN)] {
         let force = Force::<Fixed32>::from_f64(push);
         let mut observer = ExactObserver::<Fixed32>::new(at(-60.0));
-        // A way of 120 rad against 127 N·m, again and again, with the force on in one direction only: 15 kJ a time.
+        // A displacement of 120 rad against 127 N·m, again and again, with the force on in one direction only: 15 kJ each time.
         let mut energy = Energy::zero();
         for _ in 0..10 {
             observer.tick(at(-60.0), force);
             energy = observer.tick(at(60.0), Force::zero());
         }
         assert_eq!(energy.0.to_bits(), end);
-        // Once back the other way, it has come away from the end by exactly that work.
+        // After one motion the other way, the sum has left the end by exactly that work.
         observer.tick(at(60.0), force);
         let work = (127_i64 << 24) * (120_i64 << 24);
         let back = observer.tick(at(-60.0), Force::zero()).0.to_bits();

@@ -1,4 +1,4 @@
-//! What a knob can feel like: every shipped feel under every grip, and scenes on top of another.
+//! Haptic effects of a knob (detents, end stops): every shipped effect under every grip, and scenes that extend another.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -18,7 +18,7 @@ fn traced(scene: &Scene) -> Trace {
     run(scene, true).unwrap().trace.unwrap()
 }
 
-/// Quiet at rest, and within the guard's account.
+/// Every shipped effect is quiet at rest, and stays within the guard's energy account.
 #[test]
 fn every_feel_is_quiet_under_every_grip() {
     for name in scene::feels() {
@@ -43,7 +43,7 @@ fn every_feel_is_quiet_under_every_grip() {
     }
 }
 
-/// At 2 rad/s what sampling costs is within what the guard is refilled with. Spun faster, clicks get softer.
+/// At 2 rad/s the energy that sampling costs is within the guard's refill. If the knob is spun faster, clicks get softer.
 #[test]
 fn a_hand_that_turns_calmly_gets_all_of_a_feel() {
     for name in scene::feels() {
@@ -52,8 +52,8 @@ fn a_hand_that_turns_calmly_gets_all_of_a_feel() {
             let MotionSpec::Turn(turn) = &scene.operator.motion else {
                 panic!("{name}: no turn")
             };
-            // A movement from rest to rest is 15/8 as fast in its middle as in the mean.
-            // Beyond an end it would push against the motor's limit, and is given back no more than the guard's account has.
+            // A movement from rest to rest is 15/8 times as fast in its middle as on average. Beyond an end it would push against
+            // the motor's limit, and the hand gets no more back than the guard's account holds.
             let around = scene.environment.as_ref().unwrap();
             let end = around
                 .endstops
@@ -73,8 +73,8 @@ fn a_hand_that_turns_calmly_gets_all_of_a_feel() {
     }
 }
 
-/// A hand feels the torque that the scene names, within 5 %, and the knob ends in a detent: as far from the nearest as dry friction holds
-/// it.
+/// A hand feels the torque that the scene names, to within 5 %, and the knob comes to rest in a detent, as near its centre as dry
+/// friction allows.
 #[test]
 fn detents_have_their_torque_and_hold() {
     for name in scene::feels() {
@@ -85,7 +85,7 @@ fn detents_have_their_torque_and_hold() {
             let trace = traced(&scene);
             let pitch = TAU / f64::from(ring.per_rev);
             let free = around.endstops.map(|ends| (ends.lower_rad, ends.upper_rad));
-            // At an end stop its wall pushes as well, from before its surface on.
+            // At an end stop the stop's wall pushes as well, beginning before its surface.
             let between = |angle: f64| {
                 free.is_none_or(|(lower, upper)| lower + 0.1 < angle && angle < upper - 0.1)
             };
@@ -94,7 +94,7 @@ fn detents_have_their_torque_and_hold() {
                 .filter(|(angle, _)| between(**angle))
                 .fold(0.0_f64, |most, (_, force)| most.max(force.abs()));
             let share = most / ring.strength_n_m;
-            // A light hand does not get out of the strongest detents.
+            // A light hand cannot leave the strongest detents.
             let crossed = trace.angle_rad.iter().any(|angle| *angle > pitch);
             assert!(
                 share <= 1.05 && (share >= 0.95 || !crossed),
@@ -150,7 +150,7 @@ fn an_end_is_judged_alike_from_either_side() {
     }
 }
 
-/// No position is lost or counted twice: what a program counts, with a quarter of a pitch as hysteresis, is where the knob is.
+/// A program that counts positions with a hysteresis of a quarter of a pitch always has the knob's true position.
 #[test]
 fn positions_are_neither_lost_nor_doubled() {
     for name in ["coarse-detents", "fine-detents", "multi-turn"] {
@@ -186,11 +186,11 @@ fn a_scene_takes_from_its_base_what_it_does_not_write() {
     assert_eq!(mine.wall.surface_rad, base.wall.surface_rad);
     assert_eq!(mine.device, base.device);
     assert_eq!(mine.law, base.law);
-    // Another motion has none of the base's fields, and another hand none of its grip.
+    // A scene with another motion has none of the base's motion fields, and one with another hand none of its grip.
     let other = parse("base = \"gimbal-knob\"\n[operator.hand]\ninertia_kg_m2 = 1e-4\n[operator.motion]\nkind = \"tap\"\n").unwrap();
     assert_eq!(other.operator.grip.name(), "custom");
     assert_eq!(other.operator.motion.name(), "tap");
-    // A scene that is printed is whole.
+    // A printed scene is complete without its base.
     assert_eq!(other, parse(&other.to_toml()).unwrap());
 }
 
@@ -211,7 +211,7 @@ fn a_base_that_is_none_is_named_with_its_line() {
         )
     );
     assert!(refused("base = \"./gimbal-knob.toml\"\n").contains("base: no shipped scene"));
-    // What is wrong on top of it is told at its own line.
+    // An error in the extending scene is reported with that scene's line.
     let wrong = refused("base = \"gimbal-knob\"\n[wall]\nk_desired_n_m_per_rad = -1.0\n");
     assert!(
         wrong.starts_with("mine.toml:3: wall.k_desired_n_m_per_rad"),

@@ -1,4 +1,4 @@
-//! Whatever bytes come in: they are counted errors, no message is made up, and the next whole frame is understood.
+//! For any bytes that arrive, errors are counted, no message is invented, and the next complete frame is decoded.
 
 use touchstone_protocol::frame::{self, Decoder, FRAME_MAX, FrameError};
 use touchstone_protocol::reply::{FromDevice, version_of_hello};
@@ -11,7 +11,7 @@ use touchstone_tests::random::Random;
 
 const FRAMES: usize = 1_000_000;
 
-/// A decoder's result for some bytes: payloads, and the number of errors.
+/// Decodes some bytes: the payloads, and the number of errors.
 fn take(decoder: &mut Decoder, bytes: &[u8]) -> (Vec<Vec<u8>>, u32) {
     let (mut payloads, mut errors) = (Vec::new(), 0);
     for &byte in bytes {
@@ -24,7 +24,7 @@ fn take(decoder: &mut Decoder, bytes: &[u8]) -> (Vec<Vec<u8>>, u32) {
     (payloads, errors)
 }
 
-/// A record with numbers of all sizes.
+/// A telemetry record with numbers of all sizes.
 fn telemetry(random: &mut Random) -> Telemetry {
     let mut word = || {
         let bits = random.bits();
@@ -48,7 +48,7 @@ fn telemetry(random: &mut Random) -> Telemetry {
     }
 }
 
-/// A whole frame of one of many messages.
+/// A complete frame with one of many messages.
 fn any_frame(random: &mut Random) -> Vec<u8> {
     let mut buffer = [0; FRAME_MAX];
     let id = random.bits() as u8;
@@ -74,7 +74,8 @@ fn any_frame(random: &mut Random) -> Vec<u8> {
     frame.expect("every message fits").to_vec()
 }
 
-/// Looks for a message of either side. Only whether it comes back is of interest, and that nothing panics.
+/// Decodes a payload as a message of either direction. Asserts only that a message encodes to the same again, and that nothing
+/// panics.
 fn look_into(payload: &[u8]) {
     let mut buffer = [0; 4 * FRAME_MAX];
     if let Some(message) = frame::message::<ToDevice<'_>>(payload) {
@@ -142,7 +143,7 @@ fn a_frame_with_flipped_bits_is_never_taken_for_another() {
         if damaged == whole {
             continue;
         }
-        // Its end may be gone, so one more zero, or may have come earlier.
+        // The frame's end may be lost, so one more zero is sent; or it may have come earlier.
         damaged.push(0);
         let before = decoder.errors();
         let (payloads, errors) = take(&mut decoder, &damaged);
@@ -161,7 +162,7 @@ fn a_payload_of_garbage_is_no_trap() {
     for _ in 0..FRAMES {
         let length = (random.bits() % 64) as usize;
         let mut payload: Vec<u8> = (0..length).map(|_| random.bits() as u8).collect();
-        // The first bytes choose the message: small numbers reach further in.
+        // The first bytes choose the message; small numbers select more of them.
         for byte in payload.iter_mut().take(4) {
             *byte %= 16;
         }
@@ -197,7 +198,7 @@ fn after_garbage_the_next_whole_frame_is_understood() {
         let length = random.bits() % 1500;
         let noise: Vec<u8> = (0..length).map(|_| random.bits() as u8).collect();
         assert!(take(&mut decoder, &noise).0.is_empty());
-        // A sender that begins anew sends a zero first.
+        // A sender that starts again sends a zero first.
         assert!(take(&mut decoder, &[0]).0.is_empty());
         let record = telemetry(&mut random);
         let mut buffer = [0; FRAME_MAX];
@@ -246,7 +247,7 @@ fn the_longest_messages_fit_into_a_frame() {
     );
     assert_eq!(longest, TELEMETRY_MAX);
 
-    // Every number of the settings at its longest, whatever it means.
+    // Every number of the settings with its longest encoding, whatever it means.
     let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
     for field in FIELDS {
         let min = [0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x01];

@@ -1,4 +1,4 @@
-//! The board with the small motor starts with the wall of the scene `gimbal-knob`.
+//! The board with the small gimbal motor starts with the wall of the scene `gimbal-knob`.
 
 use touchstone_control::ChangeOfForce;
 use touchstone_drive::wire::checked;
@@ -12,7 +12,7 @@ fn the_board_starts_with_the_scenes_wall() {
     let settings = DeviceSettings::defaults(BOARD);
     assert_eq!(checked(&settings, BOARD), Ok(()));
     let scene = Scene::load("gimbal-knob").unwrap();
-    // A board reads its encoder when the force changes, and knows of its own delay.
+    // A board reads its encoder when the force changes, and calculates its own delay.
     let mut law = settings.law();
     assert_eq!(law.guard.change, ChangeOfForce::Measured);
     law.guard.change = ChangeOfForce::Estimated;

@@ -1,5 +1,5 @@
-//! What `touchstone setup` leaves on a board, whatever a file of a law says: the guard's own promise, also to a hand that was sought
-//! against the file's guard.
+//! The settings that `touchstone setup` writes keep the guard's bound on a board, whatever a law file says. The bound also holds
+//! for a hand that was optimised against the file's guard.
 
 use touchstone_control::{ChangeOfForce, GuardSettings, Si};
 use touchstone_drive::change::law_settings;
@@ -10,8 +10,8 @@ use touchstone_tests::adversary::Way;
 use touchstone_tests::board_loop::BoardLoop;
 use touchstone_tests::port::{Port, SpringDamper};
 
-/// A file of a law's settings, as of a scene whose delay is one and a half PWM periods: positions taken once a tick, a fifth of the
-/// board's delay. And a damping of which the trusted share, 0.8, is all that the device has.
+/// Settings from a law file, whose guard is configured for positions read once a tick and a delay of one and a half PWM periods, a
+/// fifth of the board's. The trusted 0.8 of its damping is all that the device has.
 fn of_a_file() -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
     let guard = &mut settings.law.guard;
@@ -37,15 +37,15 @@ fn port(settings: &DeviceSettings) -> (Port, GuardSettings) {
 fn a_pattern_found_against_a_files_guard_gets_no_more_than_promised_from_what_setup_leaves() {
     let file = of_a_file();
     let mut left = file.clone();
-    // 0.8 of what was measured.
+    // 0.8 of the measured damping.
     hold(&mut left, Board::NucleoG474re, Si::lit("0.00032"));
     let ((mut weak, _), (mut held, guard)) = (port(&file), port(&left));
-    // A hostile law: what it asks for is the guard's to answer.
+    // A hostile law: only the guard limits its force.
     for port in [&mut weak, &mut held] {
         port.law = SpringDamper { k: 20.0, b: 0.0 }.into();
         port.force_limit_n_m = 0.5;
     }
-    // 45 mJ and half a count under the force that they allow; `board_window` of proofs/coq/Boards.v.
+    // 45 mJ and half a count under the force that 45 mJ allow; `board_window` of proofs/coq/Boards.v.
     let bound_j = 0.045_145;
     assert_eq!(guard.capacity, Si::lit("0.045"));
     let (mut worst_j, mut left_j) = (0.0_f64, 0.0_f64);
@@ -63,7 +63,7 @@ fn a_pattern_found_against_a_files_guard_gets_no_more_than_promised_from_what_se
             (worst_j, left_j) = (worst_j.max(taken), left_j.max(now));
         }
     }
-    // The file's guard breaks the promise, and there is still something to be had.
+    // The file's guard does not keep the bound, so the search does find energy to get out.
     assert!(worst_j > 2.0 * bound_j, "{worst_j}");
     assert!(left_j > 0.5 * bound_j, "{left_j}");
 }

@@ -1,4 +1,4 @@
-//! The guard in its place between law and motor, in scenes and devices.
+//! The guard between law and motor, in scenes and devices.
 
 use touchstone_control::{
     Controller, CountScale, Fixed16, Fixed32, Force, LawKind, Position, Reported, Settings, Si,
@@ -18,8 +18,8 @@ fn at(rad: f64) -> Position<Fixed32> {
     Position::from_f64(rad)
 }
 
-/// Laws that ring and kick in the hands of three grips, with every delay. The hand gets out at most the account, its
-/// refill, the encoder's share, and what the device's own motion held.
+/// Laws that ring and kick under three grips, with every delay. A hand gets out at most the account's capacity, its refill, the
+/// encoder's part, and the kinetic energy of the device.
 #[test]
 fn no_law_gives_more_than_the_account() {
     let (capacity_j, refill_w) = (0.045, 0.0005);
@@ -49,7 +49,7 @@ fn no_law_gives_more_than_the_account() {
                         .unwrap();
                     let run = run::run(&scene, false).unwrap().summary;
                     let seconds = run.ticks as f64 * 1e-3;
-                    // Half a count at each end under the largest force, and nothing moved at the start.
+                    // Half a count at each end under the largest force; nothing moves at the start.
                     let bound_j = capacity_j + refill_w * seconds + 0.5 * 1.6e-4;
                     acted += u32::from(run.guard_limited_ticks.unwrap() > 0);
                     assert!(
@@ -71,7 +71,7 @@ fn no_law_gives_more_than_the_account() {
 fn arming_again_does_not_fill_the_account() {
     let fresh = wall(|_| ());
     let mut used = fresh;
-    // Pressed in, and pulled out faster than it pays: the account sinks.
+    // Pressed in slowly, and pulled out faster than the account is filled: the account sinks.
     let mut lowest = f64::INFINITY;
     for round in 0..400 {
         let x = 0.03 * (0.9 * f64::from(round)).sin() + 0.03;
@@ -83,10 +83,10 @@ fn arming_again_does_not_fill_the_account() {
     let mut again = used;
     again.resume(&fresh);
     assert_eq!(again.guard.unwrap().account(), left);
-    // All other memory is that of a law which was never in a wall.
+    // All other memory is that of a law that was never in a wall.
     assert_eq!(again.law, fresh.law);
     assert_eq!(again.states, fresh.states);
-    // A smaller capacity caps what is taken over.
+    // A smaller capacity limits the energy that is kept.
     let mut smaller = used;
     smaller.resume(&wall(|s| s.guard.capacity = Si::lit("0.001")));
     assert!(smaller.guard.unwrap().account().to_f64() <= 0.001);
@@ -98,7 +98,7 @@ fn overspeed_switches_off_until_the_next_arming() {
     let mut wall = fresh;
     let force = |wall: &mut Controller<Fixed32>, x: f64| wall.tick(at(x)).to_f64();
     assert!(force(&mut wall, 0.02) > 0.0 && !wall.tripped());
-    // 0.07 rad in a millisecond: 70 rad/s where 60 are answered for.
+    // 0.07 rad in a millisecond are 70 rad/s; the bound holds up to 60 rad/s.
     assert_eq!(force(&mut wall, 0.09), 0.0);
     assert!(wall.tripped());
     for _ in 0..1_000 {
@@ -110,7 +110,7 @@ fn overspeed_switches_off_until_the_next_arming() {
     assert!(force(&mut again, 0.02) > 0.0);
 }
 
-/// A knob of 40,000 counts a turn, which counts on wherever positions end.
+/// Encoder counts per turn of a knob; the counter goes on where positions end.
 const COUNTS_PER_REV: u32 = 40_000;
 const COUNT_RAD: f64 = std::f64::consts::TAU / COUNTS_PER_REV as f64;
 
@@ -119,7 +119,7 @@ fn counted<N: Reported>(wall: &mut Controller<N>, count: i64) -> f64 {
     wall.tick(scale.penetration(count)).to_f64()
 }
 
-/// Energy of a hand that wandered about the end of positions, J above the refill in the worst window, and how often it
+/// Runs a hand that moves about the end of positions. Returns the most energy beyond the refill in any window, J, and how often it
 /// armed again.
 fn wandering<N: Reported>(settings: &Settings, end_rad: f64, seed: u64) -> (f64, u32) {
     let fresh = Controller::<N>::new(settings).unwrap();
@@ -154,7 +154,7 @@ fn wandering<N: Reported>(settings: &Settings, end_rad: f64, seed: u64) -> (f64,
     (most, armed)
 }
 
-/// A hand that arms again whenever the guard has tripped, in every format: no motion under a force goes uncounted.
+/// A hand that arms again whenever the guard has tripped, in every number format: no motion under a force goes uncounted.
 #[test]
 fn no_way_across_the_end_of_positions_goes_uncounted() {
     let mut settings = Settings::thesis();
@@ -179,8 +179,8 @@ fn no_way_across_the_end_of_positions_goes_uncounted() {
     }
 }
 
-/// Energy of a hand that has the force switched off now and then, J above the refill in the worst window, and how much
-/// of it under the last force of an arming; with a guard that is told of the switching off, or is not.
+/// Runs a hand that has the force switched off now and then, with or without a report to the guard. Returns the most energy beyond
+/// the refill in any window, J, and how much of it came under the last force of an arming.
 fn switching_off(told: bool, seed: u64) -> (f64, f64) {
     let mut settings = Settings::thesis();
     settings.guard.on = true;
@@ -193,7 +193,8 @@ fn switching_off(told: bool, seed: u64) -> (f64, f64) {
     let refill_j = guard.refill.to_num::<f64>() * 1e-3;
     let (mut at, mut out, mut least, mut most, mut last) = (0_i64, 0.0_f64, 0.0, 0.0_f64, 0.0);
     for _ in 0..20_000 {
-        // In without a force, so that it costs nothing; a tick of a force; and out, to be switched off on the way.
+        // The hand goes in without a force, which costs nothing. It lets the force act for a tick, and goes out; on the way the
+        // force is switched off.
         wall.resume(&fresh);
         at = 40 + i64::from(random.whole(100)).abs();
         let force = counted(&mut wall, at);
@@ -214,7 +215,7 @@ fn switching_off(told: bool, seed: u64) -> (f64, f64) {
     (most, last)
 }
 
-/// A hand that has the force switched off gets no more energy out by that, however often.
+/// A hand that has the force switched off gets no more energy by that, however often.
 #[test]
 fn what_the_last_force_of_an_arming_does_is_counted() {
     let capacity_j = Settings::thesis().guard.capacity.to_num::<f64>();
@@ -238,7 +239,7 @@ fn what_the_last_force_of_an_arming_does_is_counted() {
 fn the_end_of_positions_takes_the_force_away_until_the_next_arming() {
     let fresh = wall(|_| ());
     let at_rad = |rad: f64| (rad / COUNT_RAD) as i64;
-    // Two displacements of 60 rad/s before the end: 127.88 rad.
+    // Two displacements at 60 rad/s before the end: 127.88 rad.
     let mut inside = fresh;
     for tick in 0..=450 {
         let rad = 127.5 + 1.1e-3 * f64::from(tick);
@@ -246,13 +247,13 @@ fn the_end_of_positions_takes_the_force_away_until_the_next_arming() {
         assert_eq!(inside.tripped(), rad > 127.88, "{rad} rad");
         assert_eq!(force > 0.0, rad < 127.88, "{rad} rad");
     }
-    // The encoder counts on, far beyond what the format holds, and comes back.
+    // The encoder counts on, far beyond the format's range, and comes back.
     let left = inside.guard.unwrap().account();
     for turns in [21, 30, 1_000, 100_000, 2_000_000, 40, 10] {
         assert_eq!(counted(&mut inside, 40_000 * turns), 0.0);
         assert!(inside.tripped());
     }
-    // Armed again out there, there is no force either, and no new account.
+    // Armed again beyond the range, there is no force either, and the account is not filled.
     let mut again = inside;
     again.resume(&fresh);
     assert!(!again.tripped() && again.guard.unwrap().account() <= left);
@@ -262,7 +263,7 @@ fn the_end_of_positions_takes_the_force_away_until_the_next_arming() {
     assert!(counted(&mut again, at_rad(120.0)) > 0.0 && !again.tripped());
 }
 
-/// Twenty turns the other way nothing is to be pushed, and a knob that is turned back finds its wall.
+/// Twenty turns away from the wall the law requests no force, and a knob that is turned back meets its wall again.
 #[test]
 fn a_free_knob_beyond_the_end_of_positions_is_no_fault() {
     let mut wall = wall(|_| ());
@@ -277,7 +278,7 @@ fn a_free_knob_beyond_the_end_of_positions_is_no_fault() {
 
 #[test]
 fn what_became_of_a_force_is_what_counts() {
-    // Fading in: a tenth of the force acted. The books are of that, and so is the estimator's next expectation.
+    // Fading in: a tenth of the force acted. The energy account uses that force, and so does the estimator's next prediction.
     let estimated = |s: &mut Settings| {
         *s = Settings::default();
     };

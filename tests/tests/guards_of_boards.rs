@@ -1,5 +1,5 @@
-//! `proofs/coq/Boards.v` describes the shipped boards' guards: the coefficients of each board's default settings, with
-//! its current loop's delay and lag, and the device that they assume.
+//! `proofs/coq/Boards.v` describes the shipped boards' guards: the coefficients from each board's default settings with its current
+//! loop's delay and lag, and the device that they assume.
 
 use touchstone_control::{Fixed32, Guard};
 use touchstone_drive::{change, wire};
@@ -46,7 +46,7 @@ fn the_theorem_is_about_the_guards_of_the_boards() {
         .map(|x: i64| x.to_string())
         .join(" ");
         has(format!("Definition {name} : guard := of_board {six}."));
-        // What the device is told to be. Its rate, its furthest way and its count are those of all boards.
+        // The device as the guard is configured. All boards have the same rate, largest displacement and count.
         let (delay, lag) = (law.guard.delay.to_bits(), law.guard.lag.to_bits());
         let damping = law.guard.share_of_damping.to_num::<f64>()
             * law.guard.damping.to_num::<f64>()
@@ -66,7 +66,7 @@ fn the_theorem_is_about_the_guards_of_the_boards() {
     }
 }
 
-/// The settings' own digits of a decimal number, as Coq has it.
+/// Asserts that a calculated number is near the wanted one; returns the text of that number in Coq.
 fn near(found: f64, wanted: f64, text: &'static str) -> &'static str {
     assert!((found - wanted).abs() < 1e-5 * wanted, "{found}");
     text

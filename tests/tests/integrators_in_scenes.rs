@@ -1,9 +1,9 @@
-//! A scene's integrator replaces the exact step, converges to it, and costs nothing in scenes that name none.
+//! An integrator that a scene names replaces the exact step and converges to it. It costs nothing in scenes that name none.
 
 use touchstone_sim::run;
 use touchstone_sim::scene::{Choice as _, Integrator, Scene};
 
-/// A press without encoder or friction by a law that is linear in the wall and in floats: nothing magnifies a small difference.
+/// A press without encoder or friction, by a linear law in floating point, so that small differences are not amplified.
 fn smooth() -> Scene {
     Scene::load("press-hold")
         .unwrap()

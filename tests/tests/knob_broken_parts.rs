@@ -1,4 +1,4 @@
-//! Parts that break while the motor drives: the fault, and the energy that the hand got until then.
+//! Parts that break while the motor drives: which fault is raised, and the energy that the hand got until then.
 
 use touchstone_drive::calibration::Reason;
 use touchstone_drive::encoder::Frames;
@@ -13,7 +13,7 @@ fn settings() -> DeviceSettings {
     settings
 }
 
-/// The magnet has slipped by this many counts since the calibration.
+/// An encoder whose magnet has slipped by this many counts since the calibration.
 struct Slip {
     counts: i64,
 }
@@ -38,11 +38,12 @@ impl Tamper for Slip {
     }
 }
 
-/// Slips, arms, and lets a hand press 1.5 rad through the wall: the most that the motor gave, J, the ticks that it pushed, and the fault.
+/// Runs a slipped magnet: the knob is armed, and a hand presses 1.5 rad through the wall. Returns the most energy that the motor
+/// gave in J, the ticks in which it pushed, and the fault.
 fn pressed_after_slip(degrees: f64) -> (f64, u32, Option<FaultCode>) {
     let mut knob = Knob::new(&settings(), GIMBAL, 0.0, Slip { counts: 0 });
     assert_eq!(knob.calibrate(), State::Ready);
-    // Slowly, so that it is neither a jump nor a speed.
+    // Slowly, so that neither a jump nor an over-speed is detected.
     for step in 1..=10 {
         knob.tamper.counts = (degrees / 360.0 / 7.0 * 16_384.0 * f64::from(step) / 10.0) as i64;
         for _ in 0..20 {
@@ -75,7 +76,7 @@ fn pressed_after_slip(degrees: f64) -> (f64, u32, Option<FaultCode>) {
 fn a_slipped_magnet_is_found_before_the_motor_gives_a_fifth_of_a_joule() {
     for degrees in [-150.0, -120.0, -100.0, 100.0, 120.0, 150.0, 180.0] {
         let (most, pushing, fault) = pressed_after_slip(degrees);
-        // 50 ms of pushing.
+        // The motor pushed for 50 ms.
         assert!(
             pushing <= 50,
             "{degrees} degrees: pushed for {pushing} ticks"
@@ -88,7 +89,7 @@ fn a_slipped_magnet_is_found_before_the_motor_gives_a_fifth_of_a_joule() {
     }
 }
 
-/// Loses readings from tick 8,000 on: one in this many of each kind.
+/// Loses one in this many of the readings at the tick and at the change of force, from tick 8,000 on.
 struct Lossy {
     tick: Option<u32>,
     change: Option<u32>,
@@ -106,7 +107,7 @@ impl Tamper for Lossy {
     }
 }
 
-/// The kind of reading that the fault names, and the number of ticks until then.
+/// Which reading the fault names, and the number of ticks until the fault.
 fn lost(tick: Option<u32>, change: Option<u32>) -> Option<(i32, u32)> {
     let mut knob = Knob::new(&settings(), GIMBAL, 0.0, Lossy { tick, change }).armed();
     for _ in 0..60_000 {
@@ -140,16 +141,16 @@ fn bad_readings_that_are_not_in_a_row_are_a_fault_and_a_few_are_not() {
     assert_eq!(lost(Some(100), Some(100)), None);
 }
 
-/// Fault of a current sensor from tick 8,000 on.
+/// A fault of a current sensor from tick 8,000 on.
 #[derive(Debug, Clone, Copy)]
 enum Sensor {
-    /// The part always gives its resting value.
+    /// The sensor always gives its value at zero current.
     Rests(usize),
-    /// The part keeps giving the value of that moment.
+    /// The sensor keeps giving its value of the moment at which it froze.
     Frozen(usize, Option<u16>),
-    /// Half of what it should.
+    /// The sensor gives half of the true current.
     Half(usize),
-    /// The part gives a sixteenth of its value.
+    /// The sensor gives a sixteenth of the true current.
     Weak(usize),
 }
 impl Tamper for Sensor {
@@ -192,7 +193,7 @@ fn a_current_sensor_that_fails_under_a_pressing_hand_is_a_fault() {
         let (mut work, mut most) = (0.0, 0.0_f64);
         let mut last = knob.rig.now().angle_rad;
         for tick in 0..30_000 {
-            // A hand that presses more and less: what stands still as it should is not false yet.
+            // A hand that presses more and less. A value that stands still because nothing moves is not yet a fault.
             let firm = f64::from(tick).min(3_000.0) * 0.001;
             knob.rest_rad = firm * (1.0 + 0.3 * (f64::from(tick) * 2.0e-3).sin());
             while !knob.period() {
@@ -212,7 +213,7 @@ fn a_current_sensor_that_fails_under_a_pressing_hand_is_a_fault() {
     }
     for (sensor, most, fault) in found {
         let code = fault.map(|fault| fault.code);
-        // A voltage that no motion explains, while the knob stands: the encoder may be the cause as well.
+        // A voltage that no motion explains while the knob stands: the encoder may be the cause as well.
         assert!(
             matches!(
                 code,
@@ -224,7 +225,7 @@ fn a_current_sensor_that_fails_under_a_pressing_hand_is_a_fault() {
     }
 }
 
-/// Sensors as they have always been.
+/// Current sensors that are faulty from the start.
 struct Always(fn(&mut CurrentSample));
 impl Tamper for Always {
     fn sample(&mut self, _: u32, sample: &mut CurrentSample) {
@@ -271,14 +272,14 @@ fn false_sensors_do_not_pass_the_calibration_and_nearly_equal_ones_do() {
     ] {
         assert_eq!(calibrated(percent), State::Ready);
     }
-    // Exchanged currents of U and V: no current comes to what was asked.
+    // Currents of U and V exchanged: no current reaches its command.
     refused(
         calibrated(|s| core::mem::swap(&mut s.phase_a, &mut s.phase_b)),
         &[Reason::NoCurrent],
     );
 }
 
-/// A thousandth of each kind of reading is bad.
+/// A good device, of whose readings one in a thousand of each sort is bad.
 struct Good(u32);
 impl Good {
     fn is_bad(&mut self) -> bool {
@@ -298,7 +299,7 @@ impl Tamper for Good {
     }
 }
 
-/// A brisk hand at a good device, for this many ticks.
+/// Runs a fast hand at a good device for this many ticks; asserts that no fault is raised.
 fn good(motor: MotorParameters, dead_share: f64, ticks: u32, hertz: f64) {
     let mut knob = Knob::new(&settings(), motor, 0.0, Good(ticks));
     knob.rig.bridge.dead_share = dead_share;
@@ -306,7 +307,7 @@ fn good(motor: MotorParameters, dead_share: f64, ticks: u32, hertz: f64) {
     let mut touched = 0;
     for tick in 0..ticks {
         let phase = f64::from(tick) * hertz * std::f64::consts::TAU / 1_000.0;
-        // Never two strokes alike, and now and then a rest deep in the wall.
+        // No two strokes are alike, and now and then there is a rest deep in the wall.
         let deep = (phase / 17.0).sin();
         knob.rest_rad = 0.2 + 0.5 * deep + 0.4 * phase.sin() + 0.1 * (phase * 2.7).sin();
         knob.tick();
@@ -320,7 +321,7 @@ fn good(motor: MotorParameters, dead_share: f64, ticks: u32, hertz: f64) {
     assert!(touched > ticks / 50, "{touched} of {ticks}");
 }
 
-/// `TOUCHSTONE_TICKS` sets the length; the default is 10,000 ticks of each, which are 10 s.
+/// Good devices raise no fault. `TOUCHSTONE_TICKS` sets the ticks per device; the default is 10,000, which is 10 s.
 #[test]
 fn good_devices_raise_no_alarm() {
     let ticks =

@@ -1,4 +1,4 @@
-//! Calibration finds direction, pole pairs and electrical offset of the simulated motor, and refuses what it cannot believe.
+//! Calibration finds direction, pole pairs and electrical offset of the simulated motor, and refuses implausible results.
 
 use std::f64::consts::TAU;
 use touchstone_drive::encoder::Frames;
@@ -16,7 +16,7 @@ fn settings(kind: EncoderKind, pole_pairs: u8) -> DeviceSettings {
     settings
 }
 
-/// Error of the found alignment, electrical degrees.
+/// Error of the alignment that the calibration finds, electrical degrees.
 fn error_deg<T: Tamper>(
     knob: &Knob<T>,
     motor: &MotorParameters,
@@ -24,7 +24,7 @@ fn error_deg<T: Tamper>(
     reversed: bool,
 ) -> f64 {
     let found = knob.device.alignment();
-    // Count 0 of the unwrapped encoder is where the device was switched on.
+    // Count 0 of the unwrapped encoder is the position at which the device was switched on.
     let _ = reversed;
     let truth = motor.electrical_rad(start_rad) / TAU * 65_536.0;
     let difference = (f64::from(found.offset.0) - truth).rem_euclid(65_536.0);
@@ -111,7 +111,7 @@ fn wrong_pole_pairs_are_a_mismatch() {
     assert!(Knob::new(&counts, GIMBAL, 0.0, Honest).calibrate() == State::Ready);
 }
 
-/// An encoder that says the same for ever.
+/// An encoder that always gives the same count.
 struct Frozen;
 impl Tamper for Frozen {
     fn input(&mut self, _tick: u32, input: &mut ControlInput) -> bool {
@@ -128,7 +128,7 @@ fn an_encoder_that_does_not_move_is_stuck() {
     );
 }
 
-/// A phase whose current sensor reads nothing.
+/// A motor phase whose current sensor measures nothing.
 struct Open;
 impl Tamper for Open {
     fn sample(&mut self, _tick: u32, sample: &mut CurrentSample) {
@@ -136,7 +136,7 @@ impl Tamper for Open {
         sample.phase_b = 2_100;
     }
     fn bus_v(&mut self, _tick: u32) -> f64 {
-        // So little that nothing breaks while the loop sees no current and gives all it has.
+        // A voltage so low that nothing breaks while the loop measures no current and gives its largest voltage.
         18.5
     }
 }
@@ -150,7 +150,7 @@ fn a_current_that_does_not_come_is_noticed() {
     );
 }
 
-/// A current sensor far from where the schematic says, or noisy.
+/// A current sensor with a wrong offset, or with noise.
 struct Offset(u16, u16);
 impl Tamper for Offset {
     fn sample(&mut self, tick: u32, sample: &mut CurrentSample) {
@@ -176,7 +176,7 @@ fn current_sensors_are_believed_near_their_schematic_only() {
 
 #[test]
 fn a_shaft_that_is_held_fast_is_noticed() {
-    // Against the spring of a hand that stays where it is, 0.02 N·m are not enough for a turn.
+    // Against the spring of a hand that stays in place, 0.02 N·m are not enough for a turn.
     let weak = MotorParameters {
         flux_linkage_wb: GIMBAL.flux_linkage_wb / 12.0,
         ..GIMBAL

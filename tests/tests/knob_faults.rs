@@ -1,5 +1,5 @@
-//! Every fault that the supervisor knows, injected into an armed knob: outputs off in the very tick that sees it, its code and
-//! value latched, and no way back to armed but through stop and calibration.
+//! Every fault that the supervisor detects, injected into an armed knob. Outputs are off in the tick that detects it, its code and
+//! value are latched, and only stop and calibration lead back to armed.
 
 use touchstone_drive::encoder::Frames;
 use touchstone_drive::{
@@ -9,7 +9,7 @@ use touchstone_protocol::{Command, FaultCode, Outputs, State};
 use touchstone_tests::knob::{Knob, Tamper};
 use touchstone_world::motor::{Drive, GIMBAL};
 
-/// Falsifies everything from a tick on.
+/// Falsifies one input from a given tick on.
 struct Inject {
     from: u32,
     until: u32,
@@ -57,7 +57,7 @@ fn settings() -> DeviceSettings {
     settings
 }
 
-/// Armed, leaning on the wall, with the injection due at the next control tick.
+/// An armed knob that is pressed against the wall; the fault is injected at the next control tick.
 fn armed(what: What) -> Knob<Inject> {
     let inject = Inject {
         from: u32::MAX,
@@ -74,7 +74,7 @@ fn armed(what: What) -> Knob<Inject> {
     knob
 }
 
-/// Checks that no request arms the device until it was stopped and calibrated.
+/// Checks that no command arms the device until it was stopped and calibrated.
 fn stays_off(knob: &mut Knob<Inject>, code: FaultCode) {
     for command in [
         Command::Arm,
@@ -91,7 +91,7 @@ fn stays_off(knob: &mut Knob<Inject>, code: FaultCode) {
             knob.period();
         }
     }
-    // The cause is gone; a stop leaves the fault, an arm does not arm.
+    // The cause is removed: a stop leaves the fault, an arm command does not arm.
     knob.tamper.until = 0;
     knob.ask(Command::Stop);
     knob.tick();
@@ -101,7 +101,7 @@ fn stays_off(knob: &mut Knob<Inject>, code: FaultCode) {
     knob.tick();
     assert_eq!(knob.device.state(), State::Stopped);
     assert_eq!(knob.acting, Drive::Off);
-    // The knob swings out meanwhile; then it is as good as new.
+    // Meanwhile the knob swings out; after that it works as a new one.
     for _ in 0..200 {
         knob.rest_rad = knob.rig.now().angle_rad;
         knob.tick();
@@ -112,7 +112,8 @@ fn stays_off(knob: &mut Knob<Inject>, code: FaultCode) {
     assert_eq!(knob.device.state(), State::Armed);
 }
 
-/// Injects a fault; it must be latched within this many control ticks, with the outputs off from the first bad one.
+/// Injects a fault. Asserts that it is latched within this many control ticks, with the outputs off from the first bad tick;
+/// returns the fault's value.
 fn within(ticks: u32, code: FaultCode, what: What) -> i32 {
     let mut knob = armed(what);
     for tick in 1..=ticks {
@@ -134,7 +135,7 @@ fn within(ticks: u32, code: FaultCode, what: What) -> i32 {
 
 #[test]
 fn power() {
-    // Above the limit, below it; half a volt of conversion in between.
+    // Above the upper limit, and below the lower one; half a volt is allowed for the conversion.
     assert!((31_400..31_600).contains(&within(1, FaultCode::OverVoltage, What::Bus(31.5))));
     assert!((14_900..15_100).contains(&within(1, FaultCode::UnderVoltage, What::Bus(15.0))));
     assert_eq!(
@@ -192,7 +193,7 @@ fn currents() {
         What::Sample(|s| s.phase_a = 0),
         What::Sample(|s| s.phase_b = 4_095),
         What::Sample(|s| s.phase_b = 0),
-        // The third phase only: both others rise together.
+        // Only the third phase has an over-current: both measured phases rise together.
         What::Sample(|s| (s.phase_a, s.phase_b) = (s.phase_a + 200, s.phase_b + 200)),
     ] {
         let value = within(1, FaultCode::OverCurrent, what);
@@ -216,7 +217,7 @@ fn encoder() {
         within(3, FaultCode::EncoderStatus, What::Input(floating)),
         0xFFFF
     );
-    // Alternating kinds of bad are in a row, too: the last one gives the code.
+    // Different sorts of bad readings in a row count together; the last one gives the code.
     let mixed = |i: &mut ControlInput, n| {
         i.encoder = if n % 2 == 0 {
             EncoderReading::As5047p(Frames::alone(1))
@@ -232,7 +233,7 @@ fn encoder() {
     };
     let moved = within(1, FaultCode::EncoderJump, What::Input(jump));
     assert!((3_900..4_100).contains(&moved), "{moved}");
-    // 112 rad/s: 293 counts in a millisecond, less than a jump of 1,047.
+    // 112 rad/s are 293 counts in a millisecond; a jump is 1,047 counts.
     let fast = |i: &mut ControlInput, n: u32| {
         if let EncoderReading::As5047p(Frames { angle: frame, .. }) = &mut i.encoder {
             *frame = touchstone_world::motor::as5047p_frame(
@@ -246,7 +247,7 @@ fn encoder() {
 
 #[test]
 fn speed_after_a_gap_is_that_of_all_its_ticks() {
-    // Two bad readings while the shaft moves on at 40 rad/s, or at 110: 313 counts in three ticks, or 861.
+    // Two bad readings while the shaft moves on at 40 rad/s or at 110 rad/s: 313 or 861 counts in three ticks.
     for (counts, expected) in [(313, None), (861, Some(FaultCode::OverSpeed))] {
         struct Gap {
             from: u32,
@@ -306,7 +307,7 @@ fn a_bad_reading_or_two_switch_off_and_are_forgiven() {
 
 #[test]
 fn an_encoder_that_stops_while_the_shaft_turns() {
-    // The last good frame for ever.
+    // The encoder repeats its last good frame for ever.
     struct Stuck {
         from: u32,
         frame: Option<EncoderReading>,
@@ -319,7 +320,7 @@ fn an_encoder_that_stops_while_the_shaft_turns() {
             true
         }
     }
-    // Outside the wall, where nothing else would show it.
+    // Outside the wall, where nothing else would show the fault.
     let mut settings = settings();
     settings.wall.surface_rad = Si::lit("50");
     let mut knob = Knob::new(
@@ -359,7 +360,7 @@ fn an_encoder_that_stops_while_the_shaft_turns() {
 
 #[test]
 fn a_shaft_that_is_held_is_not_a_stuck_encoder() {
-    // Pressed hard against a wall, where the reading stays for hundreds of ticks.
+    // Pressed hard against a wall, where the reading stays the same for hundreds of ticks.
     let mut knob = armed(What::Bus(24.0));
     for tick in 0..5_000 {
         knob.rest_rad = 3.0 + f64::from(tick) * 0.004;
@@ -391,13 +392,13 @@ fn deadlines() {
         within(1, FaultCode::DeadlineMiss, What::Input(both)),
         95_000
     );
-    // The loop itself comes late: off in the third period of the tick.
+    // The current loop itself is late: off in the third period of the tick.
     let slow = What::Sample(|s| s.late = true);
     assert_eq!(within(1, FaultCode::DeadlineMiss, slow), 3);
-    // One tick left out: the loop says so to the next.
+    // One tick is left out; the current loop reports it to the next tick.
     let mut knob = armed(What::Hang);
     knob.tamper.until = knob.tamper.from;
-    // The hang is counted in the tick's own number, so it is ended by hand.
+    // The hang lasts until a tick number that is not reached, so the test ends it.
     knob.tamper.until = u32::MAX;
     let number = knob.record.tick;
     knob.tick();
@@ -420,13 +421,13 @@ fn a_control_tick_that_hangs_does_not_leave_the_current_applied() {
         periods += 1;
         assert!(periods <= 60, "still on");
     }
-    // Two control periods of 20 after the last sign of life.
+    // Two control periods of 20 PWM periods after the last sign of life.
     assert!(periods <= 41, "{periods}");
     for _ in 0..200 {
         knob.period();
         assert_eq!(knob.acting, Drive::Off);
     }
-    // It wakes up and finds out.
+    // The control tick runs again and detects the hang.
     knob.tamper.until = 0;
     knob.tick();
     assert_eq!(knob.fault(), Some(FaultCode::StaleCommand));

@@ -1,5 +1,5 @@
-//! A calibration that measures finds the motor and its knob, whatever the settings say beforehand: resistance, inductance, flux and
-//! inertia within 5 %, damping and friction within 20 %.
+//! A calibration with measurement finds the properties of motor and knob, whatever the settings were before. Resistance,
+//! inductance, flux and inertia are found to within 5 %, damping and friction to within 20 %.
 
 use nalgebra::Complex;
 use touchstone_drive::measurement::FAST_FIELD;
@@ -35,7 +35,7 @@ fn known(settings: &DeviceSettings) -> KnownMotor {
     }
 }
 
-/// A telemetry record as the desktop evaluates it.
+/// The desktop's form of a telemetry record.
 fn told(telemetry: &Telemetry) -> Option<MotorTick> {
     let milli = |value: i32| 1e-3 * f64::from(value);
     telemetry.measuring.map(|it| MotorTick {
@@ -47,7 +47,7 @@ fn told(telemetry: &Telemetry) -> Option<MotorTick> {
     })
 }
 
-/// Calibrates; returns the telemetry, and the final state.
+/// Runs a calibration; returns the telemetry, and the final state.
 fn calibrated<T: Tamper>(
     settings: &DeviceSettings,
     truth: MotorParameters,
@@ -75,7 +75,8 @@ fn measured(truth: MotorParameters, knob: Device) -> MeasuredMotor {
     motor(&ticks, &known(&settings)).unwrap()
 }
 
-/// Errors of the result: R, L, flux, J relative; b and friction over the allowed error.
+/// Errors of the measurement: resistance, inductance, flux and inertia relative to the truth, damping and friction relative to the
+/// allowed error.
 fn errors(found: &MeasuredMotor, truth: &MotorParameters, knob: &Device) -> [f64; 6] {
     let part = |found: f64, truth: f64| found / truth - 1.0;
     let allowed = |found: f64, truth: f64, floor: f64| (found - truth) / (0.2 * truth).max(floor);
@@ -130,13 +131,13 @@ fn a_motor_that_is_not_the_settings_is_found() {
     println!("worst {worst:.4?}");
     assert!(worst[..4].iter().all(|part| *part < 0.05), "{worst:.4?}");
     assert!(worst[4] < 1.0, "{worst:.4?}");
-    // In parts of a fifth: within 5 %.
+    // Errors of friction are fractions of the allowed fifth: 0.25 is 5 %.
     assert!(worst[5] < 0.25, "{worst:.4?}");
 }
 
 #[test]
 fn a_small_gimbal_motor_is_found_with_the_same_settings() {
-    // A GBM2804H-100T as others measured it: 5.29 Ω, 1.05 mH, 5.38 mWb; inertia and damping of its size.
+    // A GBM2804H-100T motor with published measurements: 5.29 Ω, 1.05 mH, 5.38 mWb; inertia and damping of its size.
     let truth = MotorParameters {
         resistance_ohm: 5.29,
         inductance_h: 1.05e-3,
@@ -175,7 +176,7 @@ fn without_being_asked_it_does_not_spin() {
 #[test]
 fn a_knob_that_is_held_is_refused() {
     let settings = asked();
-    // More than the push of a quarter of 1 A gives, less than the alignment's.
+    // Friction above the torque of a quarter of 1 A, and below that of the alignment.
     let held = Device {
         friction: Some(Coulomb {
             kinetic: 0.08,
@@ -204,12 +205,12 @@ fn what_is_not_whole_or_not_free_is_refused() {
     let mut gap = ticks.clone();
     gap.drain(2_000..2_020);
     assert_eq!(judged(&gap), NotMeasured::Lost { lost: 20 });
-    // A few are made up for.
+    // A few lost records are made up for.
     let mut gap = ticks.clone();
     gap.drain(2_000..2_003);
     assert!(motor(&gap, &known).is_ok());
 
-    // A hand that brakes in one direction: the swings tell of two inertias.
+    // A hand that brakes in one direction: the swings give two different inertias.
     let mut uneven = ticks.clone();
     let mut push = 0;
     for index in 1..uneven.len() {

@@ -1,4 +1,5 @@
-//! A kept alignment is checked at the next start: used where it is right, refused where it is wrong, whatever by.
+//! A stored alignment (rotor angle of the encoder) is checked at the next start: used if it is right, and refused if it is wrong
+//! for any reason.
 
 use std::f64::consts::TAU;
 use touchstone_drive::calibration::Alignment;
@@ -34,7 +35,7 @@ fn knob<T: Tamper>(
     Knob::with_plant(settings, motor, plant, angle_rad, tamper)
 }
 
-/// The alignment that a whole calibration finds, for keeping.
+/// The alignment that a whole calibration finds, to be stored.
 fn found(settings: &DeviceSettings, motor: MotorParameters) -> Alignment {
     let mut knob = knob(settings, motor, 1e-3, 0.3, Honest);
     assert_eq!(knob.calibrate(), State::Ready, "{:?}", knob.device.fault());
@@ -42,11 +43,11 @@ fn found(settings: &DeviceSettings, motor: MotorParameters) -> Alignment {
     knob.device.found().expect("an absolute encoder's")
 }
 
-/// What became of a check.
+/// Result of a check.
 #[derive(Debug)]
 struct Checked {
     state: State,
-    /// How far the shaft was from its start at most, mechanical degrees, and at the end.
+    /// Largest distance of the shaft from its start during the check, mechanical degrees. `end_deg` is the distance at the end.
     most_deg: f64,
     end_deg: f64,
     time_s: f64,
@@ -80,9 +81,9 @@ fn reason(state: State) -> Option<Reason> {
     }
 }
 
-/// Error of the device's rotor angle, electrical degrees.
+/// Error of the rotor angle that the device calculates, electrical degrees.
 fn wrong_deg<T: Tamper>(knob: &Knob<T, BareCoulomb>, motor: &MotorParameters, start: f64) -> f64 {
-    // Count 0 is where the device was switched on.
+    // Count 0 is the position at which the device was switched on.
     let truth = motor.electrical_rad(start) / TAU * 65_536.0;
     let off = (f64::from(knob.device.alignment().offset.0) - truth).rem_euclid(65_536.0);
     (if off > 32_768.0 { off - 65_536.0 } else { off }) / 65_536.0 * 360.0
@@ -115,7 +116,7 @@ fn what_was_found_is_used_wherever_the_shaft_stands_at_the_next_start() {
             most_deg = most_deg.max(checked.most_deg);
             back_deg = back_deg.max(checked.end_deg);
             longest_s = longest_s.max(checked.time_s);
-            // It is kept again as it was.
+            // The same alignment is stored again.
             assert_eq!(knob.device.found(), Some(kept), "{kind:?} {start}");
             knob.ask(Command::Arm);
             knob.tick();
@@ -155,7 +156,7 @@ fn what_is_wrong_is_refused_by_whatever_it_is_wrong() {
                     format!("{degrees} degrees, {friction_n_m} N·m, from {start}: {checked:?}");
                 match degrees.abs() {
                     0..20 => assert_eq!(checked.state, State::Ready, "{at}"),
-                    // The limit itself: either.
+                    // At the limit itself either result is right.
                     20 => {}
                     _ => assert_eq!(why, Some(Reason::KeptWrong), "{at}"),
                 }
@@ -177,7 +178,7 @@ fn a_rotor_that_stands_exactly_against_the_field_is_found() {
         offset: kept.offset.plus(Angle(0x8000)),
         ..kept
     };
-    // Dry friction that holds it there, also in the rocking's first part, up to what never lets it go.
+    // Dry friction that holds the shaft, also in the first part of the rocking, up to a friction that never releases it.
     for friction_n_m in [1e-3, 0.02, 0.1, 0.15, 0.2, 0.4] {
         let mut knob = knob(&settings, GIMBAL, friction_n_m, 0.3, Honest);
         let checked = checked(&mut knob, against);
@@ -222,7 +223,7 @@ fn phases_in_another_order_and_a_shaft_that_is_held_are_refused() {
     );
 }
 
-/// The encoder says that the shaft turns.
+/// An encoder that reports a turning shaft.
 struct Turning(f64);
 
 impl Tamper for Turning {
@@ -242,7 +243,7 @@ fn a_shaft_that_turns_is_not_checked() {
     let mut turning = knob(&settings, GIMBAL, 1e-3, 0.0, Turning(1.0));
     let checked = checked(&mut turning, kept);
     assert_eq!(reason(checked.state), Some(Reason::KeptTurning));
-    // The bridge was never on.
+    // The bridge was never switched on.
     assert!((4.0..4.1).contains(&checked.time_s), "{checked:?}");
 }
 
@@ -257,7 +258,7 @@ fn what_has_no_zero_of_its_own_is_not_kept_and_a_measurement_begins_at_the_begin
     let mut changed = knob(&absolute, GIMBAL, 1e-3, 0.3, Honest);
     assert_eq!(changed.calibrate(), State::Ready);
     assert_eq!(changed.device.found(), Some(kept));
-    // Other settings wait: what they will say is not what it was measured with.
+    // New settings are waiting: the alignment was measured with the old ones.
     let mut eleven = absolute.clone();
     eleven.motor.pole_pairs = 11;
     changed

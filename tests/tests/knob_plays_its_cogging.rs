@@ -1,4 +1,5 @@
-//! The cogging of a simulated motor is found by a sweep, played, and gone but for a small part; a map that does not belong there is noticed.
+//! The cogging torque of a simulated motor is measured by a sweep and compensated; only a small part of it remains. A map of
+//! another motor is recognised.
 
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -35,7 +36,8 @@ const fn part(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
     }
 }
 
-/// A motor of 12 slots and 14 poles: their least common multiple and twice that, and what unequal slots and magnets add.
+/// Cogging of a motor of 12 slots and 14 poles: at their least common multiple and twice that, and at the orders that unequal slots
+/// and magnets add.
 const COGGING: [Harmonic; 4] = [
     part(2e-3, 84.0, 0.4),
     part(4e-4, 168.0, 2.0),
@@ -46,7 +48,7 @@ const COGGING: [Harmonic; 4] = [
 fn settings() -> DeviceSettings {
     let mut settings = DeviceSettings::default();
     settings.law.estimator.inertia_kg_m2 = Si::from_num(KNOB.inertia);
-    // Far away.
+    // Far from the knob, so that the wall is never touched.
     settings.wall.surface_rad = Si::from_num(90);
     settings
 }
@@ -62,7 +64,7 @@ fn known(settings: &DeviceSettings, reversed: bool) -> KnownKnob {
     }
 }
 
-/// Noise of the current sensors.
+/// Adds random noise of 1.15 codes rms to the readings of the current sensors.
 struct Noisy(Random);
 
 impl Tamper for Noisy {
@@ -87,7 +89,7 @@ fn bare<T: Tamper>(
     knob
 }
 
-/// Calibrates with a sweep; returns the telemetry.
+/// Runs a calibration with a sweep; returns the sweep's telemetry.
 fn sweep<T: Tamper, S: Stepper>(knob: &mut Knob<T, S>, sweep: Sweep) -> Vec<SweepTick> {
     knob.ask(Command::Stop);
     knob.tick();
@@ -102,7 +104,7 @@ fn sweep<T: Tamper, S: Stepper>(knob: &mut Knob<T, S>, sweep: Sweep) -> Vec<Swee
     ticks
 }
 
-/// A telemetry record as the desktop evaluates it.
+/// The desktop's form of a telemetry record.
 fn told<T: Tamper, S: Stepper>(knob: &Knob<T, S>) -> Option<SweepTick> {
     let record = knob.telemetry();
     record.measuring.map(|it| SweepTick {
@@ -118,7 +120,7 @@ fn play<T: Tamper, S: Stepper>(knob: &mut Knob<T, S>, map: &CoggingMap, settings
     knob.device.play(&mut knob.around, Some(&played));
 }
 
-/// How far a map is from the truth, effective value, N·m.
+/// Root mean square difference between a map and the true cogging, N·m.
 fn error(map: &CoggingMap, cogging: &[Harmonic], known: &KnownKnob) -> f64 {
     let places = 2_520;
     let squares: f64 = (0..places)
@@ -128,7 +130,7 @@ fn error(map: &CoggingMap, cogging: &[Harmonic], known: &KnownKnob) -> f64 {
             let played: f64 = map
                 .harmonics
                 .iter()
-                // What an offset of the current sensors makes is played as well, and is none of the motor's.
+                // The torque from an offset of the current sensors is compensated as well, and is none of the motor's.
                 .filter(|it| it.order != 7)
                 .map(|it| {
                     let (sin, cos) = (f64::from(it.order) * angle).sin_cos();
@@ -178,19 +180,19 @@ fn a_sweep_finds_the_cogging_and_the_map_takes_the_ripple_away() {
             1e3 * error,
             100.0 * found.unrepeated,
         );
-        // Of the cogging's 1.53 mN·m a fifth: a code of this shield's sensors is 1.9.
+        // A fifth of the cogging's 1.53 mN·m; one code of this shield's sensors is 1.9 mN·m.
         assert!(error < 0.31e-3, "{error}");
         assert!(right < 0.5 && wrong > 1.5, "{right} {wrong}");
-        // Friction and damping: 1e-3 N·m and 4e-4 N·m·s/rad at a quarter of a turn a second.
+        // Friction and damping: 1e-3 N·m, and 4e-4 N·m·s/rad at a quarter of a turn per second.
         assert!((before.drag_n_m - 1.63e-3).abs() < 0.1e-3);
     }
 }
 
-/// Orders of the cogging, and of the torque that an offset of the current sensors causes.
+/// Orders (periods per turn) of the cogging, and of the torque that an offset of the current sensors causes.
 const ORDERS: [f64; 5] = [7.0, 12.0, 14.0, 84.0, 168.0];
 
-/// Torque of motor and cogging together on a hand that turns the armed knob evenly, at their orders: effective value,
-/// N·m.
+/// Root mean square torque, N·m, of motor and cogging together at their orders, on a hand that turns the armed knob at a constant
+/// speed.
 fn felt(
     settings: &DeviceSettings,
     map: Option<&CoggingMap>,
@@ -222,7 +224,7 @@ fn felt(
         let squares: f64 = parts.iter().map(|it| it.norm_sqr()).sum();
         (0.5 * squares).sqrt()
     };
-    // Up to speed, and past the fading in.
+    // Until the knob has its speed and the force has faded in.
     go(0.5_f64.max(0.1 * rad_per_s));
     go(rad_per_s.ceil())
 }
@@ -231,7 +233,8 @@ fn felt(
 fn a_hand_that_turns_it_feels_less() {
     let settings = settings();
     let map = known_and_found(&settings, false).3.map;
-    // With dead time a current of one code, as this cogging's is on this shield, lags behind; without it nothing is left but the map's error.
+    // With dead time, a current of one code (as this cogging needs on this shield) lags behind. Without it only the map's error
+    // remains.
     for (dead_share, most) in [(0.01, [0.25, 0.35, 0.55, 0.7]), (0.0, [0.2; 4])] {
         for (speed, most) in [1.0, 2.0, 5.0, 10.0].into_iter().zip(most) {
             let before = felt(&settings, None, speed, dead_share);
@@ -250,7 +253,7 @@ fn a_hand_that_turns_it_feels_less() {
 fn a_motor_without_cogging_has_none_in_its_map() {
     let settings = settings();
     let known = known(&settings, false);
-    // What there is comes of the current sensors' offsets, once an electrical turn.
+    // What is found comes from the current sensors' offsets, once per electrical turn.
     let mut knob = bare(&settings, GIMBAL, &[], Noisy(Random::new(5)));
     let swept = Swept::new(&sweep(&mut knob, Sweep::Bare), &known).unwrap();
     match swept.map(&known) {
@@ -268,7 +271,7 @@ fn a_hand_that_holds_on_is_refused_or_does_no_harm() {
     let settings = settings();
     let known = known(&settings, false);
     let mut refused = [false; 2];
-    // Its rest point wanders, by some degrees and by half a turn.
+    // The hand's rest point moves, by some degrees and by half a turn.
     for (refused, wander_rad) in refused.iter_mut().zip([4.0, 60.0]) {
         let plant = HeldCoulomb::new(&KNOB, &LIGHT, PERIOD_S / 2.0).unwrap();
         let mut knob = Knob::with_plant(&settings, GIMBAL, plant, 0.3, Noisy(Random::new(5)));
@@ -340,7 +343,7 @@ fn a_map_waits_for_the_settings_that_it_was_made_ready_with() {
         .into_iter()
         .collect(),
     };
-    // Without cogging's map nothing is asked for: the wall is far away.
+    // Without a cogging map no current is commanded, as the wall is far away.
     let current = |knob: &mut Knob<Honest, BareCoulomb>| {
         (0..400)
             .map(|_| knob.tick().current_command.to_num::<f64>().abs())

@@ -1,5 +1,5 @@
-//! The whole knob, from encoder frame to motor current: its force is the simulator's controller's, bit for bit, for the counts that
-//! it read. The motor's torque is that force; and the wall holds the hand.
+//! The whole knob, from encoder frame to motor current. Its force equals that of the simulator's controller bit for bit for the
+//! counts that it read, the motor's torque is that force, and the wall holds the hand.
 
 use touchstone_control::{ChangeOfForce, Controller, CountScale, Fixed32, Force, Position, Si};
 use touchstone_drive::change::law_settings;
@@ -11,7 +11,7 @@ use touchstone_tests::knob::{Honest, Knob, honest};
 fn settings(k_desired: &str, rate_hz: u32, kind: EncoderKind) -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
     if rate_hz > 1_000 {
-        // The current loop is not done with a change within such a tick.
+        // With so short a tick the current loop does not complete a change within it.
         settings.law.guard.change = ChangeOfForce::Estimated;
     }
     settings.wall.k_desired_n_m_per_rad = Si::from_str(k_desired).unwrap();
@@ -25,7 +25,7 @@ fn settings(k_desired: &str, rate_hz: u32, kind: EncoderKind) -> DeviceSettings 
     settings
 }
 
-/// Arms where the calibration ended, presses into the wall for a second, holds, and comes out again.
+/// Arms where the calibration ended, presses into the wall for a second, holds, and comes out again; returns the records.
 fn press(knob: &mut Knob<Honest>, into_rad: f64, rate_hz: u32) -> Vec<Record> {
     let start = knob.rig.now().angle_rad;
     knob.rest_rad = start;
@@ -40,7 +40,7 @@ fn press(knob: &mut Knob<Honest>, into_rad: f64, rate_hz: u32) -> Vec<Record> {
     records
 }
 
-/// The force of a fresh controller for the recorded counts, and whether each equals the recorded one.
+/// Runs a fresh controller on the recorded counts; asserts that each force equals the recorded one.
 fn replayed(settings: &DeviceSettings, records: &[Record]) {
     let (law, change) = law_settings(settings, &IHM08M1).unwrap();
     let mut wall = Controller::<Fixed32>::new(&law).unwrap();
@@ -86,7 +86,7 @@ fn the_force_is_the_simulators_to_the_bit() {
     }
 }
 
-/// A guard that knows the board's delay, and reads the encoder when the force changes, does not reduce the force of an
+/// A guard that is configured for the board's delay, and reads the encoder at the change of force, does not reduce the force of an
 /// ordinary press.
 #[test]
 fn a_guard_that_is_told_changes_no_force_of_a_press() {
@@ -116,7 +116,7 @@ fn a_guard_that_is_told_changes_no_force_of_a_press() {
             forces(ChangeOfForce::Measured, "0.045") == untold,
             "{k} {kind:?}"
         );
-        // A wall that gives way would be seen.
+        // A wall that gives way would be detected.
         assert!(k == "5" || forces(ChangeOfForce::Measured, "0.015") != untold);
     }
 }
@@ -130,7 +130,7 @@ fn the_motor_gives_the_force_of_the_law() {
     let mut worst: f64 = 0.0;
     for pair in records.windows(2) {
         let [before, now] = pair else { unreachable!() };
-        // Where the force rests, the current of the next tick is its torque over the torque constant.
+        // Where the force is constant, the current of the next tick is its torque over the torque constant.
         if before.limits.has(Limit::FadeIn)
             || before.force != now.force && (before.force - now.force).modulus().0 > 0.002
         {
@@ -146,7 +146,7 @@ fn the_motor_gives_the_force_of_the_law() {
         compared += 1;
     }
     assert!(compared > 500, "{compared}");
-    // Two codes of 15.6 mA in Park's frame, and the error of a tick's change of 2 mN·m.
+    // Two codes of 15.6 mA in Park's frame, and the error of a change of 2 mN·m in a tick.
     assert!(worst < 0.06, "{worst} A");
 }
 
@@ -157,7 +157,7 @@ fn the_wall_holds_the_hand() {
         let mut knob = honest(&settings).armed();
         let stiffness: f64 = settings.wall.k_desired_n_m_per_rad.to_num();
         let start = knob.rig.now().angle_rad;
-        // The hand's spring of 0.0225 N·m/rad means to be 4 rad inside.
+        // The hand's spring of 0.0225 N·m/rad has its rest point 4 rad inside.
         for tick in 0..3_000_u32 {
             knob.rest_rad = start + 4.3 * (f64::from(tick) / 500.0).min(1.0);
             knob.tick();
@@ -179,7 +179,7 @@ fn the_wall_holds_the_hand() {
         let spread = penetration
             .iter()
             .fold(0.0_f64, |most, x| most.max((x - mean).abs()));
-        // A degree is what is felt as trembling in the thesis' verdicts.
+        // In the thesis' verdicts a degree is the limit of perceptible trembling.
         assert!(spread < 0.0175 / 2.0, "k = {k}: {spread} rad around {mean}");
     }
 }
@@ -190,7 +190,7 @@ fn arming_inside_the_wall_fades_in() {
     settings.wall.surface_rad = Si::lit("-0.2");
     settings.limits.fade_in_s = Si::lit("0.2");
     let mut knob = honest(&settings).armed();
-    // The hand leans on it, so that it stays inside.
+    // The hand leans on the wall, so that the knob stays inside.
     knob.rest_rad += 8.0;
     let mut felt = 0;
     for tick in 1..=200 {

@@ -1,4 +1,4 @@
-//! Settings take effect from the next calibration on, and never after they were refused.
+//! New settings take effect from the next calibration on, and never if they were refused.
 
 use touchstone_drive::hardware::IHM08M1;
 use touchstone_drive::{Device, DeviceSettings, Si};

@@ -1,4 +1,4 @@
-//! The reset reasons: which starts are faults, and with which value.
+//! Reset reasons of the microcontroller: which ones are faults, and with which value.
 
 use touchstone_drive::{DeviceSettings, ResetFlags, ResetReason};
 use touchstone_protocol::FaultCode;

@@ -1,5 +1,4 @@
-//! An unattended start: the board gives the commands of a person, once, where everything is in order, and none where
-//! something is not.
+//! An unattended start: the board gives the start commands once if everything is in order, and none otherwise.
 
 use touchstone_drive::autostart::{Autostart, Glance, STEP_MS};
 use touchstone_drive::{DeviceSettings, ResetReason, Si};
@@ -9,7 +8,7 @@ use touchstone_world::motor::GIMBAL;
 
 const STEPS_A_SECOND: u32 = 1_000 / STEP_MS;
 
-/// Inputs in which everything is in order.
+/// Inputs of the supervisor in which everything is in order for a start.
 const GOOD: Glance = Glance {
     state: State::Boot,
     is_supplied: true,
@@ -30,7 +29,7 @@ fn asked() -> Autostart {
     Autostart::new(true, ResetReason::PowerOn, true)
 }
 
-/// Steps with these inputs until a command comes, for at most this many seconds; returns the command and its time.
+/// Runs steps with these inputs until a command comes, for at most this many seconds; returns the command and its time.
 fn until(
     autostart: &mut Autostart,
     seconds: u32,
@@ -45,7 +44,7 @@ fn it_calibrates_and_arms_and_asks_for_nothing_more() {
     assert!(!autostart.stands_in(false));
     let (command, step) = until(&mut autostart, 2, |_| GOOD).expect("a command");
     assert_eq!(command, Command::Calibrate);
-    // Half a second of rest, and a step to see where the shaft is.
+    // Half a second of rest, and one step to determine where the shaft is.
     assert!((50..=51).contains(&step), "{step}");
     assert_eq!(autostart.told(), SelfStart::Checking);
     assert!(autostart.stands_in(false) && !autostart.stands_in(true));
@@ -155,7 +154,7 @@ fn each_condition_keeps_it_from_starting_and_says_so() {
         let last = until(&mut autostart, 20, now);
         assert_eq!(last.map(|(command, _)| command), command, "{name}");
         assert_eq!(autostart.told(), told, "{name}");
-        // And that was it.
+        // No further command comes.
         assert_eq!(until(&mut autostart, 20, |_| GOOD), None, "{name}");
     }
 }
@@ -233,7 +232,7 @@ fn what_goes_wrong_between_check_and_arming_ends_it() {
     }
 }
 
-/// The supervisor's step around a whole knob, without a desktop.
+/// Runs the supervisor's step with a whole knob and without a host computer: the knob arms, and its force fades in.
 #[test]
 fn a_knob_nobody_speaks_to_arms_and_its_force_fades_in() {
     let mut settings = DeviceSettings::default();
@@ -258,7 +257,7 @@ fn a_knob_nobody_speaks_to_arms_and_its_force_fades_in() {
                 knob.ask(command);
             }
         }
-        // A hand that goes along until it is armed, and then leans on it.
+        // A hand that follows the knob until it is armed, and then leans on it.
         if knob.device.state() != State::Armed {
             knob.rest_rad =
                 knob.rig.now().angle_rad + 8.0 * f64::from(autostart.told() == SelfStart::Started);
@@ -279,6 +278,6 @@ fn a_knob_nobody_speaks_to_arms_and_its_force_fades_in() {
     }
     assert_eq!(autostart.told(), SelfStart::Started);
     assert!(knob.device.was_checked());
-    // Past the fading in; then the hand has pressed through.
+    // After the fading in the hand has pressed through.
     assert!(armed > 1_000 && felt > 300, "{armed} {felt}");
 }

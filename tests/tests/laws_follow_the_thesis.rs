@@ -1,4 +1,4 @@
-//! Places in which a law once left the thesis' equations, each on its own.
+//! Places in which a law once differed from the thesis' equations, each with its own test.
 
 use touchstone_control::law::{Contact, EnhancedState, Law, Sample, Sfa, SfaState};
 use touchstone_control::{
@@ -22,7 +22,8 @@ fn sfa(update: LawKind, first_contact: FirstContact) -> Sfa<f64> {
     law
 }
 
-/// (2.16) and (2.17): the first contact ends at `n_r`, with the force that `k_de` shows there and not a tick before.
+/// Thesis (2.16) and (2.17): the first contact phase ends at `n_r`, with the force that `k_de` gives in that tick, not in
+/// the tick before.
 #[test]
 fn the_first_contact_hands_over_the_force_of_its_own_tick() {
     let law = sfa(LawKind::Sfa, FirstContact::KeepForce);
@@ -37,14 +38,14 @@ fn the_first_contact_hands_over_the_force_of_its_own_tick() {
     at(&mut state, 0.012);
     let force = at(&mut state, 0.011);
     assert_eq!(state.contact, Contact::Augmenting);
-    // 1/k_v is held in steps of 2^-32, and comes back times k_v f.
+    // 1/k_v has steps of 2^-32, and is multiplied by k_v f.
     let step = 0.8 * 0.055 * 2f64.powi(-32);
     assert!((force - 5.0 * 0.011).abs() < step, "{force}");
     let offset = 5.0 * 0.011 / 0.8 - 0.011;
     assert!((state.offset.0 - offset).abs() < 1e-8, "{:?}", state.offset);
 }
 
-/// (2.14c), third line from below: where the displayed stiffness is the desired one, the offset stays.
+/// Thesis (2.14c), third line from below: if the displayed stiffness is the desired one, the offset stays.
 #[test]
 fn the_offset_stays_where_the_stiffness_is_right() {
     for kind in [LawKind::Sfa, LawKind::SfaContinuous] {
@@ -66,7 +67,7 @@ fn the_offset_stays_where_the_stiffness_is_right() {
         );
         assert_eq!(state.offset, held.offset, "{kind:?}");
     }
-    // The enhanced law's ideal step is the way that is left, which is none.
+    // The enhanced law's ideal step is the remaining difference, which is 0.
     let AnyLaw::Enhanced(law, mut state) = Controller::<f64>::new(&Settings::thesis()).unwrap().law
     else {
         panic!("not that law");
@@ -77,7 +78,8 @@ fn the_offset_stays_where_the_stiffness_is_right() {
     assert_eq!(law.offset(&state, Position(0.01)), Position(0.05));
 }
 
-/// A hand that leans on a wall at the limit of its force and trembles there winds up no offset: when it lets go, the wall is where it was.
+/// A hand that presses a wall at the force limit and trembles there does not change the offset. When it lets go, the wall is where
+/// it was.
 #[test]
 fn leaning_at_the_force_limit_winds_up_no_offset() {
     for kind in [LawKind::Sfa, LawKind::SfaContinuous] {
@@ -92,7 +94,7 @@ fn leaning_at_the_force_limit_winds_up_no_offset() {
             last = e;
             force.0
         };
-        // k_de would show 0.5 N·m at 0.1 rad. A minute of it, trembling.
+        // k_de would give 0.5 N·m at 0.1 rad. The hand trembles there for a minute.
         let trembling = |n: u32| 0.1 + 1e-3 * f64::from(n % 2);
         let mut after_ten_seconds = Position(0.0);
         for n in 0..60_000 {
@@ -103,7 +105,7 @@ fn leaning_at_the_force_limit_winds_up_no_offset() {
         }
         assert_eq!(state.force, law.limit, "{kind:?}");
         assert_eq!(state.offset, after_ten_seconds, "{kind:?}");
-        // At the limit k_v (e + O) is just that, but for the last step.
+        // At the limit k_v (e + O) equals the limit, except for the last step.
         assert!(
             state.offset.0 <= 0.3 / law.soft.0 - 0.1 + 1e-3,
             "{kind:?}: {:?}",
@@ -112,8 +114,8 @@ fn leaning_at_the_force_limit_winds_up_no_offset() {
     }
 }
 
-/// A wall pushes. Inside it nothing pulls, however fast the HIP leaves the virtual mass behind; and the mass' energy, credit
-/// included, stays what it was plus the work of the force on it.
+/// A wall only pushes. Inside it no force pulls, however fast the HIP leaves the virtual mass behind. The energy of the mass,
+/// credit included, stays what it was plus the work of the force on it.
 #[test]
 fn the_enhanced_law_never_pulls_inside_the_wall() {
     let stiff = Settings {
@@ -154,7 +156,7 @@ fn the_enhanced_law_never_pulls_inside_the_wall() {
                 let work = state.augmented.at_mass * state.augmented.mass.moved;
                 let mut books = (before.energy + work).min(law.energy_cap);
                 if work < touchstone_control::Energy::zero() && books != state.energy {
-                    // What a shortened retreat leaves over is kept, never more than there was.
+                    // Energy that a shortened retreat leaves is kept, but never more than there was.
                     books = books.max(state.energy).min(before.energy);
                 }
                 assert!(state.energy <= books, "{n}: {:?} {books:?}", state.energy);
@@ -164,7 +166,7 @@ fn the_enhanced_law_never_pulls_inside_the_wall() {
     }
 }
 
-/// The published observer lends nothing: what the thesis' form displays, it displays by its own sum.
+/// The published observer lends no energy: the thesis' form reaches its force by its own energy sum.
 #[test]
 fn the_published_observer_has_no_loan() {
     for (observer, lent) in [(ObserverForm::Thesis, false), (ObserverForm::Exact, true)] {

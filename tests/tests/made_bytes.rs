@@ -1,4 +1,4 @@
-//! Bytes of the wire and images of settings made by a seed, as the fuzzer makes them by bytes.
+//! Random wire bytes and settings images, generated from seeds by the generators that the fuzzer uses.
 
 #[path = "../made/choices.rs"]
 mod choices;

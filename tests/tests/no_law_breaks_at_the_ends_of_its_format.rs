@@ -1,5 +1,5 @@
-//! The worst positions that a format can hold, in every order, through every choice of every law. The force stays within its
-//! limit, nothing overflows (the tests are built with overflow checks), and the float formats never make a NaN.
+//! The most extreme positions of a number format, in every order, through every law with every option. The force stays within its
+//! limit, nothing overflows (the tests are built with overflow checks), and the floating-point formats never give a NaN.
 
 use touchstone_control::{
     Controller, Fixed8, Fixed16, Fixed32, Force, Number, Position, Reported, Settings, Si,
@@ -8,10 +8,10 @@ use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
 use touchstone_tests::variants::all;
 
-/// Every sequence of this many positions.
+/// Length of the sequences of positions; every sequence is tried.
 const LENGTH: u32 = 6;
 
-/// Measured values at their worst: the ends of the format, and next to the surface.
+/// Extreme measured positions: the ends of the format, and next to the surface.
 fn worst<N: Reported>() -> [Position<N>; 6] {
     [
         Position::from_f64(-1e9),
@@ -23,7 +23,7 @@ fn worst<N: Reported>() -> [Position<N>; 6] {
     ]
 }
 
-/// Usual settings, and settings at the ends of what `validate` accepts.
+/// The default settings, and settings at the ends of what `validate` accepts.
 fn settings() -> Vec<(String, Settings)> {
     let usual = Settings::thesis();
     let mut hard = Settings {
@@ -46,7 +46,7 @@ fn settings() -> Vec<(String, Settings)> {
         .collect()
 }
 
-/// The walls whose coefficients the format holds.
+/// The walls whose coefficients the format can hold, each with its name and force limit.
 fn walls<N: Reported>() -> Vec<(String, Force<N>, Controller<N>)> {
     settings()
         .into_iter()
@@ -57,7 +57,7 @@ fn walls<N: Reported>() -> Vec<(String, Force<N>, Controller<N>)> {
         .collect()
 }
 
-/// Comparisons with a NaN are false, so this catches it too.
+/// Whether a force is within the limit; `false` for a NaN, as comparisons with it are false.
 fn is_within<N: Reported>(f: Force<N>, limit: Force<N>) -> bool {
     f <= limit && f >= -limit
 }

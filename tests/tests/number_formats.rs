@@ -1,7 +1,7 @@
-//! The enhanced law in every number format against f64, on the same encoder counts.
+//! The enhanced law in every number format compared with f64, on the same encoder counts.
 //!
-//! The counts are those of a closed loop with the default format, recorded for each thesis scene and played to all formats
-//! alike. So a difference is the format's and not that of another trajectory.
+//! The counts are recorded from a closed loop with the default format, for each thesis scene, and given to all formats. So a
+//! difference comes from the format and not from another motion.
 
 use touchstone_control::{CountScale, Fixed16, Fixed32, LawKind, Reported, Si};
 use touchstone_lab::thesis::{COUNTS, GRIPS, STIFFNESSES, cell};
@@ -10,7 +10,7 @@ use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::Scene;
 use touchstone_tests::thesis;
 
-/// The encoder's counts.
+/// The recorded encoder counts.
 struct Counts {
     step_rad: f64,
     surface_rad: f64,
@@ -43,7 +43,7 @@ fn forces<N: Reported>(scene: &Scene, counts: &[i64]) -> Vec<f64> {
     counts.iter().map(|&count| wall.at_count(count)).collect()
 }
 
-/// Largest difference, N·m, and the tick at which it stands.
+/// Largest difference in N·m, and the tick of it.
 fn largest(a: &[f64], b: &[f64]) -> (f64, usize) {
     a.iter()
         .zip(b)
@@ -55,7 +55,7 @@ fn largest(a: &[f64], b: &[f64]) -> (f64, usize) {
         )
 }
 
-/// The thesis scenes with the enhanced law, with their names.
+/// The thesis scenes with the enhanced law, each with its name.
 fn scenes() -> Vec<(String, Scene)> {
     let base = thesis("thesis-knob");
     let mut scenes = Vec::new();
@@ -74,7 +74,7 @@ fn scenes() -> Vec<(String, Scene)> {
     scenes
 }
 
-/// Largest difference over all scenes, which is also printed.
+/// Largest difference in N·m over all scenes, which is also printed.
 fn worst<N: Reported>() -> f64 {
     let mut worst = (0.0, String::new());
     for (name, scene) in scenes() {
@@ -115,9 +115,9 @@ fn f32_is_within_a_hundredth_of_a_millinewtonmetre_of_f64() {
 #[test]
 fn fixed16_shows_the_wall_to_a_tenth_of_the_press_and_no_better() {
     let worst = worst::<Fixed16>();
-    // A step of the offset, c/k_de of the force's error, rounds to zero below q = 6.1e-5 rad: that leaves up to q k_de/c, 5 mN·m
+    // Below q = 6.1e-5 rad a step of the offset (c/k_de times the force's error) rounds to zero. That leaves up to q k_de/c: 5 mN·m
     // at 1 N·m/rad and 25 at 5. The mass stands still below q (m/T² + k_f + c_env/T), 0.9 mN·m. A tenth of the press is measured.
     assert!(worst < 1e-2);
-    // The bar that fixed32 passes is one that a format can fail.
+    // A format can fail the bound that fixed32 keeps.
     assert!(worst > 1e-3);
 }

@@ -1,8 +1,8 @@
-//! The same law in every number format, against the 32-bit one, on simple presses: the forces differ by no more than the
-//! formats' own steps explain. Every bound below is derived, tick by tick where errors add up, and none is fitted.
+//! The same law in every number format compared with the 32-bit one, on simple presses. The forces differ by no more than the
+//! formats' own quanta explain. Every bound in this file is derived, tick by tick where errors add up; none is fitted.
 //!
-//! Angles lie on the coarser format's grid and every stiffness is a multiple of 2^-6, so that both formats see the same press
-//! and the same wall. What differs is how they round. `q` is the sum of what the two formats round off one force.
+//! Angles lie on the coarser format's grid and every stiffness is a multiple of 2^-6, so both formats get the same press and the
+//! same wall. Only their rounding differs. `q` is the sum of the two formats' rounding errors of one force.
 
 use touchstone_control::settings::FilterSettings;
 use touchstone_control::{
@@ -12,10 +12,10 @@ use touchstone_tests::grain::Grain;
 use touchstone_tests::motion::{half_sine, hold, on_grid, wiggle};
 use touchstone_tests::si::si;
 
-/// 301/64 N·m/rad: its products with angles fit no format's force exactly.
+/// Stiffness of the wall, 301/64 N·m/rad: its products with angles fit no format's force exactly.
 const STIFFNESS: f64 = 4.703_125;
 
-/// A wall whose every coefficient is the same number in all formats, but for FBA's root and the enhanced law's steps.
+/// A wall whose coefficients are the same numbers in all formats, except for FBA's root and the enhanced law's steps.
 fn wall(law: LawKind) -> Settings {
     Settings {
         law,
@@ -37,25 +37,25 @@ fn wall(law: LawKind) -> Settings {
     }
 }
 
-/// One tick of both formats.
+/// One tick in both formats.
 #[derive(Debug, Clone, Copy, Default)]
 struct Tick {
     e: f64,
-    /// Displacement of this tick and of the one before.
+    /// Displacement in this tick; `moved_before` is that of the tick before.
     moved: f64,
     moved_before: f64,
-    /// Force, observed energy and offset in the format under test and in 32 bits.
+    /// Force, observed energy and offset: each first in the format under test, then in 32 bits.
     force: [f64; 2],
     energy: [f64; 2],
     offset: [f64; 2],
 }
 
 impl Tick {
-    /// The largest energy of the two, for relative errors.
+    /// The larger of the two energies, for relative errors.
     fn energy_size(&self) -> f64 {
         self.energy[0].abs().max(self.energy[1].abs())
     }
-    /// Whether a law held back from the spring's force.
+    /// Whether a law reduced the spring's force.
     fn held_back(&self) -> bool {
         let spring = (STIFFNESS * self.e).min(0.5);
         self.force
@@ -64,7 +64,7 @@ impl Tick {
     }
 }
 
-/// Runs both and hands every tick to `bound`, which says how far the forces may be apart. Gives the largest difference.
+/// Runs both formats. `bound` gets every tick and returns by how much the forces may differ; the largest difference is returned.
 fn compare<N: Grain>(
     settings: &Settings,
     path: &[f64],
@@ -103,12 +103,12 @@ fn compare<N: Grain>(
     largest
 }
 
-/// Sum of both formats' rounding of one force.
+/// Sum of both formats' rounding errors of one force, N·m.
 fn quantum<N: Grain>() -> f64 {
     N::FORCE_N_M + Fixed32::FORCE_N_M
 }
 
-/// Checks that a bound is not far too wide: the largest difference must be a good share of it.
+/// Checks that a bound is not far too wide: the largest difference must be a large fraction of it.
 fn assert_tight(what: &str, largest: f64, bound: f64) {
     assert!(
         largest > bound / 8.0,
@@ -116,7 +116,7 @@ fn assert_tight(what: &str, largest: f64, bound: f64) {
     );
 }
 
-/// One exact product, or a sum of two, is rounded once.
+/// Springs: one exact product, or a sum of two, is rounded once.
 fn springs<N: Grain>() {
     for law in [LawKind::Spring, LawKind::SpringDamper] {
         let q = quantum::<N>();
@@ -125,10 +125,12 @@ fn springs<N: Grain>() {
     }
 }
 
-/// Let the two energies be `B` apart. Outwards `f = min(k e, E/|Δ|)` and inwards `f = max(k e, -E/|Δ|)`: in both, `f` changes
-/// by at most `1/|Δ|` per energy, so the forces are `B/|Δ| + q` apart where one was corrected, and `q` where none was. The
-/// next energy is `E + f Δ'`: going on in the same direction that takes away from an error (by at most `|Δ'|/|Δ|` of it), a
-/// turn adds to it. The force's rounding adds `q |Δ'|` and a float's sum its own.
+/// Bound for TDPA. Let the two energies differ by `B`. Outwards `f = min(k e, E/|Δ|)` and inwards `f = max(k e, -E/|Δ|)`. In both,
+/// `f` changes by at most `1/|Δ|` per energy. So the forces differ by at most `B/|Δ| + q` if one was corrected, and by `q` if none
+/// was.
+///
+/// The next energy is `E + f Δ'`. A motion in the same direction reduces the error, by at most `|Δ'|/|Δ|` of it; a reversal adds to
+/// it. The force's rounding adds `q |Δ'|`, and a floating-point sum its own rounding.
 fn tdpa<N: Grain>() {
     let q = quantum::<N>();
     let mut apart = 0.0;
@@ -158,18 +160,19 @@ fn tdpa<N: Grain>() {
     assert!(corrected > 10, "{}: {corrected} corrections only", N::NAME);
 }
 
-/// `f = min(k e, G sqrt(E))` with `G = sqrt(4 c_i/T)` rounded down in each format, so by at most `g` apart, and the root
-/// rounded down by less than `q`. With the energies `B` apart the forces differ by at most
-/// `G (sqrt(E) - sqrt(E - B)) + g sqrt(E) + (G + 1) q` (the root is concave: its secant below `E` is the steepest). The next
-/// energy adds `f Δ'` and the damper's share, rounded by `q |Δ'|`; inwards the force's error adds to `B`, outwards it takes
-/// away, at most down to the other sign.
+/// Bound for FBA: `f = min(k e, G sqrt(E))` with `G = sqrt(4 c_i/T)`. Each format rounds `G` down, so the two differ by at most
+/// `g`; the root is rounded down by less than `q`. If the energies differ by `B`, the forces differ by at most `G (sqrt(E) - sqrt(E
+/// - B)) + g sqrt(E) + (G + 1) q`, as the root is concave and its secant below `E` is the steepest.
+///
+/// The next energy adds `f Δ'` and the damper's energy, rounded by `q |Δ'|`. Inwards the force's error adds to `B`; outwards it
+/// reduces `B`, at most down to the other sign.
 fn fba<N: Grain>() {
     let settings = wall(LawKind::Fba);
     let q = quantum::<N>();
     let g = N::GAIN_N_M_PER_RAD + Fixed32::GAIN_N_M_PER_RAD;
     let bound = 3.0_f64.sqrt();
     let mut apart = 0.0;
-    // Of the last tick: the part of the forces' difference that stems from the energies', and the rest.
+    // Of the last tick: the part of the forces' difference that comes from the energies' difference, and the rest.
     let (mut by_energy, mut by_rounding) = (0.0, 0.0);
     let mut inwards = 0.0_f64;
     let largest = compare::<N>(&settings, &half_sine(0.05, 400), |tick| {
@@ -195,9 +198,10 @@ fn fba<N: Grain>() {
     assert_tight(N::NAME, largest, inwards);
 }
 
-/// `k_v = 1` and the step's gain are the same in all formats and steps lie on the grid. The formats differ by what the first
-/// contact's last force was rounded, and by the decision "too soft", which may fall either way where it is that close. Such
-/// a tick moves the offsets `2 gain |Δ|` apart, here with `gain = k_c/k_v - 1 = 0.5`; the step itself is rounded once.
+/// Bound for SFA. `k_v = 1` and the step's gain are the same in all formats, and steps lie on the grid. The formats differ in the
+/// rounding of the first contact phase's last force. They also differ in the decision "too soft", which may fall either way if it
+/// is that close. Such a tick moves the offsets apart by `2 gain |Δ|`, with `gain = k_c/k_v - 1 = 0.5`; the step itself is rounded
+/// once.
 fn sfa<N: Grain>() {
     for (law, first_contact) in [
         (LawKind::Sfa, FirstContact::KeepForce),
@@ -229,12 +233,12 @@ fn sfa<N: Grain>() {
     }
 }
 
-/// Held still, the offset stops where its step `κ |k_de e - f|`, with `κ = c/k_de` as the format holds it, is lost: below one
-/// quantum where a format truncates, below half the distance of two offsets where it rounds to nearest. Each format then
-/// shows `k_de` up to a dead band of that `step/κ`, and two may rest at opposite ends of theirs.
+/// Bound for the enhanced law at rest. The offset stops where its step `κ |k_de e - f|` is rounded to nothing, with `κ = c/k_de` as
+/// the format holds it. That is below one quantum if a format truncates, and below half the distance of two offsets if it rounds to
+/// nearest. Each format then shows `k_de` up to a dead band of `step/κ`, and two formats may rest at opposite ends of theirs.
 fn enhanced_at_rest<N: Grain>(lost_step: f64) {
     let band = |lost: f64| lost / (lost * (0.0625 / STIFFNESS / lost).floor());
-    // A float holds κ closely; the difference is far below what follows.
+    // A float holds κ nearly exactly; its error is far below the following terms.
     let own = band(lost_step) + N::FORCE_N_M;
     let fixed32 = band(Fixed32::FORCE_N_M) + Fixed32::FORCE_N_M;
     let path = hold(0.025, 4000);
@@ -251,7 +255,8 @@ fn enhanced_at_rest<N: Grain>(lost_step: f64) {
     });
 }
 
-/// The project's own demand: below 1e-4 N·m against the f64 law, with the default settings, from touch to release.
+/// From touch to release, with the default settings, the force differs from the f64 law by less than 1e-4 N·m, which is this
+/// project's own requirement.
 fn enhanced_all_the_way<N: Grain>() {
     for first_contact in [FirstContact::ZeroOffset, FirstContact::KeepForce] {
         let settings = Settings {

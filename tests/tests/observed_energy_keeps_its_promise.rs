@@ -1,5 +1,5 @@
-//! What each observing law promises about its own energy, and what it does not, for random and for hostile motions. The sums
-//! that the laws are compared with are of raw integers in 128 bits.
+//! What each law with an energy observer guarantees about its own energy, and what it does not, for random and hostile motions. The
+//! laws are compared with sums of raw integers in 128 bits.
 
 use touchstone_control::law::Contact;
 use touchstone_control::{Controller, Fixed32, LawKind, Number, ObserverForm, Position, Settings};
@@ -8,15 +8,15 @@ use touchstone_tests::variants::all;
 
 type Signal = <Fixed32 as Number>::Signal;
 
-/// A wall with the sums of what really passed its port, in steps of the energy's format, since it was touched.
+/// A wall, with the energy sums of what really passed its port since the contact began, in quanta of the energy's format.
 struct Port {
     wall: Controller<Fixed32>,
-    /// Penetration of the last tick, 0 outside.
+    /// Penetration of the last tick, 0 outside, in quanta.
     last: i128,
     held: i128,
     /// `Σ f(n-1) Δe(n)`: the energy that the port absorbed.
     exact: i128,
-    /// `Σ f(n) Δe(n)`: the thesis' sum.
+    /// `Σ f(n) Δe(n)`: the sum that the thesis' observer calculates.
     thesis: i128,
 }
 
@@ -31,7 +31,7 @@ impl Port {
         }
     }
 
-    /// Runs one tick at a penetration in steps of the position's format; returns the force in steps.
+    /// Runs one tick at a penetration in quanta of the position's format; returns the force in quanta.
     fn tick(&mut self, e: i32) -> i128 {
         let f = self.wall.tick(Position(Signal::from_bits(e)));
         let f = i128::from(f.0.to_bits());
@@ -59,7 +59,7 @@ fn tdpa(observer: ObserverForm) -> Settings {
     }
 }
 
-/// Penetrations in steps, mostly inside, with stays, turns, jumps and exits.
+/// Penetrations in quanta, mostly inside, with rests, reversals, jumps and exits.
 fn walk(random: &mut Random, ticks: usize) -> Vec<i32> {
     let mut e = 0_i32;
     (0..ticks)
@@ -76,9 +76,9 @@ fn walk(random: &mut Random, ticks: usize) -> Vec<i32> {
         .collect()
 }
 
-/// `f(n) Δe(n) >= G(e(n)) - G(e(n-1))` for every force that grows with `e` and its potential `G`: over a spring, limited or
-/// not, the thesis' sum is never negative by itself, so the controller has nothing to correct. With positions (and not a
-/// filtered velocity) in its sum, the thesis' TDPA *is* the virtual spring.
+/// With the thesis' observer TDPA is the plain spring. For every force that grows with `e`, with potential `G`, `f(n) Δe(n) >=
+/// G(e(n)) - G(e(n-1))`. So the thesis' sum over a spring, limited or not, is never negative, and the controller corrects nothing.
+/// This holds if the sum uses positions and not a filtered velocity.
 #[test]
 fn tdpa_with_the_thesis_observer_is_the_plain_spring() {
     let mut tdpa = Port::new(&tdpa(ObserverForm::Thesis));
@@ -96,12 +96,12 @@ fn tdpa_with_the_thesis_observer_is_the_plain_spring() {
             assert_eq!(tdpa.observed(), tdpa.thesis, "tick {tick}");
         }
     }
-    // What it did not see: a millijoule at least.
+    // The energy that the thesis' observer did not count: a millijoule at least.
     let joule = 2_f64.powi(48);
     assert!((given_away as f64) < -1e-3 * joule, "{given_away}");
 }
 
-/// The step that chooses the force so that its own sum stays non-negative, for any force and any way.
+/// The passivity step chooses the force so that its own sum stays non-negative, for any force and displacement.
 #[test]
 fn a_passivity_step_leaves_the_remainder_of_its_own_division() {
     let mut random = Random::new(15);
@@ -121,7 +121,7 @@ fn a_passivity_step_leaves_the_remainder_of_its_own_division() {
         assert_eq!(after, whole.min(i64::MAX.into()));
         assert!(after >= 0 && (0..=i128::from(wanted)).contains(&force));
         if force < i128::from(wanted) {
-            // Not a step more force would have been allowed.
+            // One quantum more force would not have been allowed.
             assert!(moved < 0 && after < -moved);
             corrected += 1;
         }
@@ -143,9 +143,9 @@ fn tdpa_with_the_exact_observer_sees_the_port_to_the_bit() {
     }
 }
 
-/// The guess that the next displacement is like the last, taken at its word: where the motion goes on at least as fast, a
-/// deficit is gone after one tick (but for what the quotient's rounding leaves, less than one force quantum over that way),
-/// unless the force limit cut the correction short.
+/// TDPA with the exact observer assumes that the next displacement is like the last. If the motion goes on at least as fast, a
+/// deficit is gone after one tick, except for rounding of less than one force quantum over that displacement. This does not hold if
+/// the force limit cuts the correction short.
 #[test]
 fn tdpa_with_the_exact_observer_repairs_a_deficit_while_the_motion_goes_on() {
     let mut port = Port::new(&tdpa(ObserverForm::Exact));
@@ -176,9 +176,9 @@ fn tdpa_with_the_exact_observer_repairs_a_deficit_while_the_motion_goes_on() {
     assert!(repaired > 1_000, "{repaired} repairs only");
 }
 
-/// And where the motion does not go on: if it turns at every tick, every guess is wrong, and each wrong guess gives
-/// away up to the force limit over that way. No sum of past energy can prevent it; FBA's clamp, which holds for every
-/// next displacement, does.
+/// If the motion reverses at every tick, each correction by TDPA with the exact observer is wrong, and gives away up to the force
+/// limit times the displacement. No sum of past energy can prevent it. FBA's limit, which holds for every next displacement,
+/// prevents it.
 #[test]
 fn a_motion_that_turns_at_every_tick_defeats_tdpa_with_the_exact_observer_but_not_fba() {
     let (near, far) = (167_772_i32, 201_327_i32); // 10 and 12 mrad
@@ -202,8 +202,8 @@ fn a_motion_that_turns_at_every_tick_defeats_tdpa_with_the_exact_observer_but_no
     assert!(fba >= 0, "{fba}");
 }
 
-/// With `f <= sqrt(4 E c_i/T)`, `E - f |Δe| + (c_i/T) Δe²` is a square and not negative. The law rounds the damper's share
-/// down, by less than one force quantum over the way: by so much its sum may fall short, and no more.
+/// With `f <= sqrt(4 E c_i/T)`, `E - f |Δe| + (c_i/T) Δe²` is a square and not negative. The law rounds the damper's energy down by
+/// less than one force quantum times the displacement. Its sum may be too small by that much, and no more.
 #[test]
 fn fba_keeps_its_energy_whatever_comes_next() {
     let mut port = Port::new(&Settings {
@@ -214,7 +214,7 @@ fn fba_keeps_its_energy_whatever_comes_next() {
     let mut lowest = 0_i128;
     for tick in 0..1_000_000 {
         let before = port.last;
-        // Half of the time the worst way there is: Δe = -f/(2 c_i/T), with c_i/T = 0.5 N·m/rad here.
+        // Half of the time the worst displacement: Δe = -f/(2 c_i/T), with c_i/T = 0.5 N·m/rad here.
         let worst = i32::try_from(before - port.held).unwrap();
         let e = match random.bits() % 8 {
             0..4 => worst + random.whole(2),

@@ -1,6 +1,6 @@
-//! What a minute of leaning leaves behind in the enhanced law once its loan is spent. The offset goes on growing while
-//! the energy holds the virtual mass, and the wall is too strong for as long as that takes to unwind.
-//! `docs/hard-cases.md` explains it.
+//! What a minute of leaning on the enhanced law's wall leaves behind once the law's loan of energy is spent. The offset grows while
+//! the energy holds the virtual mass, and the wall is too stiff until the offset has shrunk again. `docs/hard-cases.md` explains
+//! it.
 
 use std::f64::consts::TAU;
 use touchstone_control::{
@@ -10,14 +10,15 @@ use touchstone_tests::random::Random;
 
 const COUNTS_PER_REV: u32 = 40_000;
 
-/// Result of a lean and of easing it to half its depth.
+/// Result of leaning on the wall and then easing to half the depth.
 struct Eased {
     offset_rad: f64,
-    /// From the end of the easing until the force, in the mean over a tenth of a second, is within 5 % of `k_de` for good; at most 119.
+    /// Time from the end of the easing until the mean force over a tenth of a second stays within 5 % of that of `k_de`, s; at most
+    /// 119.
     settled_s: f64,
 }
 
-/// A lean at this many counts with a jitter of a count, eased to half the depth within a second and held there for two
+/// Runs a lean at this many counts with a jitter of a count; it eases to half the depth within a second and holds there for two
 /// minutes.
 fn eased(settings: &Settings, depth: i64, lean_s: u32) -> Eased {
     let scale = CountScale::new(COUNTS_PER_REV, Si::ZERO).unwrap();
@@ -53,7 +54,7 @@ fn eased(settings: &Settings, depth: i64, lean_s: u32) -> Eased {
 #[test]
 fn while_the_loan_lasts_a_lean_leaves_nothing_behind() {
     let thesis = Settings::thesis();
-    // 0.2 N·m at 5 N·m/rad: the last that 20 mJ pay for.
+    // 0.2 N·m at 5 N·m/rad: the deepest lean that 20 mJ cover.
     for lean_s in [10, 60] {
         let eased = eased(&thesis, 255, lean_s);
         println!(
@@ -62,7 +63,7 @@ fn while_the_loan_lasts_a_lean_leaves_nothing_behind() {
         );
         assert!(eased.offset_rad < 0.42 && eased.settled_s < 2.5);
     }
-    // What ships borrows nothing at any depth within its force limit.
+    // The shipped law borrows no energy at any depth within its force limit.
     let mut shipped = Settings::default();
     shipped.guard.on = false;
     for depth in [255, 600] {
@@ -75,7 +76,7 @@ fn while_the_loan_lasts_a_lean_leaves_nothing_behind() {
     }
 }
 
-/// A known weakness, with its size: who mends it finds this test in the way.
+/// Documents a known weakness and its size: whoever removes the weakness must change this test.
 #[test]
 fn once_the_loan_is_spent_the_offset_winds_up_for_as_long_as_a_hand_leans() {
     let thesis = Settings::thesis();
@@ -93,7 +94,7 @@ fn once_the_loan_is_spent_the_offset_winds_up_for_as_long_as_a_hand_leans() {
     assert!((4.5..5.2).contains(&sixty.offset_rad) && (28.0..35.0).contains(&sixty.settled_s));
 }
 
-/// The published form has no such end: its observer counts the sampling leak as a gain, so nothing is ever spent.
+/// With the published observer the offset does not wind up: it counts the sampling leak as a gain, so its energy is never spent.
 #[test]
 fn the_published_form_does_not_wind_up() {
     let published = Settings {

@@ -1,6 +1,5 @@
-//! A recording compared with its simulation. A knob like its scene agrees; another one differs, and the comparison
-//! names the property that differs. For the whole drive only a bounce is compared, as a shield's coarse current
-//! sensors dominate its slow motion.
+//! A recording compared with its simulation. A knob like its scene agrees. With another knob the comparison names the property that
+//! differs. For the whole drive only a bounce is compared, as the coarse current sensors of a motor shield dominate slow motion.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -21,13 +20,13 @@ fn settings() -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
     settings.wall.surface_rad = Si::lit("0.3");
     settings.limits.fade_in_s = Si::lit("0.05");
-    // A damper's force follows every count, which the current loop smooths: what is compared here is the spring's.
+    // A damper's force follows every count, and the current loop smooths it. So only the spring's force is compared.
     settings.law.virtual_damping_n_m_s_per_rad = Si::ZERO;
     settings.encoder.counts_per_rev = COUNTS;
     settings
 }
 
-/// The thesis' knob with friction and an encoder; a hand presses it twice.
+/// A scene of the thesis' knob with friction and an encoder; a hand presses it twice.
 fn said() -> Scene {
     let friction = Friction {
         kinetic_n_m: FRICTION_N_M,
@@ -44,7 +43,7 @@ fn said() -> Scene {
     Scene::load("thesis-knob").unwrap().with(change).unwrap()
 }
 
-/// The same scene after a flick.
+/// The same scene, but the knob is flicked and let go.
 fn flicked() -> Scene {
     let change = |scene: &mut Scene| {
         scene.operator.grip = Grip::None;
@@ -56,7 +55,7 @@ fn flicked() -> Scene {
     said().with(change).unwrap()
 }
 
-/// A recording as `touchstone monitor` keeps it: a count, a penetration and a force a tick.
+/// Writes a recording as `touchstone monitor` does: count, penetration and force of each tick.
 fn kept(test: &str, ticks: impl Iterator<Item = (String, String, String)>) -> PathBuf {
     let mut text = String::from("tick,time_s,count,penetration_rad,force_n_m,state,limits\n");
     for (tick, (count, penetration, force)) in ticks.enumerate() {
@@ -65,7 +64,7 @@ fn kept(test: &str, ticks: impl Iterator<Item = (String, String, String)>) -> Pa
         let _ = writeln!(text, "{tick},{time_s},{count},{penetration},{force},armed,");
     }
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("beside-{test}"));
-    // What an earlier run left there would not be written over.
+    // Files of an earlier run would not be overwritten.
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).unwrap();
     let file = folder.join("record.csv");
@@ -73,7 +72,7 @@ fn kept(test: &str, ticks: impl Iterator<Item = (String, String, String)>) -> Pa
     file
 }
 
-/// Telemetry of a simulated device.
+/// Records the telemetry of a simulated device.
 fn simulated(test: &str, of: &Scene) -> PathBuf {
     let trace = run(of, true).unwrap().trace.unwrap();
     let step = std::f64::consts::TAU / f64::from(COUNTS);
@@ -93,8 +92,8 @@ fn compared(test: &str, file: &Path, scene: &Scene, hand: HandWas) -> Beside {
     found
 }
 
-/// Allowed difference as a share of a flick's span, 0.2 rad and 76 mN·m. A force of a count (0.4 mrad, 5 N·m/rad) is
-/// 2.5 % of it.
+/// Allowed difference as a fraction of a flick's span of 0.2 rad and 76 mN·m. The force of one count (0.4 mrad at 5 N·m/rad) is
+/// 0.025 of that torque.
 const LIKE: f64 = 0.02;
 
 #[test]
@@ -155,17 +154,18 @@ fn a_held_knob_like_its_scene_stays_with_it() {
     let file = simulated("held", &said());
     let found = compared("held", &file, &said(), HandWas::Holding);
     assert!(found.holds(0.05), "{:?}", found.differences);
-    // Another wall is another course of the same hand.
+    // At another wall the same hand moves differently.
     let soft = said().with(|scene| scene.wall.k_desired_n_m_per_rad *= 0.7);
     let file = simulated("soft", &soft.unwrap());
     let found = compared("soft", &file, &said(), HandWas::Holding);
     assert!(!found.holds(0.05), "{:?}", found.differences);
 }
 
-/// Half a step of the shield's current, 7.8 mA of 0.25 N·m/A, of a bounce with 65 mN·m.
+/// Allowed difference as a fraction of a bounce of 65 mN·m: half a step of the shield's current (7.8 mA at 0.25 N·m/A) is 0.03
+/// of that torque.
 const COARSE: f64 = 0.03;
 
-/// The whole drive with its motor: what it bounces like.
+/// The inertia of the whole drive with its motor is identified from a bounce.
 #[test]
 fn a_bounce_of_the_whole_drive_tells_the_inertia() {
     for inertia in [0.7, 1.0, 1.3] {
@@ -188,7 +188,7 @@ fn a_bounce_of_the_whole_drive_tells_the_inertia() {
         let told = std::iter::from_fn(|| {
             let record = Telemetry::from(&knob.tick());
             touched += u32::from(touched > 0 || record.penetration_rad > 0);
-            // The flight before the wall and a bounce: then the shield's coarse steps of the current rule.
+            // The flight before the wall and one bounce; after that the shield's coarse current steps dominate.
             (touched < 20).then(|| {
                 let (count, penetration) = (record.count, record.penetration_rad);
                 (

@@ -1,16 +1,16 @@
-//! Every shipped scene, with every combination of effects, leaves the bits that it left before.
+//! Every shipped scene, with every combination of effects, gives bit for bit the results of the stored hashes.
 //!
-//! How the loop is put together may change; what it computes may not. A hash covers every column of every tick and what the
-//! run was judged by. Where a change of behaviour is meant, `cargo test --test runs_keep_their_bits -- --nocapture` prints the
-//! new hashes; they are then entered together with that change and with nothing else.
+//! The program's structure may change, its results may not. A hash covers every column of every tick and the measures of the run.
+//! For an intended change of behaviour, `cargo test --test runs_keep_their_bits -- --nocapture` prints the new hashes. They are
+//! then entered in the same commit as that change, and with no other.
 //!
-//! Every machine has these bits: sums are made in one order, and sines and exponentials are those of `libm`.
+//! The bits are the same on every machine: sums are calculated in one order, and sines and exponentials are those of `libm`.
 
 use touchstone_sim::run::{self, record::Run};
 use touchstone_sim::scene::{self, Scene};
 use touchstone_tests::thesis;
 
-/// FNV-1a, 64 bits.
+/// FNV-1a hash with 64 bits.
 struct Hash(u64);
 
 impl Hash {
@@ -26,7 +26,7 @@ impl Hash {
 
     fn run(&mut self, run: &Run) {
         let trace = run.trace.as_ref().expect("a run with a trace");
-        // Without the last, the guard's account: these scenes have no guard.
+        // Without the last column, the guard's account: these scenes have no guard.
         for column in &trace.columns()[..13] {
             column.iter().for_each(|&x| self.float(x));
         }
@@ -45,7 +45,7 @@ impl Hash {
     }
 }
 
-/// The scene with each effect absent or present: encoder, torque limit, amplifier steps, delay, dry friction.
+/// A scene with each combination of effects: encoder, torque limit, amplifier steps, delay, dry friction.
 fn combinations(scene: &Scene) -> Vec<Scene> {
     let mut all = Vec::new();
     for choice in 0..32_u32 {
@@ -61,7 +61,7 @@ fn combinations(scene: &Scene) -> Vec<Scene> {
             sets.push("device.amplifier_step_n_m=1e-3");
         }
         if on(3) {
-            // A whole period and some; below a period every other time.
+            // A delay of more than a period, or of less, alternately.
             sets.push(if on(0) {
                 "timing.computational_delay_s=3e-4"
             } else {

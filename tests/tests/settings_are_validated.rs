@@ -1,12 +1,12 @@
-//! Both sides of every bound of [`Settings`]: the last value that is accepted, and the typed error for the next one. The
-//! bounds are written down here a second time, on purpose.
+//! Both sides of every bound of [`Settings`]: the last accepted value, and the typed error for the next one. The bounds are
+//! repeated in this file on purpose, so that a change of one shows.
 
 use touchstone_control::{
     Controller, Field, Fixed16, Fixed32, LawKind, Number, Regulate, Settings, SettingsError, Si,
 };
 use touchstone_tests::si::{assert_one_line, next, si};
 
-/// A setting, how to set it, and its smallest and largest value.
+/// A setting, the function that sets it, and its smallest and largest value.
 type Bound = (Field, fn(&mut Settings, Si), &'static str, &'static str);
 
 const BOUNDS: [Bound; 26] = [
@@ -58,7 +58,7 @@ const BOUNDS: [Bound; 26] = [
         "0.000001",
         "100",
     ),
-    // Measured states and no guard here: what either asks beside, and only where it is used, is in its own tests.
+    // Measured states and no guard. Settings that only an estimator or a guard uses have their own tests.
     (
         Field::EstimatorBandwidth,
         |s, x| s.estimator.bandwidth_hz = x,
@@ -100,7 +100,7 @@ const BOUNDS: [Bound; 26] = [
     ),
     (Field::GuardDelay, |s, x| s.guard.delay = x, "0", "1"),
     (Field::GuardLag, |s, x| s.guard.lag = x, "0", "1"),
-    // What the bandwidth is held to where it is used is in `velocity.rs`.
+    // `velocity.rs` tests the range of the bandwidth where it is used.
     (
         Field::VelocityBandwidth,
         |s, x| s.velocity.bandwidth_hz = x,
@@ -140,7 +140,7 @@ fn every_field_is_checked_on_both_sides_of_both_ends() {
                 Err(error),
                 "{field:?} = {value}"
             );
-            // The controller refuses what validate refuses, in every format.
+            // The controller refuses whatever `validate` refuses, in every format.
             assert_eq!(Controller::<Fixed32>::new(&with(set, value)), Err(error));
             assert_eq!(Controller::<f64>::new(&with(set, value)), Err(error));
             let text = error.to_string();
@@ -218,7 +218,7 @@ fn the_compensated_regulator_needs_a_coupling_above_the_desired_stiffness() {
         assert_eq!(settings.validate(), Err(error));
         assert_one_line(&error.to_string());
     }
-    // Who does not compensate is not asked, nor who shows a plain spring, nor another law.
+    // The setting is not checked for a law that does not compensate, for a plain spring, or for another law.
     let others = [
         Settings {
             regulate: Regulate::Hip,
@@ -238,8 +238,7 @@ fn the_compensated_regulator_needs_a_coupling_above_the_desired_stiffness() {
     }
 }
 
-/// A setting whose coefficient meets the end of a format: the law that uses it, the value of the setting, one coefficient
-/// more than fits.
+/// Asserts that a law accepts a setting whose coefficient just fits the number format, and refuses one coefficient quantum more.
 fn assert_fits_up_to<N: Number>(
     law: LawKind,
     field: Field,
@@ -274,7 +273,7 @@ fn assert_fits_up_to<N: Number>(
 #[test]
 fn a_coefficient_beyond_its_format_is_named_on_both_sides_of_the_end() {
     let below = |text| next(si(text), false);
-    // 16-bit gains end before 2^15/2^6 = 512, signals and ratios before 2^15/2^14 = 2, energies before 2^31/2^28 = 8.
+    // In 16 bits gains are below 2^15/2^6 = 512, signals and ratios below 2^15/2^14 = 2, energies below 2^31/2^28 = 8.
     assert_fits_up_to::<Fixed16>(
         LawKind::Spring,
         Field::KDesired,
@@ -293,7 +292,7 @@ fn a_coefficient_beyond_its_format_is_named_on_both_sides_of_the_end() {
         LawKind::EnhancedSfa,
         Field::EnergyCredit,
         |s, x| s.energy_credit = x,
-        // Half of the format: that is where the stored energy is capped, and a credit above it would be cut off.
+        // Half of the format, where the stored energy is limited; a larger credit would be cut off.
         si("4"),
         si("4.1"),
     );
@@ -317,8 +316,8 @@ fn a_coefficient_beyond_its_format_is_named_on_both_sides_of_the_end() {
     // 1/k_v: above 0.5 N·m/rad in 16 bits.
     let soft = |s: &mut Settings, x| s.k_soft = x;
     assert_fits_up_to::<Fixed16>(LawKind::Sfa, Field::KSoft, soft, si("0.51"), si("0.5"));
-    // The filter's coefficients are summed, and twice the sum must fit: m/T² + k_f + c_f/T + c_env/T below 2^18 N·m/rad in 32
-    // bits. 0.0005 off for what the setting's own step, times 1 kHz twice, can make of it.
+    // The filter's coefficients are summed, and twice the sum must fit: m/T² + k_f + c_f/T + c_env/T is below 2^18 N·m/rad in 32
+    // bits. 0.0005 is subtracted for the setting's own quantum, times 1 kHz twice.
     let mass = |s: &mut Settings, x: Si| s.filter.mass = x;
     let others = si("11"); // k_f = 1, c_env/T = 10
     let last = si("262144") - others;

@@ -1,5 +1,5 @@
-//! Both sides of every passivity bound: the last setting without a warning, and the named warning for the next one. Warnings
-//! come where a law uses the setting, and nowhere else.
+//! Both sides of every passivity bound: the last setting without a warning, and the named warning for the next one. A law warns
+//! only of settings that it uses.
 
 use touchstone_control::{
     Choice as _, Field, LawKind, ObserverForm, Settings, Si, StatesKind, Warning,
@@ -13,7 +13,7 @@ fn warns(settings: &Settings, is: fn(&Warning) -> bool) -> bool {
     settings.warnings().any(|warning| is(&warning))
 }
 
-/// Settings in which every bound is a sum of powers of two, so that one step of a setting is one step across its bound.
+/// Settings in which every bound is a sum of powers of two. So one quantum of a setting is one quantum across its bound.
 fn dyadic() -> Settings {
     let mut settings = Settings {
         rate_hz: 1024,
@@ -65,7 +65,7 @@ fn a_soft_spring_above_the_critical_stiffness_is_warned_about() {
     };
     assert!(settings.warnings().any(|w| w == expected));
     assert_eq!(expected.field(), Field::KSoft);
-    // Laws without the spring, and stiffnesses that are shown without it.
+    // Laws without the virtual spring, and stiffnesses that need none.
     for law in [
         LawKind::Spring,
         LawKind::SpringDamper,
@@ -96,7 +96,7 @@ fn a_coupling_above_its_sampling_bound_is_warned_about() {
     };
     assert!(settings.warnings().any(|w| w == expected));
     assert_eq!(expected.field(), Field::FilterStiffness);
-    // From the other side: less damping left over, c_i as well as c_f.
+    // From the other side: less damping remains, c_i as well as c_f.
     settings = dyadic();
     settings.filter.damping = next(settings.filter.damping, true);
     assert!(warns(&settings, is));

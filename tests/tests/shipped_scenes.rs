@@ -1,4 +1,4 @@
-//! Every shipped scene runs, and ends in its known way.
+//! Every shipped scene runs, and ends with its documented verdict.
 
 use std::path::Path;
 use touchstone_control::LawKind;
@@ -7,8 +7,9 @@ use touchstone_sim::run::{self};
 use touchstone_sim::scene;
 use touchstone_tests::thesis;
 
-/// Share by which the rate-hardness may differ: the slope over a depth `w` of a force that is off by up to half a count `q/2` is
-/// off by at most `3 (q/2)/w`. Counts are 0.157 mrad; a press at 1.6 rad/s in a wall of 5 N·m/rad reaches 7 mrad, a tap more.
+/// Allowed relative difference of the rate-hardness. It is the slope over a depth `w` of a force that is wrong by up to half a
+/// count `q/2`, so it is wrong by at most `3 (q/2)/w`. Counts are 0.157 mrad. A press at 1.6 rad/s into a wall of 5 N·m/rad reaches
+/// 7 mrad, and a tap goes deeper.
 const HARDNESS: f64 = 3.0 * 0.0785 / 7.0;
 
 fn summary(name: &str) -> Summary {
@@ -53,8 +54,8 @@ fn presses_come_to_rest_at_the_desired_stiffness_on_credit() {
         "identify",
     ] {
         let run = summary(name);
-        // At rest; what it gave beyond what it took stays within the credit of 20 mJ a contact. The scenes have two contacts
-        // at most (a touch and a press, without leaving in between as long as the law holds).
+        // At rest. The energy given beyond that taken stays within the credit of 20 mJ per contact. The scenes have at most two
+        // contacts (a touch and a press, without leaving in between while the law holds).
         assert_eq!(run.verdict, Verdict::Active, "{name}");
         assert!(
             run.energy_user_min > -0.02,
@@ -66,8 +67,8 @@ fn presses_come_to_rest_at_the_desired_stiffness_on_credit() {
     }
 }
 
-/// The tuned law on the small motor, by its current and by its voltage, for every grip. The press of 30 mN·m comes to rest at the wall's stiffness, no deeper than the
-/// scorecard allows, and the guard is not needed.
+/// The tuned law on the small motor, driven by current and by voltage, under every grip. The press of 30 mN·m comes to rest at the
+/// wall's stiffness, no deeper than the scorecard allows, and the guard does not act.
 #[test]
 fn the_small_knob_shows_its_wall_to_every_grip() {
     let knobs = ["gimbal-knob", "voltage-knob"];
@@ -105,7 +106,7 @@ fn a_tap_meets_the_desired_stiffness_and_gets_no_energy() {
     assert_eq!(run.verdict, Verdict::Passive);
     assert_close(run.rate_hardness, 5.0, HARDNESS);
     assert!(run.contact_ticks > 5, "{}", run.contact_ticks);
-    // The wall's own port: the spring of the same stiffness leaks energy at every sample, the law does not.
+    // At the wall's own port the spring of the same stiffness leaks energy at every sample; the law does not.
     let scene = thesis("tap").with_overrides(&["law.kind=spring"]).unwrap();
     let spring = run::run(&scene, false).unwrap().summary;
     assert_eq!(run.energy_true_min, 0.0);
@@ -158,8 +159,8 @@ fn a_recorded_hand_moves_the_knob_in_and_out_of_the_wall() {
     let share = run.summary.contact_ticks as f64 / run.summary.ticks as f64;
     // The hand's rest point is inside 45 % of the time; a wall of 5 N·m/rad keeps the knob out for most of it.
     assert!(share > 0.1 && share < 0.45, "{share}");
-    // The recording's own scale, its mean on the surface. Smoothing is a Gaussian with a standard deviation of 6.6 ms: the rest
-    // point never leaves what was recorded within five samples (3.8 deviations), but for the weights beyond them.
+    // The recording's own scale, with its mean on the surface. Smoothing is a Gaussian with a standard deviation of 6.6 ms. So the
+    // rest point stays within the recorded values of five samples (3.8 deviations), except for the weights beyond them.
     let text = std::fs::read_to_string(&file).unwrap();
     let degrees: Vec<f64> = text
         .lines()

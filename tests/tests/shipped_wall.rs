@@ -1,5 +1,5 @@
-//! The shipped wall, one setting for all of this: three grips and, each alone, a coarser encoder, half and double
-//! inertia and damping, up to a tick of delay; pressed, moved, and let go.
+//! The shipped wall's settings in all these cases: three grips and, each alone, a coarser encoder, half and double inertia and
+//! damping, and up to a tick of delay. The wall is pressed, moved along, and let go.
 
 use touchstone_control::Settings;
 use touchstone_sim::run::record::{Summary, Verdict};
@@ -7,7 +7,7 @@ use touchstone_sim::run::{self};
 use touchstone_sim::scene::{Preset, Scene};
 
 const GRIPS: [&str; 3] = ["light", "medium", "firm"];
-/// What differs from the scene, and the delay in seconds.
+/// A change of the scene, and the delay in seconds.
 const CASES: [(&str, f64); 9] = [
     ("timing.computational_delay_s=0", 0.0),
     ("encoder.counts_per_rev=16384", 0.0),
@@ -19,7 +19,7 @@ const CASES: [(&str, f64); 9] = [
     ("timing.computational_delay_s=5e-4", 5e-4),
     ("timing.computational_delay_s=1e-3", 1e-3),
 ];
-/// Dry friction and encoder of the thesis' knob, for scenes that have others or none.
+/// Dry friction and encoder of the thesis' knob, for scenes with other ones or none.
 const KNOB: [&str; 2] = [
     "device.friction.kinetic_n_m=3e-4",
     "encoder.counts_per_rev=40000",
@@ -37,7 +37,7 @@ fn summary(scene: &Scene) -> Summary {
 
 #[test]
 fn the_shipped_law_is_the_defaults() {
-    // A count of 40,000 is what the table's default says, but for the last digit.
+    // A count of 40,000 per turn is the table's default, except for the last digit.
     let rows = |scene: &Scene| Settings {
         position: Settings::default().position,
         ..scene.settings().unwrap()
@@ -80,8 +80,8 @@ fn a_press_is_met_at_once_by_every_grip_in_every_case() {
     }
 }
 
-/// A light touch of 0.02 N·m within 50 ms, then the press: how deep a heavy knob goes before it turns is its momentum's doing, and not
-/// more than an ideal spring would let it.
+/// A light touch of 0.02 N·m within 50 ms, then the press. A heavy knob goes deeper because of its momentum, but no deeper than
+/// with an ideal spring.
 #[test]
 fn a_brisk_touch_goes_no_deeper_than_its_momentum() {
     let mut worst: f64 = 0.0;
@@ -110,7 +110,7 @@ fn a_moving_hand_feels_the_stiffness() {
                     KNOB[0],
                     KNOB[1],
                 ];
-                // The case comes last, so that it has the last word.
+                // The case comes last, so that it overrides the others.
                 let run = summary(&scene(
                     "press-wiggle-release",
                     grip,
@@ -137,7 +137,7 @@ fn a_moving_hand_feels_the_stiffness() {
     }
 }
 
-/// Checks that the guard changes no bit in any shipped scene.
+/// The guard changes no bit in any shipped scene.
 #[test]
 fn the_guard_leaves_the_shipped_scenes_alone() {
     for name in touchstone_sim::scene::names() {
@@ -153,7 +153,7 @@ fn the_guard_leaves_the_shipped_scenes_alone() {
     }
 }
 
-/// Settings in seconds instead of ticks: the same scene at other rates.
+/// Settings are in seconds instead of ticks, so the same scene works at other control rates.
 #[test]
 fn the_same_settings_serve_other_rates() {
     for rate_hz in [1_000, 2_000, 5_000, 10_000] {

@@ -1,4 +1,4 @@
-//! Estimated states in three axes: on a plane they equal those of one axis, and at rest they equal the true state.
+//! Estimated states on three axes: on a plane they equal those of one axis, and at rest they equal the true state.
 
 use touchstone_control::estimator::EstimatorState;
 use touchstone_control::space::environment::{Plane, Sphere};
@@ -12,7 +12,7 @@ use touchstone_tests::variants;
 
 const RATE_HZ: u32 = 1000;
 
-/// Estimator settings of an omega.3's axis, with commands that act half a tick late.
+/// Estimator settings for one axis of an omega.3, with commands that act half a tick late.
 fn axis() -> EstimatorSettings {
     EstimatorSettings {
         bandwidth_hz: si("62.6"),
@@ -40,7 +40,7 @@ fn wall(shape: Shape<F>, shell: Shell<F, AnyLaw<F>>) -> SpaceWall<F, Shape<F>, A
     wall
 }
 
-/// Pressed in and let go, in counts of 10 um, while it goes to and fro along the floor.
+/// A press and release in counts of 10 µm, while the HIP moves to and fro along the floor.
 fn press(tick: u32) -> [f64; 3] {
     let t = f64::from(tick) / 1000.0;
     let count = |x: f64| (x * 100.0).round() / 100.0;
@@ -58,7 +58,7 @@ fn a_floor_is_the_wall_of_one_axis_to_the_bit() {
         let law = UNIT.law::<F>(&settings).expect("settings");
         let estimator = UNIT.estimator::<F>(&[axis(); 3], RATE_HZ, Si::from_num(12));
         assert!(estimator.is_ok());
-        // The same settings by hand, in centimetres.
+        // The same settings converted to centimetres by hand.
         let one = EstimatorSettings {
             inertia: si("0.148") / 100,
             damping: si("0.025"),
@@ -91,8 +91,7 @@ fn a_floor_is_the_wall_of_one_axis_to_the_bit() {
     assert!(pushing > compared / 3, "{pushing} of {compared} push");
 }
 
-/// Held still, at a place and under a force, the estimate equals the measured place, to a quantum, whatever the
-/// surface does.
+/// At rest, at any place and under any force, the estimate equals the measured place to one quantum, also if the surface moves.
 #[test]
 fn at_rest_the_place_is_the_measured_one() {
     let centre = Vector::default();
@@ -112,13 +111,12 @@ fn at_rest_the_place_is_the_measured_one() {
     let length = measured.iter().map(|x| x * x).sum::<f64>().sqrt();
     let expected = measured.map(|x| 5.0 * (30.0 - length) * x / length);
     for (is, should) in push_in_n(force).into_iter().zip(expected) {
-        // A quantum of place is 6e-7 mm; 5 N/mm of three of them.
+        // A quantum of a place is 6e-7 mm; three of them are allowed, at 5 N/mm.
         assert!((is - should).abs() < 1e-5, "{is} for {should}");
     }
 }
 
-/// The estimator uses the force that was commanded in the end: one that is told of no force at all expects another
-/// motion.
+/// The estimator uses the force that was commanded in the end: if no force is reported, it predicts another motion.
 #[test]
 fn a_force_that_did_not_act_is_told() {
     let law = UNIT.law::<F>(&omega(LawKind::Spring, 5.0)).expect("law");

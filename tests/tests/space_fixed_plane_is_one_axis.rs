@@ -1,4 +1,5 @@
-//! On a plane the shell of three axes is the law of one, bit for bit: every law with every choice, on planes of any inclination.
+//! On a plane the three-axis form of a law (shell) equals the one-axis law bit for bit, for every law with every option and planes
+//! of any inclination.
 
 use touchstone_control::law::Sample;
 use touchstone_control::space::environment::Plane;
@@ -10,7 +11,7 @@ use touchstone_tests::random::Random;
 use touchstone_tests::space::{F, Place, UNIT, at, direction, mm, omega};
 use touchstone_tests::variants;
 
-/// Presses of up to 2 mm with slides of up to 0.1 mm a tick, let go in between, in steps of a hundredth of a millimetre and any smaller.
+/// Presses of up to 2 mm with slides of up to 0.1 mm per tick, and releases in between, in steps of 0.01 mm and smaller.
 fn path(ticks: usize, seed: u64) -> Vec<[f64; 3]> {
     let mut random = Random::new(seed);
     let (mut depth, mut drift) = (0.0_f64, [0.0, 0.0]);
@@ -45,10 +46,10 @@ fn planes() -> [Plane<F>; 5] {
     })
 }
 
-/// A path that is `depth` below the plane.
+/// A place on the path, at this `depth` below the plane.
 fn below(plane: &Plane<F>, [a, b, depth]: [f64; 3]) -> Place {
     let n = plane.normal;
-    // Any two directions across.
+    // Any two directions across the normal.
     let side = n.across(at(10.0, 3.0, -7.0));
     let (u, v) = (
         Direction::of(side).unwrap(),
@@ -96,7 +97,8 @@ fn every_law_gives_the_bits_of_one_axis() {
     assert!(pushing > compared / 3, "{pushing} of {compared} push");
 }
 
-/// On an axis each law of the per-axis shell sees the bits of one axis, and the others nothing, whatever the rule of leaving.
+/// On a plane across an axis, the law of that axis gets the bits of one axis and the other laws get nothing, under every rule for
+/// leaving.
 #[test]
 fn per_axis_agrees_with_magnitude_on_a_horizontal_plane() {
     let plane = planes()[0];
@@ -115,7 +117,7 @@ fn per_axis_agrees_with_magnitude_on_a_horizontal_plane() {
     }
 }
 
-/// A law that forgets is as it was built.
+/// A law that was reset is the same as a new one.
 #[test]
 fn a_reset_is_a_new_law() {
     for (name, settings) in variants::all(&omega(touchstone_control::LawKind::Spring, 25.0)) {

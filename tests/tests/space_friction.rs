@@ -1,4 +1,5 @@
-//! Friction across the normal: it does not creep, slides at its coefficient, and gives no energy that the device's own damping does not pay for.
+//! Friction across the normal: it does not creep, slides at its coefficient, and gives no energy beyond what the device's own
+//! damping dissipates.
 
 use touchstone_control::space::environment::{Plane, Sphere};
 use touchstone_control::space::{
@@ -19,7 +20,7 @@ const DAMPING: &str = "2.5";
 
 fn settings() -> FrictionSettings {
     FrictionSettings {
-        // All that the damping answers for, 2 b/T.
+        // The largest stiffness that the damping allows, 2 b/T.
         stiffness: si("5000"),
         static_coefficient: si("0.6"),
         kinetic_coefficient: si("0.4"),
@@ -39,11 +40,13 @@ fn floor(normal: Direction<F>) -> Plane<F> {
     }
 }
 
-/// A mass under a push along x, held by friction: exact between ticks but for the damping, which is a first-order step of a fiftieth.
+/// A mass under a push along x, held by friction, does not creep. Its motion between ticks is exact, except for the damping, which
+/// uses a first-order step of a fiftieth of a tick.
 #[test]
 fn in_stick_nothing_creeps_over_a_million_ticks() {
     const MASS_KG: f64 = 0.148;
-    // Half of what the damping answers for, as without a hand: at 2 b/T itself the sampled spring rings for ever, and a tremor with it.
+    // Half of the stiffness that the damping allows, as without a hand. At 2 b/T itself the sampled spring rings for ever, and so
+    // does a tremor.
     let law = FrictionSettings {
         stiffness: si("2500"),
         ..settings()
@@ -55,7 +58,7 @@ fn in_stick_nothing_creeps_over_a_million_ticks() {
     let mut state = FrictionState::default();
     let mut point = SurfacePoint::new(Rule::Closest);
     let (mut x, mut v) = (0.0_f64, 0.0_f64);
-    // 0.9 of what sticks, and a tremor of 8 Hz.
+    // 0.9 of the force at which friction starts to slide, and a tremor of 8 Hz.
     let (pressed, push) = (5.0, 0.9 * STATIC * 5.0);
     let mut early = None;
     for tick in 0..1_000_000_u32 {
@@ -76,9 +79,9 @@ fn in_stick_nothing_creeps_over_a_million_ticks() {
     }
     let (early, _) = early.expect("that tick was played");
     println!("held at {early:.5} mm after 10 s and {x:.5} mm after 1000 s");
-    // The tremor's own stretch, and a count.
+    // The stretch from the tremor, and a count.
     assert!((x - early).abs() < 2.0 * 0.05 * push / 2.5 + 0.01);
-    // The anchor is where it was: back at the first place there is no force, to the bit.
+    // The anchor has not moved: back at the first place the force is exactly 0.
     let back = law.tick(
         &mut state,
         &point.tick(&plane, at(0.0, 0.0, -0.2)),
@@ -87,7 +90,7 @@ fn in_stick_nothing_creeps_over_a_million_ticks() {
     assert_eq!(push_in_n(back), [0.0; 3]);
 }
 
-/// A million ticks of tremor across an inclined plane: the same place has the same force.
+/// A million ticks of tremor across an inclined plane: the same place always has the same force.
 #[test]
 fn on_an_inclined_plane_the_same_place_has_the_same_force() {
     let law = friction();
@@ -165,7 +168,7 @@ fn it_slides_at_its_coefficient() {
                     assert!(ratio <= STATIC * 1.001, "{ratio}");
                 }
                 assert!(slid > ticks / 4, "{slid} of {ticks} ticks slide");
-                // One tick's stretch before the threshold at most.
+                // At most one tick's stretch before the threshold.
                 let step = 5.0 * speed_mm_per_s * 1e-3 / pressed;
                 assert!(
                     peak > STATIC - step - 0.01,
@@ -181,7 +184,7 @@ fn it_slides_at_its_coefficient() {
     assert!(worst < 0.01);
 }
 
-/// The motion of a loop: random, back to its first place, on a surface or around it.
+/// A random closed path, back to its first place, on a surface or around it.
 fn closed_loop(random: &mut Random) -> Vec<[f64; 3]> {
     let ticks = 10 + (random.bits() % 50) as usize;
     let size = 2.0_f64.powf(4.0 * random.real() - 2.0);
@@ -193,14 +196,14 @@ fn closed_loop(random: &mut Random) -> Vec<[f64; 3]> {
         }
         path.push(here);
     }
-    // Home in even steps.
+    // Back to the start in even steps.
     for step in (0..10).rev() {
         path.push(here.map(|x| x * f64::from(step) / 10.0));
     }
     path
 }
 
-/// What friction takes around a loop, and what damps: mJ.
+/// Energy in mJ around a closed path: what friction takes, and what the device's damping dissipates.
 fn around(
     law: &Friction<F>,
     surface: &impl Surface<F>,
@@ -223,7 +226,7 @@ fn around(
             let force: touchstone_tests::space::Push = force;
             taken = taken + (-force).work(moved);
             damped += DAMPING_N_PER_MM * moved.0.map(|x| in_mm(x).powi(2)).iter().sum::<f64>();
-            // Rounding: four quanta of displacement a tick times the force.
+            // Rounding: four quanta of displacement per tick, times the force.
             slack += 4.0 * length(push_in_n(force)) / 1_677_721.6;
         }
         let now = if even {
@@ -234,7 +237,7 @@ fn around(
         let force = law.tick(&mut state, &touch, newton(now));
         last = Some((touch, force));
     }
-    // An energy is in 10 mJ.
+    // The unit of an energy is 10 mJ.
     (10.0 * F::energy_to_f64(taken.0), damped, slack)
 }
 
@@ -285,7 +288,7 @@ fn around_closed_loops_it_never_adds_energy() {
         "seed {SEED}, {LOOPS} closed loops: least taken {least:.4} mJ ({gave} loops give some back), least with the device's damping {least_damped:.2e} mJ; of the damping at most {:.1} % is needed",
         100.0 * needed
     );
-    // The bound is no luxury: with a stiffness beyond it, loops do add energy.
+    // The bound is needed: with a stiffness beyond it, loops do add energy.
     let stiff = Friction {
         stiffness: touchstone_control::Stiffness(law.stiffness.0 * 4),
         static_reach: touchstone_control::Compliance(law.static_reach.0 / 4),

@@ -1,4 +1,4 @@
-//! The energy guard on the port of three axes keeps its promise under an adversary that moves in space, whatever the law.
+//! The energy guard of three axes keeps its bound against an adversary that moves in space, for any law.
 
 use touchstone_control::GuardSettings;
 use touchstone_control::space::{LengthUnit, Vector, VectorGuard};
@@ -6,7 +6,8 @@ use touchstone_control::{Fixed32, Force, GuardedDevice, Position, Si};
 use touchstone_tests::si::si;
 use touchstone_tests::space_port::{CAPACITY_MJ, COUNT_MM, Law, Port, Way, ball, whirl};
 
-/// Half a count in each coordinate at each end of a window, under the largest force that the account allows: 20 mJ over 1 mm.
+/// Energy of half an encoder count in each coordinate at each end of a window, under the largest force that the account allows: 20
+/// mJ over 1 mm, which is 20 N.
 const ENCODER_MJ: f64 = 1.7320509 * COUNT_MM * 20.0;
 
 fn port(law: Law, delay: f64, guard: Option<f64>) -> Port {
@@ -44,13 +45,13 @@ fn no_hand_in_space_gets_out_more_than_promised() {
         "most {worst:.3} mJ of {:.3}; a shortened force is turned by at most {worst_turn:.1e} rad",
         CAPACITY_MJ + ENCODER_MJ
     );
-    // The search is one that finds what there is.
+    // The search does find energy to get out.
     assert!(worst > 0.9 * CAPACITY_MJ, "{worst}");
-    // Two quanta of a component, of a hundredth of a newton.
+    // Two quanta of a component, at a force of a hundredth of a newton.
     assert!(worst_turn < 3.0 * 6e-8 / 0.01);
 }
 
-/// Shows that the test can fail: a guard that assumes no delay does not hold with one.
+/// Shows that the test can fail: a guard that is configured for no delay does not keep its bound at a delay.
 #[test]
 fn a_guard_that_does_not_know_the_delay_does_not_hold() {
     let (_, got) = port(ball, 0.5, Some(0.0)).worst(Way::Policy, 1500, 500, 2);
@@ -86,7 +87,7 @@ fn overspeed_in_any_direction_switches_off() {
         Vector(vector("0", "3", "4").map(|x| Force::<Fixed32>::from_si(x).expect("fits"))),
         |v: [Si; 3]| Vector(v.map(|x| Position::<Fixed32>::from_si(x).expect("fits"))),
     );
-    // 0.95 mm diagonally is not, 1.04 mm is, though no coordinate is above 0.6 mm.
+    // 0.95 mm diagonally is no over-speed and 1.04 mm is, though no coordinate moves more than 0.6 mm.
     let mut state = guard.full();
     let slow = d(vector("0.055", "-0.055", "0.055"));
     assert_eq!(guard.tick(&mut state, slow, f), Ok(f));
@@ -111,7 +112,7 @@ fn the_end_of_positions_in_any_direction_takes_the_force_away() {
     };
     let force = Vector(vector("0", "3", "4").map(|x| Force::<Fixed32>::from_si(x).expect("fits")));
     let (still, none) = (Vector::default(), Vector::default());
-    // 0.1 cm is the furthest of a tick: the edge is two of them before 128 cm.
+    // 0.1 cm is the largest displacement of a tick: the edge is two of them before 128 cm.
     for (before, moved) in [
         (["127.79", "0", "5"], ["0.02", "0", "0"]),
         (["-3", "-127.79", "0"], ["0", "-0.02", "0"]),
@@ -126,12 +127,12 @@ fn the_end_of_positions_in_any_direction_takes_the_force_away() {
         let there = before + moved;
         assert!(guard.tick_at(&mut state, there, moved, force).is_err());
         assert_eq!(state, booked);
-        // Without a wish there is nothing to refuse.
+        // Without a requested force there is nothing to refuse.
         assert_eq!(guard.tick_at(&mut state, there, still, none), Ok(none));
     }
 }
 
-/// Along one axis it is the guard of one axis, but for the counts of a vector.
+/// A guard of three axes that moves along one axis is the guard of one axis, except for the length of an encoder count.
 #[test]
 fn what_is_commanded_smaller_is_booked_smaller() {
     let guard = guard();
@@ -143,12 +144,12 @@ fn what_is_commanded_smaller_is_booked_smaller() {
     guard.tick(&mut other, zero, f).expect("slow");
     let half = f.map(|x| Force(x.0 / 2));
     guard.commanded(&mut other, half);
-    // A longer one is none.
+    // A report of a longer force has no effect.
     let longer = f + f;
     let before = one;
     guard.commanded(&mut one, longer);
     assert_eq!(one, before);
-    // With the force, the hand gets something out: less of the smaller.
+    // A motion along the force: the hand gets energy out, less with the smaller force.
     let along = Vector(
         vector("0.01", "0.02", "0.02").map(|x| Position::<Fixed32>::from_si(x).expect("fits")),
     );

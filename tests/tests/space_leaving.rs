@@ -1,4 +1,4 @@
-//! When a contact of three laws ends (thesis §4.4.1): the figures, each as a check, under all three rules.
+//! When a contact with three laws, one per axis, ends (thesis §4.4.1): each figure as a test, under all three rules.
 
 use touchstone_control::space::environment::Cuboid;
 use touchstone_control::space::{Along, Leaving, PerAxis, Rule, SurfacePoint};
@@ -7,7 +7,7 @@ use touchstone_tests::space::{F, Push, UNIT, at, in_mm, omega, push_in_n};
 
 const RULES: [Leaving; 3] = [Leaving::Decoupled, Leaving::AnyAxis, Leaving::Projection];
 
-/// A box of 40 mm with its top at z = 0 and its right face at x = 0.
+/// A box with sides of 40 mm, its top at z = 0 and its right face at x = 0.
 fn block() -> Cuboid<F> {
     Cuboid {
         centre: at(-20.0, 0.0, -20.0),
@@ -23,7 +23,7 @@ struct Hand {
 }
 
 impl Hand {
-    /// Touches the top 1 mm from its right edge, and rests 0.3 mm deep until the offset has grown.
+    /// The HIP touches the top 1 mm from its right edge, and rests 0.3 mm deep until the offset has grown.
     fn pressing(leaving: Leaving) -> Self {
         let law = UNIT
             .law::<F>(&omega(LawKind::EnhancedSfa, 25.0))
@@ -63,12 +63,13 @@ impl Hand {
     }
 }
 
-/// Fig. 4.7: out through the side. Decoupled, the vertical offset goes on pushing in free air; coupled, nothing does.
+/// Fig. 4.7: the HIP leaves through the side. With the decoupled rule the vertical offset goes on pushing in free air; with a
+/// coupled rule nothing does.
 #[test]
 fn figure_4_7_a_force_remains_after_the_side_is_left() {
     for leaving in RULES {
         let mut hand = Hand::pressing(leaving);
-        // To where the side is closer than the top, and out of it, further than any offset of that axis.
+        // To a place where the side is closer than the top, and out through the side by more than any offset of that axis.
         hand.go([-0.1, 0.0, -0.3], 20).go([6.0, 0.0, -0.3], 60);
         let [x, y, z] = push_in_n(hand.force);
         println!("Fig. 4.7 {leaving:?}: 6 mm outside {x:.2} {y:.2} {z:.2} N");
@@ -79,7 +80,8 @@ fn figure_4_7_a_force_remains_after_the_side_is_left() {
     }
 }
 
-/// Fig. 4.8: a little out of the top within the offset, and a little past the edge: the coordinate that has no offset has left. By any axis the force drops at once.
+/// Fig. 4.8: the HIP is a little above the top, within the offset, and a little past the edge, where that coordinate has no offset
+/// and has left. With the rule "any axis" the force drops at once.
 #[test]
 fn figure_4_8_a_small_coordinate_drops_the_force() {
     for leaving in RULES {
@@ -99,7 +101,7 @@ fn figure_4_8_a_small_coordinate_drops_the_force() {
     }
 }
 
-/// Fig. 4.9: by projection the object is left just where the distance is the offset's part along it.
+/// Fig. 4.9: with the rule "projection" the contact ends exactly where the distance equals the offset's part along it.
 #[test]
 fn figure_4_9_the_projection_ends_the_contact_at_the_offset() {
     let mut hand = Hand::pressing(Leaving::Projection);
@@ -110,14 +112,14 @@ fn figure_4_9_the_projection_ends_the_contact_at_the_offset() {
         let out = 0.3 + 0.01 * f64::from(step);
         hand.go([0.3 * out / 0.3, 0.0, out], 1);
         let touches = hand.shell.laws.iter().any(Along::touches);
-        // The distance to the edge, and O' along it.
+        // The distance to the edge, and the offset's part O' along it.
         let distance = out * 2.0_f64.sqrt();
         let reach = (was[0] + was[2]) / 2.0_f64.sqrt();
         if !touches {
             left = true;
             println!("left at {distance:.3} mm, O' {reach:.3} mm");
             assert_eq!(push_in_n(hand.force), [0.0; 3]);
-            // The laws can end a contact by themselves before; they do not when still beyond the offset.
+            // The laws may end a contact earlier by themselves, but it must not last beyond the offset.
             assert!(distance < reach + 0.1, "not later than the offset ends");
             break;
         }
@@ -129,11 +131,11 @@ fn figure_4_9_the_projection_ends_the_contact_at_the_offset() {
     assert!(left, "it was never left");
 }
 
-/// (4.8) as printed: `α < 1` holds wherever the HIP is outside, so that the object is never left. The sign is the thesis' slip.
+/// (4.8) as printed: `α < 1` holds wherever the HIP is outside, so the contact never ends. The sign is an error in the thesis.
 #[test]
 fn equation_4_8_as_printed_never_ends_a_contact() {
     for out in [0.1, 1.0, 10.0, 1000.0] {
-        // Outside: e and O opposed.
+        // Outside: e and O have opposite signs.
         let (e, o) = ([0.0, 0.0, out], [0.0, 0.0, -1.5]);
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         // O' = s e, so e = α O' has α = 1/s.

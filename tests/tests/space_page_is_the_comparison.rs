@@ -1,4 +1,5 @@
-//! The loop of the page of three axes is that of the thesis' comparison: the same hand gives the same forces, bit for bit.
+//! The simulation loop of the web page on three axes equals that of the thesis' comparison: the same hand gives the same forces,
+//! bit for bit.
 
 use touchstone_control::{GuardSettings, LawKind, Si};
 use touchstone_lab::thesis::space::{
@@ -40,7 +41,7 @@ fn the_same_hand_gives_the_same_forces() {
             };
             let record = run(&cell).unwrap();
             let motion = ProbingMotion::of(object);
-            // Through the page's own text: what is left out there is missing here.
+            // The settings go through the page's own text, so that a setting missing there is missing here.
             let text = choice(object, approach, 25.0).to_text();
             let choice = SpaceChoice::of_text(&text).unwrap();
             let mut page = SpaceLoop::at(choice, motion.rest_mm(0.0)).unwrap();

@@ -1,4 +1,5 @@
-//! The cases that a proxy has to pass, each by its number; the second is Fig. 4.5, in `space_surface_points`.
+//! The cases that a proxy (surface point of the HIP) has to pass, each by its number. The second is Fig. 4.5, in
+//! `space_surface_points`.
 
 use touchstone_control::LawKind;
 use touchstone_control::space::Magnitude;
@@ -12,7 +13,7 @@ use touchstone_tests::surface_path::{
     RATIO, ROUNDING, along, inside, largest_turn, plane, restricted, thin,
 };
 
-/// Thinner than the 0.48 mm that 12 N press into 25 N/mm.
+/// A plate that is thinner than the 0.48 mm by which 12 N press into 25 N/mm.
 #[test]
 fn proxy_case_1_no_pop_through_a_thin_plate() {
     let press = [[3.0, 2.0, 1.0], [3.0, 2.0, -0.6], [4.0, -2.0, -0.6]];
@@ -31,13 +32,13 @@ fn proxy_case_1_no_pop_through_a_thin_plate() {
             Direction::along(2, true)
         );
     }
-    // A box of the same size lets it through: the case is a case.
+    // A box of the same size lets the HIP through, so the case is a real one.
     let through = along(Rule::Closest, &thin().body, &press, 100);
     assert_eq!(
         through.last().expect("one").normal,
         Direction::along(2, true)
     );
-    // Around the rim it comes to the other side.
+    // Around the rim the HIP comes to the other side.
     let around = [
         [0.0, 0.0, 1.0],
         [31.0, 0.0, 1.0],
@@ -76,7 +77,7 @@ fn proxy_case_3_in_a_concave_corner_it_lies_on_the_crease() {
             let point = place_in_mm(here + nearest.normal.times(nearest.depth));
             let below = |plane: &Plane<F>| in_mm(plane.above(here));
             let heights = [dot(a, point) - 1.0, dot(b, point) - 1.0];
-            // The surface point is on the surface: above both planes or on them, and on one of them.
+            // The surface point is on the surface: on or above both planes, and on one of them.
             let lowest = heights[0].min(heights[1]);
             assert!(lowest.abs() < 1e-5, "{heights:?} of {point:?}");
             if below(&planes[0]) < -0.01 && below(&planes[1]) < -0.01 {
@@ -97,8 +98,8 @@ fn proxy_case_3_in_a_concave_corner_it_lies_on_the_crease() {
     }
 }
 
-/// Around an edge at 0.3 mm below both faces. The cone keeps the first face until the way out through it is `1/sin` of
-/// the cone's angle times that through the other.
+/// The HIP goes around an edge at 0.3 mm below both faces. The cone keeps the first face until the way out through that face is
+/// `1/sin` of the cone's angle times the way out through the other.
 #[test]
 fn proxy_case_4_over_a_convex_edge_the_force_turns_continuously() {
     let edge = Edge::new([
@@ -131,7 +132,7 @@ fn proxy_case_4_over_a_convex_edge_the_force_turns_continuously() {
             "ratio {ratio}: the force turns by at most {worst:.5} of {:.5} rad in a tick",
             ratio.atan()
         );
-        // A newton has 24 binary digits; so a force of more than that is turned by no more than the direction.
+        // A force of more than a newton has at least 24 binary digits, so it turns by no more than the direction.
         assert!(worst <= ratio.atan() + ROUNDING && worst > 0.9 * ratio.atan());
         let last = forces.last().expect("one");
         assert!(
@@ -148,7 +149,7 @@ fn proxy_case_4_over_a_convex_edge_the_force_turns_continuously() {
     assert!(largest_turn(&along(Rule::Closest, &edge, &path, 470)) > 1.5);
 }
 
-/// Faces of a convex body; two of the top's halves are coplanar.
+/// Faces of a convex body, of which two on the top are coplanar.
 #[test]
 fn proxy_case_5_a_seam_between_coplanar_faces_is_not_felt() {
     let top = plane(Direction::along(2, false), 0.0);
@@ -162,7 +163,7 @@ fn proxy_case_5_a_seam_between_coplanar_faces_is_not_felt() {
     }
 }
 
-/// A pyramid of this many faces with its apex at the origin.
+/// A pyramid with this many faces and its apex at the origin.
 fn pyramid(faces: u32) -> Vec<Plane<F>> {
     (0..faces)
         .map(|i| {
@@ -177,7 +178,7 @@ fn proxy_case_6_vertices_of_three_to_twelve_faces() {
     for faces in 3..=12 {
         let planes = pyramid(faces);
         let body = Facets { planes: &planes };
-        // Around below the apex, through all faces, and up the middle.
+        // The path goes around below the apex, through all faces, and up the middle.
         let mut path: Vec<[f64; 3]> = (0..=24)
             .map(|i| {
                 let phi = f64::from(i) * 0.53;
@@ -193,7 +194,7 @@ fn proxy_case_6_vertices_of_three_to_twelve_faces() {
                     place_in_mm(pair[1].at)[i] - place_in_mm(pair[0].at)[i]
                 }));
                 let change = (in_mm(pair[1].depth) - in_mm(pair[0].depth)).abs();
-                // The way out is longer by what the cone makes of it.
+                // The way out is longer by the factor of the cone.
                 let most = if rule == Rule::Closest {
                     step
                 } else {
@@ -236,14 +237,14 @@ fn proxy_case_7_degenerate_and_duplicate_faces_change_no_bit() {
         let with = along(rule, &Facets { planes: &spoilt }, &path, 200);
         assert_eq!(clean, with);
     }
-    // Nothing but degenerate faces is no object.
+    // An object of degenerate faces only is no object.
     let none = Facets { planes: &[nothing] };
     assert!(!inside(
         &SurfacePoint::new(restricted()).tick(&none, at(0.0, 0.0, -5.0))
     ));
 }
 
-/// 5 mm in a tick through a plate of 0.2 mm: by the HIP, or by the plate that moves. (No object here turns over.)
+/// 5 mm in a tick through a plate of 0.2 mm, by the HIP or by a moving plate. No object in this test turns over.
 #[test]
 fn proxy_case_8_faster_than_it_is_thick() {
     for rule in [Rule::Closest, restricted()] {

@@ -1,4 +1,4 @@
-//! Where the force points: Figs. 4.3 to 4.5, and the bound on how fast a restricted point turns.
+//! Directions of the force: Figs. 4.3 to 4.5 of the thesis, and the bound on how fast a restricted surface point turns.
 
 use touchstone_control::space::environment::{Corner, Cuboid, Cylinder, Edge, Shape, Sphere};
 use touchstone_control::space::{Direction, Rule, Surface, SurfacePoint, Turn};
@@ -15,7 +15,7 @@ fn block() -> Cuboid<F> {
     }
 }
 
-/// Into the box from above 3 mm from its right face, and on until that face is closer.
+/// A path into the box from above, 3 mm from its right face, and on until that face is the closer one.
 const TOWARDS_AN_EDGE: [[f64; 3]; 3] = [[17.0, 0.0, 21.0], [17.0, 0.0, 18.0], [19.5, 0.0, 15.0]];
 
 #[test]
@@ -38,11 +38,11 @@ fn figure_4_4_the_point_of_penetration_pulls_back() {
         300,
     );
     let last = touches.last().expect("one");
-    // 5 mm back and 1 mm up, though the surface is flat.
+    // The direction points 5 mm back and 1 mm up, though the surface is flat.
     let [x, _, z] = numbers(&last.normal);
     assert!((x / z + 5.0).abs() < 0.01, "{x} {z}");
     assert!((in_mm(last.depth) - 26.0_f64.sqrt()).abs() < 0.01);
-    // Out at another place than in: the force ends in a step.
+    // The HIP leaves at another place than where it came in: the force ends in a step.
     let out = along(
         Rule::Penetration,
         &flat,
@@ -58,7 +58,8 @@ fn figure_4_4_the_point_of_penetration_pulls_back() {
     );
 }
 
-/// Fig. 4.5, and case 2 of the proxy: pressed towards an edge, the force stays on the face through which the HIP came in.
+/// Fig. 4.5, and case 2 of the proxy: while the HIP is pressed towards an edge, the force stays on the face through which it came
+/// in.
 #[test]
 fn figure_4_5_and_proxy_case_2_a_restricted_point_does_not_jump() {
     let touches = along(restricted(), &block(), &TOWARDS_AN_EDGE, 300);
@@ -70,7 +71,7 @@ fn figure_4_5_and_proxy_case_2_a_restricted_point_does_not_jump() {
         numbers(&last.normal)
     );
     assert!((in_mm(last.depth) - 5.0).abs() < 0.1, "5 mm below it");
-    // And unlike the point of penetration it lets go sideways: along the top the force stays upright.
+    // Unlike the point of penetration, the restricted point allows sideways motion: along the top the force stays upright.
     let slide = along(
         restricted(),
         &block(),
@@ -119,7 +120,7 @@ fn shapes() -> Vec<(&'static str, Shape<F>)> {
     ]
 }
 
-/// Random motions, calm and wild, with steps of up to 3 mm.
+/// A random motion of the HIP, in calm and wild sections, with steps of up to 3 mm.
 fn wander(seed: u64, ticks: usize) -> Vec<Place> {
     let mut random = Random::new(seed);
     let (mut here, mut speed) = ([0.0; 3], [0.0; 3]);
@@ -152,13 +153,13 @@ fn a_restricted_point_turns_by_at_most_its_cone() {
                 ratio.atan()
             );
             assert!(within > 1000, "{name}: {within} inside");
-            // The cosine of a small angle has few digits: a quantum of it is a quantum over the sine.
+            // The cosine of a small angle is imprecise: one quantum of it changes the angle by a quantum over the sine.
             assert!(turned <= ratio.atan() + ROUNDING + 1e-7 / ratio, "{name}");
         }
     }
 }
 
-/// Against an independent search: the closest surface point of each object, and the exit along a direction, in floats.
+/// Closest surface point and exit along a direction of each object are compared with an independent search in floating point.
 #[test]
 fn depths_are_those_of_the_signed_distance() {
     let mut random = Random::new(77);
@@ -167,7 +168,7 @@ fn depths_are_those_of_the_signed_distance() {
         for here in wander(11, 20_000) {
             let nearest = shape.nearest(here, &Direction::along(2, false));
             let depth = in_mm(nearest.depth);
-            // Beside its rim a plate is a box; over it, it has the side that it is told.
+            // Beside its rim a plate is a box; over it, the plate has the side that it is given.
             if name == "plate" && nearest.normal != Direction::along(2, false) {
                 continue;
             }
@@ -175,9 +176,10 @@ fn depths_are_those_of_the_signed_distance() {
             let surface = here + nearest.normal.times(nearest.depth);
             let rest = in_mm(shape.nearest(surface, &nearest.normal).depth).abs();
             worst = worst.max(rest);
-            // A direction is up to 1.8 quanta short, two of them around a rim; each step rounds five times by a quantum at most.
+            // A direction is up to 1.8 quanta short (two directions around a rim), and each step rounds five times by at most a
+            // quantum.
             let allowed = 2.0 * 1.8 * depth.abs() / 16_777_216.0 + 5.0 / 1_677_721.6;
-            // Around an edge over the square of the sine of the angle between its planes, 0.73 here.
+            // Around an edge, divided by the square of the sine of the angle between its planes, 0.73 here.
             let two_planes = matches!(shape, Shape::Edge(_) | Shape::Corner(_));
             let allowed = allowed / if two_planes { 0.73 } else { 1.0 };
             assert!(

@@ -1,4 +1,5 @@
-//! Lengths, directions, shares and limits of vectors keep their stated errors, for hard and random vectors, and no vector divides by zero.
+//! Lengths, directions, fractions and limits of vectors keep their documented errors, for difficult and random vectors, and no
+//! vector causes a division by zero.
 
 use touchstone_control::space::number::Spatial;
 use touchstone_control::space::{Direction, Turn, Vector};
@@ -12,7 +13,7 @@ fn position(bits: Words) -> Vector<Position<F>> {
     Vector(bits.map(|b| Position(fixed::types::I8F24::from_bits(b))))
 }
 
-/// Vectors with parts at every power of two and its neighbours, and random ones of all lengths.
+/// Vectors with components at every power of two and its neighbours, and random ones of all lengths.
 fn vectors() -> Vec<Words> {
     let mut parts = vec![0, i32::MAX, i32::MIN, i32::MIN + 1];
     for bit in [0, 1, 5, 11, 15, 16, 23, 24, 29, 30] {
@@ -36,7 +37,7 @@ fn vectors() -> Vec<Words> {
     all
 }
 
-/// The sum of squares, exactly.
+/// The exact sum of the components' squares.
 fn squares(v: Words) -> u128 {
     v.iter().map(|x| u128::from(x.unsigned_abs()).pow(2)).sum()
 }
@@ -73,7 +74,7 @@ fn directions_are_never_longer_than_one_and_right_to_a_quantum_however_short_the
             let exact = f64::from(part) / size * 16_777_216.0;
             let off = exact.abs() - f64::from(bits.unsigned_abs());
             assert!(bits == 0 || (bits < 0) == (part < 0), "{v:?}");
-            // A millionth for the arithmetic of this test.
+            // A millionth is allowed for this test's own arithmetic.
             assert!(off > -1e-6 && off < 1.0 + 1.0 / 64.0, "{v:?}: {off} quanta");
             worst_part = worst_part.max(off);
         }
@@ -96,7 +97,7 @@ fn a_limited_vector_is_within_the_limit_and_keeps_its_direction() {
                 assert_eq!(bits, v);
                 continue;
             }
-            // Saturated lengths are the format's end: a force there is no force of a device.
+            // Saturated lengths are the format's end; no force of a device is that large.
             if squares(v) > u128::from(i32::MAX.unsigned_abs()).pow(2) {
                 continue;
             }
@@ -114,7 +115,7 @@ fn a_limited_vector_is_within_the_limit_and_keeps_its_direction() {
     }
 }
 
-/// Every vector of 8 bits: the same source, without exception.
+/// Tests every vector of 8 bits. The code is generic, so the same source serves all formats.
 #[test]
 fn every_direction_of_8_bits() {
     for x in i8::MIN..=i8::MAX {
@@ -156,7 +157,7 @@ fn nothing_is_divided_by_a_zero_vector() {
     zero::<f64>();
     let none: Vector<Force<F>> = Vector::default();
     assert_eq!(none.within(Force::zero()), none);
-    // Turned towards itself or its opposite, a direction stays.
+    // A direction that is turned towards itself or its opposite stays.
     let up = Direction::<F>::default();
     let turn = Turn::of_ratio(mm(0.1).0);
     assert_eq!(up.turned(&up, &turn), up);
@@ -170,12 +171,12 @@ fn a_turn_is_by_its_angle() {
         || Direction::of(position([(); 3].map(|()| random.whole(1 << 28)))).expect("not zero");
     let mut worst = 0.0_f64;
     for ratio in [0.001, 0.01, 0.1, 1.0] {
-        // A ratio is a pure number: 1 is 10 mm in centimetres.
+        // A ratio is a pure number. As a position in centimetres, 1 is 10 mm.
         let turn = Turn::<F>::of_ratio(mm(10.0 * ratio).0);
         for _ in 0..20_000 {
             let (from, to) = (any(), any());
             let (a, b) = (numbers(&from), numbers(&to));
-            // Between nearly parallel directions there is no one plane to turn in, and past the aim is no aim.
+            // Nearly parallel or opposite directions have no unique plane in which to turn, and a turn must not go past its aim.
             if angle(a, b) < ratio.atan() + 1e-3 || angle(a, b) > 3.139 {
                 continue;
             }

@@ -1,5 +1,4 @@
-//! The settings in flash: a cut of power at any write or erase loses only that write, and damaged settings are
-//! refused.
+//! Settings in flash: a power cut during any write or erase loses only that write, and damaged settings are refused.
 
 use touchstone_control::Si;
 use touchstone_drive::wire::checked;
@@ -13,9 +12,9 @@ use touchstone_protocol::{
 use touchstone_tests::flash::Flash;
 use touchstone_tests::random::Random;
 
-/// Pages of settings on the boards.
+/// Number of flash pages for settings on the boards.
 const PAGES: usize = 8;
-/// Enough to go through all pages, and again.
+/// Number of saves: enough to go through all pages more than once.
 const SAVES: u16 = 200;
 const BOARD: Board = Board::NucleoG474re;
 
@@ -23,14 +22,14 @@ fn check(settings: &DeviceSettings) -> Result<(), SettingsError> {
     checked(settings, BOARD)
 }
 
-/// Settings that differ from all others.
+/// Settings that differ from those of every other number.
 fn settings(number: u16) -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(BOARD);
     settings.wall.k_desired_n_m_per_rad = Si::from_num(number);
     settings
 }
 
-/// Data for the start that are kept with the settings.
+/// Data for the next start that are stored with the settings.
 fn kept(number: u16) -> KeptStart {
     KeptStart {
         alignment: Some(KeptAlignment::new(
@@ -43,7 +42,7 @@ fn kept(number: u16) -> KeptStart {
     }
 }
 
-/// The map of the cogging, of every second one.
+/// The cogging map that is stored with the settings; every second number has one.
 fn cogging(number: u16) -> Option<KeptCogging> {
     let part = |order| CoggingHarmonic {
         order,
@@ -79,7 +78,8 @@ fn load(flash: &mut Flash) -> Start {
     flash::load(flash, pages, DeviceSettings::defaults(BOARD), &check)
 }
 
-/// The number of the settings in flash, 0 for none; nothing else is ever found. Refused are only the remains of a first write.
+/// The number of the settings in flash, 0 for none. Asserts that nothing else is found, and that only the remains of a first write
+/// are refused.
 fn number_in(flash: &mut Flash) -> u16 {
     let start = load(flash);
     if start.settings == DeviceSettings::defaults(BOARD) {
@@ -98,20 +98,20 @@ fn number_in(flash: &mut Flash) -> u16 {
 fn a_cut_at_any_operation_loses_nothing_but_its_write() {
     let mut flash = Flash::erased(PAGES);
     let (mut cuts, mut kept, mut random) = (0, 0, Random::new(11));
-    // From 10 on: 5 is in the defaults.
+    // Numbers from 10 on, as 5 is in the defaults.
     for number in 10..10 + SAVES {
         let before = if number == 10 { 0 } else { number - 1 };
         assert_eq!(number_in(&mut flash), before);
         let mut whole = flash.clone();
         assert!(save(&mut whole, number));
         for operation in 0..whole.operations - flash.operations {
-            // An erase that is cut, the first operation, can leave anything.
+            // An erase that is cut (the first operation) can leave any bits.
             for _ in 0..if operation == 0 { 100 } else { 2 } {
                 let mut cut = flash.clone();
                 cut.cut_after(operation, random.bits());
                 assert!(!save(&mut cut, number), "the write was not cut");
                 cuts += 1;
-                // Up to three more cuts, in what comes next.
+                // Up to three more power cuts in the following operations.
                 let mut again = cut.clone();
                 let mut found = before;
                 for _ in 0..random.bits() % 4 {
@@ -122,7 +122,7 @@ fn a_cut_at_any_operation_loses_nothing_but_its_write() {
                     assert!(!saved || found == number + 1);
                 }
                 assert!([before, number, number + 1].contains(&found), "{found}");
-                // And with steady power.
+                // The same with steady power.
                 cut.power_on();
                 let found = number_in(&mut cut);
                 assert!(found == before || found == number, "{found}, not {before}");
@@ -133,7 +133,7 @@ fn a_cut_at_any_operation_loses_nothing_but_its_write() {
         }
         flash = whole;
     }
-    // All but those that came after the last bit that mattered.
+    // All settings except those whose last needed bit came after the cut.
     assert!(kept > cuts / 10 * 9, "{kept} of {cuts}");
     println!("{cuts} cuts, {kept} of them lost their own write, none another");
 }
@@ -167,7 +167,7 @@ fn what_is_damaged_is_refused_and_can_be_written_over() {
     }
 }
 
-/// An image with a right CRC around any content.
+/// An image with a correct CRC around any content.
 fn sealed(content: &[u8]) -> Vec<u8> {
     let sum = touchstone_protocol::frame::crc_of(content);
     [content, &sum.to_le_bytes()].concat()
@@ -249,7 +249,7 @@ fn another_layout_and_settings_out_of_range_mean_defaults_and_say_so() {
         other => panic!("{other:?}"),
     }
 
-    // A map written by firmware of another layout: its image stays, this one starts with the defaults and says nothing.
+    // A map written by firmware with another layout: its image stays, and this firmware starts with the defaults without a report.
     let start = stored::start(None, settings(0), &check);
     assert_eq!((start.settings, start.refused), (settings(0), None));
 }

@@ -1,8 +1,7 @@
-//! The thesis' comparison (§5.1), cell by cell: three grips, encoders of 16,384 and 40,000 counts, default parameters.
+//! The thesis' comparison (§5.1), cell by cell: three grips, encoders of 16,384 and 40,000 counts per turn, default parameters.
 //!
-//! The bounds are those of `docs/figures.md`. A verdict below [`Verdict::LimitCycle`] means that the knob comes to
-//! rest within four encoder counts in every hold. [`Verdict::Active`] then says that the user's port gave energy, and is no
-//! instability.
+//! The bounds are those of `docs/figures.md`. A verdict below [`Verdict::LimitCycle`] means that the knob comes to rest within four
+//! encoder counts in every hold. [`Verdict::Active`] then means that the wall gave energy at some time; it is no instability.
 
 use touchstone_control::LawKind;
 use touchstone_lab::thesis::{BEYOND, COUNTS, GRIPS, cell};
@@ -20,7 +19,7 @@ fn at(law: LawKind, k_desired: f64, grip: Grip, counts: u32) -> Summary {
     run::run(&scene, false).unwrap().summary
 }
 
-/// One law at one stiffness for every grip and encoder.
+/// Results of one law at one stiffness for every grip and encoder.
 fn all(law: LawKind, k_desired: f64) -> Vec<Summary> {
     let mut runs = Vec::new();
     for counts in COUNTS {
@@ -77,7 +76,7 @@ fn spring_tdpa_and_original_sfa_do_not_come_to_rest_at_high_stiffness() {
         for k_desired in [2.5, 5.0] {
             for run in all(law, k_desired) {
                 assert!(run.verdict >= Verdict::LimitCycle, "{}", name(&run));
-                // A large one: the knob moves by more than a hundred steps of the coarse encoder.
+                // The limit cycle is large: the knob moves by more than a hundred counts of the coarse encoder.
                 assert!(
                     run.limit_cycle_peak_to_peak.unwrap()
                         > 100.0 * std::f64::consts::TAU / 16_384.0,
@@ -111,8 +110,8 @@ fn enhanced_sfa_shows_high_stiffness_at_rest_and_on_first_contact() {
         for run in all(LawKind::EnhancedSfa, k_desired) {
             assert_shows(&run, k_desired, 0.05);
             let hardness = run.rate_hardness.unwrap();
-            // The slope over a depth `w` of a force that is off by up to half a count `q/2` is off by at most `3 (q/2)/w`. Before it
-            // turns round, a press at 1.6 rad/s reaches 7 mrad at 5 N·m/rad.
+            // The slope over a depth `w` of a force that is wrong by up to half a count `q/2` is wrong by at most `3 (q/2)/w`.
+            // Before it reverses, a press at 1.6 rad/s reaches 7 mrad at 5 N·m/rad.
             let count = std::f64::consts::TAU / run.encoder_counts_per_rev.unwrap();
             let share = 1.5 * count / 0.007;
             assert!(
@@ -128,7 +127,7 @@ fn enhanced_sfa_shows_high_stiffness_at_rest_and_on_first_contact() {
 fn at_low_stiffness_all_but_original_sfa_show_what_is_desired() {
     for law in [
         LawKind::Spring,
-        // The thesis saw TDPA jump here (Fig. 5.2); with its observer it does not, see the claims in the report.
+        // In the thesis TDPA jumps here (Fig. 5.2); with the thesis' observer it does not (see the claims in the report).
         LawKind::Tdpa,
         LawKind::Fba,
         LawKind::EnhancedSfa,
@@ -138,7 +137,7 @@ fn at_low_stiffness_all_but_original_sfa_show_what_is_desired() {
         }
     }
     for run in all(LawKind::Sfa, 0.5) {
-        // An offset below zero: the soft spring k_v = 0.8 shows through.
+        // With an offset below zero the soft spring k_v = 0.8 N·m/rad acts.
         let shown = run.k_displayed.unwrap();
         assert!(shown > 0.5 * 1.2 && shown < 0.8, "{}", name(&run));
     }
@@ -157,7 +156,7 @@ fn enhanced_sfa_below_the_soft_spring_is_the_spring_to_the_bit() {
         assert_eq!(bits(&spring.force_n_m), bits(&enhanced.force_n_m));
         assert_eq!(bits(&spring.angle_rad), bits(&enhanced.angle_rad));
     }
-    // Just above it is not: the comparison above can fail.
+    // Just above that stiffness the forces differ: the comparison above can fail.
     let force = |law| {
         let scene = cell(&base(), 0.81, law, GRIPS[0], COUNTS[0]).unwrap();
         run::run(&scene, true).unwrap().trace.unwrap().force_n_m
@@ -190,7 +189,7 @@ fn without_energy_credit_enhanced_sfa_is_passive_and_shows_at_most_twice_the_cou
             for k_desired in [1.0, 2.5, 5.0, 20.0] {
                 let scene = cell(&base, k_desired, LawKind::EnhancedSfa, grip, counts).unwrap();
                 let run = run::run(&scene, false).unwrap().summary;
-                // Passive: at rest, and the user's port never below a millionth of what went through it.
+                // Passive: at rest, and the energy of the user's port is never below minus a millionth of the throughput.
                 assert_eq!(run.verdict, Verdict::Passive, "{}", name(&run));
                 let shown = run.k_displayed.unwrap();
                 largest = largest.max(shown);

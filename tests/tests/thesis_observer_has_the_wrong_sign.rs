@@ -1,6 +1,6 @@
-//! One press of 0.05 rad into 5 N·m/rad and back in 0.2 s, at 1 kHz. The wall *gives* the user 0.154 mJ, because a held
-//! force lags behind the motion by half a tick. The thesis' observer (2.1) reports the same amount with the opposite sign,
-//! as if the wall had taken it; the exact observer reports what the port did.
+//! One press of 0.05 rad into 5 N·m/rad and back in 0.2 s, at 1 kHz. The wall *gives* the user 0.154 mJ, because a held force lags
+//! behind the motion by half a tick. The thesis' observer (2.1) reports the same amount with the opposite sign, as if the wall had
+//! taken it. The exact observer reports the port's true energy.
 
 use touchstone_control::observer::{ExactObserver, ThesisObserver};
 use touchstone_control::{Controller, Fixed32, Force, LawKind, Position, Reported, Settings, Si};
@@ -13,18 +13,19 @@ const TICKS: u32 = 200;
 const STIFFNESS_N_M_PER_RAD: f64 = 5.0;
 const MILLI: f64 = 1e-3;
 
-/// The sums after one press, J.
+/// The energy sums after one press, J.
 struct Press {
-    /// The port's own energy, with the angle's analytic velocity between the ticks.
+    /// The port's true energy, with the angle's analytic velocity between the ticks.
     true_j: f64,
     thesis_j: f64,
-    /// The exact observer when the wall has been left.
+    /// Sum of the exact observer after the HIP has left the wall.
     exact_j: f64,
-    /// The exact observer at the last sample inside the wall, where a law that forgets on leaving last saw it.
+    /// Sum of the exact observer at the last sample inside the wall, which is the last one for a law that clears its memory on
+    /// leaving.
     exact_inside_j: f64,
 }
 
-/// `∫ f v dt` over one tick of the half sine, by the midpoint rule with more steps than it needs.
+/// `∫ f v dt` over one tick of the half sine, J, by the midpoint rule with more steps than needed.
 fn held_force_energy_j(force_n_m: f64, tick: usize) -> f64 {
     const STEPS: u32 = 100;
     let step_s = TICK_S / f64::from(STEPS);
@@ -71,7 +72,7 @@ fn press<N: Reported>() -> Press {
     }
 }
 
-/// Compares to the three digits in which the numbers are quoted.
+/// Asserts that a value equals the quoted one to the three digits of the quotation.
 fn assert_milli(what: &str, value_j: f64, quoted_mj: f64) {
     let value_mj = value_j / MILLI;
     assert!(
@@ -113,7 +114,7 @@ fn the_leak_is_the_closed_form() {
 #[test]
 fn the_exact_observer_is_the_port_and_the_thesis_observer_its_mirror_image() {
     let press = press::<f64>();
-    // What flowed through the port, in and out: about k A². Everything below is rounding of sums of 200 products.
+    // Energy that flowed through the port, in and out: about k A². Errors below are rounding of sums of 200 products.
     let throughput_j = STIFFNESS_N_M_PER_RAD * DEPTH_RAD.powi(2);
     assert!((press.exact_j - press.true_j).abs() < 1e-5 * MILLI);
     assert!((press.exact_j + press.thesis_j).abs() < 1e-12 * throughput_j);
@@ -121,14 +122,14 @@ fn the_exact_observer_is_the_port_and_the_thesis_observer_its_mirror_image() {
 
 #[test]
 fn fixed_point_adds_nothing_but_the_rounding_of_its_forces() {
-    // Same angles in both: those of the fixed format, which f64 holds exactly. A force is truncated by less than one quantum
-    // q = 2^-24 N·m and works over a way of 2 A, each way in and out; products and sums are exact.
+    // Both formats get the same angles: those of the fixed-point format, which f64 holds exactly. A force is truncated by less than
+    // one quantum q = 2^-24 N·m, over a path of 2 A, which is A each way. Products and sums are exact.
     let q = (2.0_f64).powi(-24);
     let bound_j = q * 2.0 * DEPTH_RAD;
     let mut fixed = ExactObserver::<Fixed32>::new(Position::zero());
     let mut exact_j = 0.0;
     let (mut last_rad, mut held_n_m) = (0.0, 0.0);
-    // A stiffness that the format holds exactly, and whose products with angles it does not.
+    // The format holds this stiffness exactly, but not its products with angles.
     let stiffness_n_m_per_rad = 19_253.0 / 4_096.0;
     let settings = Settings {
         law: LawKind::Spring,

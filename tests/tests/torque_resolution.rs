@@ -1,6 +1,5 @@
-//! Torque resolution of each board: its current sensors' code as a torque, and the ripple that noise of one code
-//! causes through the current loop and the motor. `cargo test -p touchstone-tests --test torque_resolution --
-//! --nocapture` prints the table.
+//! Torque resolution of each board: one code of its current sensors as a torque, and the ripple that noise of one code causes
+//! through current loop and motor. `cargo test -p touchstone-tests --test torque_resolution -- --nocapture` prints the table.
 
 use touchstone_drive::hardware::{B_G431B_ESC1, Hardware, IHM08M1, IHM16M1};
 use touchstone_drive::transform::Dq;
@@ -14,7 +13,7 @@ use touchstone_world::plant::{BareLinear, Device};
 
 const PERIOD_S: f64 = 50e-6;
 
-/// The motor that the X-NUCLEO-IHM16M1 is sold with, with what driver and shunt add to its resistance.
+/// The motor that is sold with the X-NUCLEO-IHM16M1, with driver and shunt included in its resistance.
 const KIT: MotorParameters = MotorParameters {
     resistance_ohm: 5.955,
     inductance_h: 1.05e-3,
@@ -25,14 +24,13 @@ const KIT: MotorParameters = MotorParameters {
 /// Results for a board and a motor, mN·m.
 struct Found {
     per_code: f64,
-    /// Ripple of a control tick's mean torque, from tick to tick, rms.
+    /// Root mean square ripple of the mean torque of control ticks, from tick to tick, mN·m.
     ripple: f64,
-    /// Error of the mean over a second.
+    /// Error of the mean torque over a second, mN·m.
     off: f64,
 }
 
-/// The shaft is held, 0.3 of the largest current is commanded, and each reading has Gaussian noise of `noise` codes
-/// rms.
+/// Holds the shaft and commands 0.3 of the largest current; each reading has Gaussian noise of `noise` codes rms.
 fn held(
     hardware: &Hardware,
     settings: &DeviceSettings,
@@ -115,7 +113,7 @@ fn held(
     }
 }
 
-/// A draw of the normal distribution, by the sum of twelve: each of variance 1/3.
+/// A random number of approximately normal distribution: a sum of twelve uniform numbers, each of variance 1/3.
 fn normal(random: &mut Random) -> f64 {
     (0..12).map(|_| random.real()).sum::<f64>() / 2.0
 }
@@ -136,7 +134,7 @@ fn the_small_shield_is_ten_times_finer() {
     for (motor, settings, parts) in [("kit", &small, KIT), ("0.25 N·m/A", &large, GIMBAL)] {
         for (name, hardware) in boards {
             if parts == GIMBAL && name == "IHM16M1" {
-                // 2 A are beyond what this shield is for.
+                // 2 A exceed what this shield is made for.
                 continue;
             }
             let noisy = held(&hardware, settings, parts, 1.0);
@@ -145,13 +143,13 @@ fn the_small_shield_is_ten_times_finer() {
                 "{name:<14} {motor:<10} {:>8.3} {:>18.3} {:>18.3} {:>14.3}",
                 noisy.per_code, noisy.ripple, quiet.ripple, noisy.off
             );
-            // A loop that is calm gives no more than it is told in noise; and it is right in the mean to half a code.
+            // A calm loop gives no more torque noise than its readings have, and its mean is right to half a code.
             assert!(noisy.ripple < noisy.per_code, "{name}: {}", noisy.ripple);
             assert!(noisy.off < 0.6 * noisy.per_code, "{name}: {}", noisy.off);
             ripples.push(noisy.ripple);
         }
     }
-    // On the same motor.
+    // Both on the same motor.
     assert!(ripples[0] < 0.13 * ripples[1], "{ripples:?}");
     assert!(ripples[0] < 0.07 * ripples[2], "{ripples:?}");
 }

@@ -1,5 +1,5 @@
-//! The model beside a device computes its force bit for bit from the telemetry, whatever the law remembers; and gives
-//! nothing where it cannot know.
+//! A simulated copy beside a device calculates the device's force bit for bit from the telemetry, whatever the law remembers. It
+//! gives no force where telemetry is missing.
 
 use touchstone_control::Si;
 use touchstone_drive::DeviceSettings;
@@ -15,7 +15,7 @@ fn shipped(guard: bool) -> DeviceSettings {
     settings
 }
 
-/// Arms twice, presses twice each time, and is disarmed in the middle of a press; returns every telemetry record.
+/// Runs a knob that arms twice, presses twice each time, and is disarmed in the middle of a press; returns every telemetry record.
 fn records(settings: &DeviceSettings) -> Vec<Telemetry> {
     let mut knob = honest(settings).armed();
     let start = knob.rig.now().angle_rad;
@@ -35,7 +35,8 @@ fn records(settings: &DeviceSettings) -> Vec<Telemetry> {
 
 #[test]
 fn every_force_is_the_models_to_the_bit() {
-    // The small account is what limits the force, so that what the end of the first arming cost shows in the second.
+    // With the small account the guard limits the force, so that the energy cost of the end of the first arming shows in the
+    // second.
     for (guard, capacity) in [(false, "0.045"), (true, "0.045"), (true, "0.002")] {
         let mut settings = shipped(guard);
         settings.law.guard.capacity_j = Si::lit(capacity);
@@ -88,13 +89,13 @@ fn what_is_missing_is_not_guessed_and_found_in_again() {
             _ => {}
         }
     }
-    // The rest of the press in which it was lost, and the ticks outside in which it finds in.
+    // Missing: the rest of the press in which telemetry was lost, and the ticks outside until the copy has synchronised.
     assert!(
         (500..2_300).contains(&silent),
         "{silent} ticks without a model"
     );
     assert!(judged > 1_000, "{judged}");
-    // After the second arming it knows all again; between the two its estimator has forgotten what it missed.
+    // After the second arming the copy knows everything again. In between, its estimator has forgotten the ticks that it missed.
     assert!(worst < 1e-5, "{worst} N·m");
 }
 

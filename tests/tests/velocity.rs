@@ -1,5 +1,5 @@
-//! Velocity filters compared with closed forms: ramps, noise, the Riccati equation, and the adaptive window as its
-//! authors write it; in every number format.
+//! Velocity filters compared with closed forms in every number format: ramps, noise, the Riccati equation, and the adaptive window
+//! in its authors' form.
 
 use touchstone_control::velocity::{LONGEST_WINDOW, Velocity, VelocityState};
 use touchstone_control::{
@@ -29,14 +29,14 @@ fn velocity<N: Reported>(from: VelocityKind, count: f64) -> Velocity<N> {
         .expect("a filter of its own")
 }
 
-/// Displacements per tick that a filter makes of a path.
+/// Displacements per tick that a filter calculates from a path.
 fn over<N: Reported>(from: VelocityKind, count: f64, path: impl Iterator<Item = f64>) -> Vec<f64> {
     let (filter, mut state) = (velocity::<N>(from, count), VelocityState::default());
     path.map(|x| filter.tick(&mut state, Position::from_f64(x)).to_f64())
         .collect()
 }
 
-/// The steady Kalman gains of white noise `lambda` as large, by iterating the Riccati equation.
+/// Steady Kalman gains for white noise of relative size `lambda`, from iterating the Riccati equation.
 fn riccati(order: usize, lambda: f64) -> [f64; 3] {
     let free = [[1.0, 1.0, 0.5], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]];
     let driven = [0.5, 1.0, if order == 3 { 1.0 } else { 0.0 }];
@@ -104,8 +104,8 @@ fn a_ramp_is_followed_at_its_own_speed() {
             }
         }
     }
-    // 400 ticks are 12 time constants of the slowest; the last bits are a format's: its step, and in a window the step of its
-    // share of 15 ticks of the way.
+    // 400 ticks are 12 time constants of the slowest filter. The last bits depend on the format: its quantum, and for a window the
+    // rounding of 1/15 times the displacement.
     body::<f64>(1e-9);
     body::<Fixed32>(2.0 * 2f64.powi(-24));
     body::<Fixed16>(2.0 * 2f64.powi(-14));
@@ -132,12 +132,13 @@ fn of_white_noise_remains_what_the_closed_form_says() {
         let seen = shown[2_000..].iter().map(|v| v * v).sum::<f64>() / f64::from(ticks - 2_000);
         let ratio = seen / (expected * variance);
         println!("{from:?}: {ratio:.4} of what is expected");
-        // Neighbours belong together over some 5 to 10 ticks: 40,000 independent ones know a variance to 0.7 %, three times that.
+        // Neighbouring values are correlated over some 5 to 10 ticks. So there are 40,000 independent values, which give a variance
+        // to 0.7 %; three times that is allowed.
         assert!((ratio - 1.0).abs() < 0.021, "{from:?}: {ratio}");
     }
 }
 
-/// The window as the paper writes it: grow while every position between lies within `d` of the line through both ends.
+/// The window as its paper defines it: it grows while every position in between lies within `d` of the line through both ends.
 fn window_as_published(past: &[i64], d: i64, longest: usize) -> (i64, i64) {
     let now = past[past.len() - 1];
     let at = |back: usize| {
@@ -163,7 +164,7 @@ fn window_as_published(past: &[i64], d: i64, longest: usize) -> (i64, i64) {
 #[test]
 fn the_adaptive_window_is_the_published_one() {
     let (unit, d) = (2f64.powi(-12), 3);
-    // The margin has three quanta of the format more, which no whole number of units needs.
+    // The margin is larger by three quanta of the format, which no whole number of units needs.
     let margin = d as f64 * unit - 2.5 * 2f64.powi(-24);
     let filter = velocity::<Fixed32>(VelocityKind::Foaw, margin);
     let mut state = VelocityState::default();
@@ -181,7 +182,7 @@ fn the_adaptive_window_is_the_published_one() {
         let (way, n) = window_as_published(&past, d, 15);
         lengths[n as usize] += 1;
         let expected = way as f64 * unit / n as f64;
-        // The share 1/n is right to its step, times the way.
+        // The ratio 1/n is right to one quantum, times the displacement.
         let slack = 2f64.powi(-24) * (2.0 + (way as f64 * unit).abs());
         assert!(
             (shown.to_f64() - expected).abs() <= slack,
@@ -195,7 +196,7 @@ fn the_adaptive_window_is_the_published_one() {
 
 #[test]
 fn a_slow_ramp_of_counts_is_quieter_than_its_difference() {
-    // A count in some 7 ticks.
+    // One count in about 7 ticks.
     let counted = |n: u32| (0.021_7 * f64::from(n) * 1e-3 / COUNT).floor() * COUNT;
     let speed = 0.021_7e-3;
     let spread = |shown: &[f64]| {
@@ -217,13 +218,13 @@ fn a_slow_ramp_of_counts_is_quieter_than_its_difference() {
     }
 }
 
-/// Rounding error of the velocity in fixed point. A part is cut at 2^-28, half a step of a weight is 2^-27, and each
-/// error of a state lives on as long as the filter remembers.
+/// Bound of the rounding error of the velocity in fixed point. A part is cut at 2^-28, half a quantum of a weight is 2^-27, and
+/// each error of a state persists for as long as the filter remembers.
 fn rounding(from: VelocityKind, surprise: f64) -> f64 {
     let (cut, half_step) = (2f64.powi(-28), 2f64.powi(-27));
     let gains = match velocity::<f64>(from, COUNT) {
         Velocity::Tracker(tracker) => tracker.correction,
-        // The position is measured, and the rest is the filter's share.
+        // The position is measured, so it has no error. An error of the velocity decays by the filter's fraction per tick.
         Velocity::Smoothed(filter) => return (cut + half_step * surprise) / filter.share,
         Velocity::Window(_) => panic!("a window has no memory of states"),
     };
@@ -239,7 +240,7 @@ fn rounding(from: VelocityKind, surprise: f64) -> f64 {
                 let expected = [x + v + 0.5 * g, v + g, g];
                 state = [0, 1, 2].map(|i| expected[i] - gains[i] * expected[0]);
             }
-            // It acts before the correction, or is the correction's own; both at most this.
+            // The error acts before the correction, or is the correction's own; both are at most this.
             lives_on * (into[disturbed] * cut + gains[disturbed] * cut + half_step * surprise)
         })
         .sum()
@@ -252,7 +253,7 @@ fn fixed_point_says_what_f64_says() {
     let path: Vec<f64> = (0..20_000)
         .map(|n| {
             x = (x + 2e-3 * random.real() + 1e-3 * (f64::from(n) / 200.0).sin()).clamp(-1.5, 1.5);
-            // On the grid of the narrowest format, so that all see the same.
+            // On the grid of the narrowest format, so that all formats get the same positions.
             (x * 16_384.0).floor() / 16_384.0
         })
         .collect();
@@ -266,7 +267,7 @@ fn fixed_point_says_what_f64_says() {
             let off = exact.iter().zip(other).map(|(a, b)| (a - b).abs());
             off.fold(0.0, f64::max)
         };
-        // Surprises are at most what the path and its speed change by: 2e-3 of noise twice, and twice again for the overshoot.
+        // An innovation is at most what path and speed change by: noise of 2e-3 twice, and twice again for the overshoot.
         let carried = rounding(from, 8e-3);
         let off = [
             (far(over::<Fixed32>(from, COUNT, path.iter().copied())), -25),
@@ -287,7 +288,8 @@ fn nothing_that_a_device_does_breaks_a_filter() {
         for from in OWN {
             let (filter, mut state) = (velocity::<N>(from, COUNT), VelocityState::default());
             for _ in 0..20_000 {
-                // Anywhere, and its ends: the states must start anew instead of overflowing (`debug_assert` says so).
+                // Any positions, and the ends of the range: the states must restart instead of overflowing (`debug_assert` checks
+                // it).
                 let x = match random.bits() % 4 {
                     0 => 200.0,
                     1 => -200.0,
@@ -295,7 +297,7 @@ fn nothing_that_a_device_does_breaks_a_filter() {
                 };
                 filter.tick(&mut state, Position::from_f64(x));
             }
-            // And after it a device at rest is at rest again.
+            // After that a device at rest is at rest again.
             let mut moved = Position::zero();
             for _ in 0..500 {
                 moved = filter.tick(&mut state, Position::zero());

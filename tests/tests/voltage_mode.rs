@@ -1,6 +1,5 @@
-//! A motor that is driven by voltage, for want of current sensors: its torque, its errors, and the faults that go
-//! unnoticed. `cargo test -p touchstone-tests --test voltage_mode -- --nocapture` prints the figures of
-//! docs/voltage-mode.md.
+//! A motor that is driven by voltage because there are no current sensors: its torque, its errors, and the faults that go
+//! unnoticed. `cargo test -p touchstone-tests --test voltage_mode -- --nocapture` prints the figures of docs/voltage-mode.md.
 
 use touchstone_control::Si;
 use touchstone_drive::change::ChangeConfig;
@@ -19,7 +18,7 @@ use touchstone_world::plant::{BareLinear, Device, HeldLinear, MEDIUM, State as M
 
 const BOARD: Board = Board::NucleoG474reSimplefocMini;
 
-/// The small gimbal motor with a transistor of the driver.
+/// The small gimbal motor; its resistance includes a transistor of the driver.
 const MOTOR: MotorParameters = MotorParameters {
     resistance_ohm: 5.53,
     inductance_h: 1.05e-3,
@@ -27,14 +26,14 @@ const MOTOR: MotorParameters = MotorParameters {
     ..GIMBAL
 };
 
-/// The knob on that motor, without dry friction.
+/// Inertia and damping of the knob on the small gimbal motor, without dry friction.
 const KNOB: Device = Device {
     inertia: 3e-5,
     damping: 9e-6,
     friction: None,
 };
 
-/// Settings with the motor's values as a person enters them.
+/// Settings with the motor's values as a user enters them.
 fn told() -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(BOARD);
     settings.motor.resistance_ohm = Si::lit("5.53");
@@ -53,7 +52,7 @@ fn of_resistance(factor: f64) -> MotorParameters {
     }
 }
 
-/// A supply of 12 V.
+/// Sets the supply voltage to a constant 12 V.
 struct Supply;
 impl Tamper for Supply {
     fn bus_v(&mut self, _tick: u32) -> f64 {
@@ -61,7 +60,7 @@ impl Tamper for Supply {
     }
 }
 
-/// Loop, bridge and motor; the command is given by hand.
+/// Current loop, bridge and motor; the test itself gives the command.
 struct Bare {
     current: CurrentLoop,
     rig: Rig<BareLinear>,
@@ -91,7 +90,7 @@ impl Bare {
         }
     }
 
-    /// Runs one PWM period, with a new command from the true angle once in 20; returns the mean torque, N·m.
+    /// Runs one PWM period, with a new command from the true angle in every 20th; returns the mean torque, N·m.
     fn period(&mut self, q: f64) -> f64 {
         if self.periods.is_multiple_of(20) {
             let now = self.rig.now();
@@ -128,7 +127,7 @@ impl Bare {
         (halves[0] + halves[1]) / 2.0
     }
 
-    /// The torque of a commanded current on a held shaft, N·m.
+    /// Torque at a commanded current on a held shaft, N·m.
     fn held(&mut self, q: f64) -> f64 {
         for _ in 0..100 {
             self.period(q);
@@ -153,7 +152,7 @@ fn the_torque_is_as_right_as_the_resistance() {
         for shown in shown {
             assert!((shown * factor - 1.0).abs() < 0.005, "{factor}: {shown}");
         }
-        // The loop does not know: it says what was asked for.
+        // The loop does not measure the current: it reports the commanded one.
         let says: f64 = bare.current.report().current.q.to_num();
         assert!((says - 0.6).abs() < 0.001, "{says}");
     }
@@ -170,7 +169,7 @@ fn the_supply_makes_no_difference_within_its_limits() {
 fn a_step_of_the_torque_is_a_count_of_the_timer() {
     let mut bare = Bare::new(MOTOR, &BLOCKED, 12.0);
     let constant = MOTOR.torque_constant_nm_per_a();
-    // From 5 mN·m up, in fifths of what a count of 12 V/4,250 gives.
+    // From 5 mN·m up, in fifths of what a step of 12 V/4,250 of the voltage gives.
     let step = 12.0 / 4_250.0 / MOTOR.resistance_ohm / 5.0;
     let (mut worst, mut squares): (f64, f64) = (0.0, 0.0);
     const STEPS: u32 = 200;
@@ -192,7 +191,7 @@ fn a_step_of_the_torque_is_a_count_of_the_timer() {
     assert!(rms > 0.05 * count, "nothing is rounded: {rms}");
 }
 
-/// The damping that a knob shows, N·m·s/rad, from its speed now and 30 ms later.
+/// Damping of a free knob in N·m·s/rad, from its falling speed at two instants 30 ms apart.
 fn damping(motor: MotorParameters, drives: bool) -> f64 {
     let mut bare = Bare::new(motor, &KNOB, 12.0);
     if !drives {
@@ -225,7 +224,7 @@ fn the_back_emf_damps_by_what_the_model_says() {
             "{factor}: {measured:.4e} {exact:.4e} ({:+.2} %)",
             100.0 * (measured / exact - 1.0)
         );
-        // The pole of the windings makes the slow motion a little faster: by 1 + b L/(R J), 0.25 %.
+        // The pole of the windings makes the slow motion a little faster, by 1 + b L/(R J), which is 0.25 %.
         assert!((measured / exact - 1.0).abs() < 0.01, "{measured} {exact}");
         if factor == 1.0 {
             let in_model = model.back_emf_n_m_s_per_rad;
@@ -247,7 +246,8 @@ fn no_less_of_a_change_is_missing_than_the_guard_counts_on() {
     bare.periods = 0;
     let torques: Vec<f64> = (0..400).map(|_| bare.period(0.4)).collect();
     let missing = torques.iter().map(|torque| 1.0 - torque / torques[399]);
-    // Here the loop takes a command with the period of its tick, on a board with the next one; a quarter of it the encoder is read after.
+    // In this test the loop takes a command in the period of its tick, on a board in the next one. The encoder is read a quarter of
+    // a period later.
     let there = missing.sum::<f64>() * PERIOD_S + 0.75 * PERIOD_S;
     let counted: f64 = change.delay_s.to_num::<f64>() + change.lag_s.to_num::<f64>();
     println!(
@@ -313,7 +313,7 @@ fn it_measures_no_motor() {
 
 #[test]
 fn a_computed_current_trips_and_a_real_one_does_not() {
-    // Turned by somebody, with the back-EMF of 1.6 A: 235 rad/s.
+    // Turned from outside, with the back-EMF of 1.6 A: 235 rad/s.
     for (speed, trips) in [(230.0, false), (240.0, true)] {
         let mut bare = Bare::new(MOTOR, &BLOCKED, 12.0);
         *bare.rig.state_mut() = Motion::from_array([0.0, speed]);
@@ -323,7 +323,7 @@ fn a_computed_current_trips_and_a_real_one_does_not() {
         let trip = bare.current.report().trip.map(|trip| trip.code);
         assert_eq!(trip, trips.then_some(FaultCode::OverCurrent), "{speed}");
     }
-    // A winding with a tenth of the resistance: eight times the limit flows, and only the driver would know.
+    // With a tenth of the winding's resistance eight times the limit flows, and only the driver would notice.
     let mut bare = Bare::new(of_resistance(0.1), &BLOCKED, 12.0);
     bare.held(0.8);
     let largest = bare
@@ -336,8 +336,8 @@ fn a_computed_current_trips_and_a_real_one_does_not() {
     assert!(largest > 5.0, "{largest}");
 }
 
-/// A hand goes to and fro about the surface for four seconds, at 3 Hz. Returns the most energy that the motor gave
-/// back after any moment, and the same for the wanted force, mJ.
+/// A hand moves to and fro about the surface for four seconds, at 3 Hz. Returns the most energy in mJ that the motor gave back from
+/// any moment on, and the same for the requested force.
 fn given_back(factor: f64) -> [f64; 2] {
     let plant = HeldLinear::new(&KNOB, &MEDIUM, PERIOD_S / 2.0).unwrap();
     let mut settings = told();
@@ -352,7 +352,7 @@ fn given_back(factor: f64) -> [f64; 2] {
     )
     .armed();
     let here = knob.rest_rad;
-    // Work so far, its least so far, and the most above that.
+    // Work so far, its least value so far, and the most above that value.
     let mut books = [[0.0_f64; 3]; 2];
     for period in 0..80_000 {
         let time = f64::from(period) * PERIOD_S;
@@ -381,8 +381,8 @@ fn the_guard_bounds_the_force_that_was_asked_for() {
         println!("{factor}: {motor:.3} {asked:.3}");
         motor / asked
     });
-    // With less resistance than was said the motor gives more than was asked of it, and nothing in the device notices. Otherwise the
-    // back-EMF's damping, which nobody counts, is on the safe side.
+    // With less resistance than entered, the motor gives more torque than commanded, and nothing in the device notices. Otherwise
+    // the damping by back-EMF, which nothing counts, is on the safe side.
     assert!(
         found[0] > 1.15 && found[1] < 1.0 && found[2] < found[1],
         "{found:?}"
@@ -396,7 +396,7 @@ fn the_board_starts_with_the_scenes_wall() {
     let mut law = settings.law();
     law.guard.change = touchstone_control::ChangeOfForce::Estimated;
     let mut wanted = scene.settings().unwrap();
-    // A board knows of its own delay.
+    // A board calculates its own delay.
     (wanted.guard.delay, wanted.guard.refill) = (law.guard.delay, law.guard.refill);
     assert_eq!(law, wanted);
 }

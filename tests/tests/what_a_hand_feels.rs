@@ -1,10 +1,11 @@
-//! The measures of a whole run against closed forms: a spring in f64 whose stiffness and lag are known.
+//! The measures of a whole run compared with closed forms, for a spring in f64 with known stiffness and lag.
 
 use touchstone_sim::run::record::{Summary, Verdict};
 use touchstone_sim::run::{self};
 use touchstone_tests::thesis;
 
-/// A hand that moves at 4 Hz inside a spring of 0.5 N·m/rad, half of what this knob is stable with; no encoder, no friction.
+/// A hand that moves at 4 Hz inside a spring of 0.5 N·m/rad, half of the largest stable stiffness of this knob; no encoder, no
+/// friction.
 fn spring(delay_s: f64) -> Summary {
     let mut scene = thesis("press-wiggle-release")
         .with_overrides(&[
@@ -33,8 +34,8 @@ fn a_sampled_spring_lags_by_half_a_tick_and_its_delay_and_by_nothing_else() {
         let lag_deg = 360.0 * 4.0 * (0.5e-3 + delay_s);
         println!("delay {delay_s} s: {found:?}, expected lag {lag_deg}°");
         assert_eq!(found.frequency_hz, 4.0);
-        // The mean of two samples a tick apart is shorter than the sine by 1 - cos(0.0126) = 8e-5, likewise two torques in a tick;
-        // what is left of the press' own swing is no whole number of periods.
+        // The mean of two samples a tick apart is smaller than the sine by 1 - cos(0.0126) = 8e-5, and so is that of two torques in
+        // a tick. The remaining error comes from the press' own swing over a fraction of a period.
         assert!((found.modulus_n_m_per_rad / 0.5 - 1.0).abs() < 1e-3);
         assert!((found.phase_deg + lag_deg).abs() < 0.05);
         assert!((run.rate_hardness.unwrap() / 0.5 - 1.0).abs() < 1e-6 || delay_s > 0.0);
@@ -48,14 +49,14 @@ fn a_spring_has_settled_when_it_is_touched_and_a_soft_one_never() {
             "law.kind=spring",
             "law.number=f64",
             "wall.k_desired_n_m_per_rad=0.5",
-            // Takes the pad's swing, which a spring does not.
+            // Damps the swing of the finger pad, which a spring does not.
             "device.friction.kinetic_n_m=1e-3",
         ])
         .unwrap();
     press.encoder = None;
     let run = run::run(&press, false).unwrap().summary;
     println!("settled {:?} s after the first touch", run.settle_time);
-    // The knob may bounce before the ramp has ended; a spring without an encoder is exact whenever it is touched.
+    // The knob may bounce before the ramp has ended; the spring without an encoder is exact whenever it is touched.
     assert!(run.settle_time.unwrap_or_else(|| panic!("{run:?}")) < 0.5);
     assert_eq!(run.settle_from_ramp_end_s, Some(0.0));
     let soft = thesis("press-hold")
@@ -68,7 +69,7 @@ fn a_spring_has_settled_when_it_is_touched_and_a_soft_one_never() {
     let soft = run::run(&soft, false).unwrap().summary;
     assert!(soft.verdict < Verdict::LimitCycle, "{soft:?}");
     assert_eq!(soft.settle_time, None);
-    // At rest FBA shows 2 c_i/T = 1 N·m/rad, so the hand goes in five times as deep, less what its own spring eases.
+    // At rest FBA shows 2 c_i/T = 1 N·m/rad. So the hand goes in five times as deep, less what its own spring relaxes.
     let ratio = soft.peak_penetration_ratio.unwrap();
     assert!(ratio > 4.0, "{ratio} {soft:?}");
 }
@@ -78,7 +79,8 @@ fn a_spring_gives_its_hand_what_the_hand_has_stored_in_it() {
     let run = spring(0.0);
     let depth = run.peak_penetration_ratio.unwrap() * 0.13 / 0.5;
     let stored = 0.5 * 0.5 * depth * depth;
-    // At the wall's port a sampled spring gives back more than was stored, k T v/2 at every moment of the way: some percent.
+    // At the wall's port a sampled spring gives back some percent more than it stored, as its force lags by k T v/2 at every
+    // moment.
     let share = run.energy_out_wall_worst_window_j / stored;
     println!("stored {stored} J, given back {share} of it at the wall");
     assert!(share > 1.0 && share < 1.2, "{share}");

@@ -1,4 +1,4 @@
-//! Tells the linker where `memory.x` is and that cortex-m-rt's script lays out the program.
+//! Tells the linker where `memory.x` is, and to lay out the program by the linker script of cortex-m-rt.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! The guard: a bound on what any hand can get out of a device, whatever force stands before it.
+//! The energy guard: it bounds the energy that any hand can get out of a device, whatever force the control law requests.
 
 use crate::memory::{self, Object, assert_room};
 use crate::status::{Words, ts_status};
@@ -10,10 +10,10 @@ use touchstone_control::{
     SettingsError, Si,
 };
 
-/// Words of a guard's memory.
+/// Number of 64-bit words in a guard's memory.
 pub const TS_GUARD_WORDS: usize = 24;
 
-/// A guard: coefficients and memory. Initialise it by `ts_guard_init`.
+/// A guard: coefficients and memory. Initialise it with `ts_guard_init`.
 #[repr(C)]
 #[allow(non_camel_case_types)]
 pub struct ts_guard {
@@ -28,32 +28,33 @@ unsafe impl Object for ts_guard {
 }
 assert_room!(ts_guard);
 
-/// Properties of the device that the guard needs, and the size of its promise. Start from `ts_guard_defaults`.
+/// Properties of the device that the guard needs, and the guard's energy limits. Start from `ts_guard_defaults`.
 #[repr(C)]
 #[derive(Clone, Copy)]
 #[allow(non_camel_case_types)]
 pub struct ts_guard_config {
-    /// Ticks a second, 1 to 100,000.
+    /// Control periods (ticks) per second, 1 to 100,000.
     pub rate_hz: u32,
-    /// Largest force ever commanded, N·m (N).
+    /// Largest force that is ever commanded, N·m (N).
     pub force_limit: ts_si,
-    /// A count of the encoder, or twice the largest error of a measured position, rad (m), at most 0.1.
+    /// One count of the encoder, or twice the largest error of a measured position, rad (m), at most 0.1.
     pub count: ts_si,
-    /// Damping of the device alone, without a hand, as measured, N·m·s/rad (N·s/m).
+    /// Measured damping of the device alone, without a hand, N·m·s/rad (N·s/m).
     pub damping: ts_si,
-    /// Share of that damping that is sure to be there, 0 to 1.
+    /// Fraction (0 to 1) of that damping that the guard relies on.
     pub share_of_damping: ts_si,
     /// Energy that a hand may get out at once, J, at most 16.
     pub capacity: ts_si,
-    /// Power that a hand may get out again and again, W, at most 1.
+    /// Power that a hand may get out in the long run, W, at most 1.
     pub refill: ts_si,
-    /// Speed up to which every displacement is answered for, rad/s (m/s); above it the force goes off and stays off.
+    /// Largest speed at which the energy bound holds, rad/s (m/s). Above it the force is switched off and stays off.
     pub overspeed: ts_si,
-    /// Time from a sample until its force begins to act, s, at most a tick.
+    /// Time from a sample until its force begins to act, s, at most one tick.
     pub delay: ts_si,
-    /// Time from there until the force is there, as the mean of the current loop's step response, s; with the delay at most a tick.
+    /// Mean time of the current loop's step response, from when a force begins to act, s. Delay and lag together are at most one
+    /// tick.
     pub lag: ts_si,
-    /// 1 where the position is also read when the force changes, for `ts_guard_tick_with_change`; else 0.
+    /// 1 if the position is also read when the force changes, for `ts_guard_tick_with_change`; otherwise 0.
     pub change_is_measured: u32,
 }
 
@@ -90,8 +91,8 @@ impl ts_guard_config {
     }
 }
 
-/// Fills in capacity, refill, share of damping and overspeed as Touchstone's knob has them, and 0 for all that only you know of your device.
-/// Rate, force limit, count and damping, delay and lag. `ts_guard_init` refuses a rate of 0.
+/// Fills in capacity, refill, fraction of damping and over-speed of Touchstone's simulated knob. It sets to 0 what only you know of
+/// your device: rate, force limit, count, damping, delay and lag. `ts_guard_init` refuses a rate of 0.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_defaults(config: *mut ts_guard_config) -> ts_status {
@@ -114,9 +115,9 @@ pub extern "C" fn ts_guard_defaults(config: *mut ts_guard_config) -> ts_status {
     )
 }
 
-/// A guard at power-up, with a full account. Call it once: a full account is a promise spent once.
+/// Initialises a guard as at power-up, with a full energy account. Call it once: each call gives the hand a full account again.
 ///
-/// Answers `TS_OUT_OF_RANGE` where a setting is refused; the guard then counts as not initialised, and allows no force.
+/// Returns `TS_OUT_OF_RANGE` if a setting is refused; the guard is then not initialised, and allows no force.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_init(guard: *mut ts_guard, config: *const ts_guard_config) -> ts_status {
@@ -130,7 +131,8 @@ pub extern "C" fn ts_guard_init(guard: *mut ts_guard, config: *const ts_guard_co
     }
 }
 
-/// Whether a configuration is accepted, and why not, in one line with the setting's name and range. `message` may be null.
+/// Checks a configuration. If it is refused, `message` gets the reason in one line, with the setting's name and range; `message`
+/// may be null.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_check(
@@ -143,7 +145,7 @@ pub extern "C" fn ts_guard_check(
         Err(status) => status,
         Ok(Ok(_)) => ts_status::TS_OK,
         Ok(Err(problem)) => {
-            // A buffer cuts a text; it never fails.
+            // Writing to a buffer cuts the text; it never fails.
             let _ = write!(words, "{problem}");
             ts_status::TS_OUT_OF_RANGE
         }
@@ -181,9 +183,9 @@ fn fixed(digits: i32) -> touchstone_control::fixed::types::I8F24 {
     touchstone_control::fixed::types::I8F24::from_bits(digits)
 }
 
-/// Runs one control period. `moved` is the displacement since the last tick, `wanted` the force of your law,
-/// `*allowed` the force to command; a force that resists a positive `moved` is positive. At most `capacity + refill *
-/// time` ever reaches the hand beyond what it put in.
+/// Runs one control period. `moved` is the displacement since the last tick, `wanted` the force that your law requests, and
+/// `*allowed` the force to command. A force that resists a positive `moved` is positive. At most `capacity + refill * time` reaches
+/// the hand beyond what it put in.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_tick(
@@ -195,8 +197,8 @@ pub extern "C" fn ts_guard_tick(
     tick(guard, moved, 0, wanted, allowed)
 }
 
-/// As `ts_guard_tick`, where the encoder was also read when the last force took effect: `before_change` is the part of
-/// `moved` that came before.
+/// As `ts_guard_tick`, for an encoder that was also read when the last force took effect. `before_change` is the part of `moved`
+/// before that reading.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_tick_with_change(
@@ -209,7 +211,7 @@ pub extern "C" fn ts_guard_tick_with_change(
     tick(guard, moved, before_change, wanted, allowed)
 }
 
-/// Tells the guard that a smaller force than allowed was commanded. A larger force counts as the allowed one.
+/// Reports that a smaller force than allowed was commanded. A larger force counts as the allowed one.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_commanded(guard: *mut ts_guard, force: ts_force) -> ts_status {
@@ -222,7 +224,7 @@ pub extern "C" fn ts_guard_commanded(guard: *mut ts_guard, force: ts_force) -> t
     )
 }
 
-/// Tells the guard that the motor was switched off and that no tick follows until `ts_guard_resume`.
+/// Reports that the motor was switched off and that no tick follows until `ts_guard_resume`.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_switched_off(guard: *mut ts_guard) -> ts_status {
@@ -235,7 +237,7 @@ pub extern "C" fn ts_guard_switched_off(guard: *mut ts_guard) -> ts_status {
     )
 }
 
-/// Takes a switched-off or tripped guard up again, with the account that it had: arming again is no reason for a full one.
+/// Resumes a guard that was switched off or tripped. The energy account keeps its level: arming again does not fill it.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_resume(guard: *mut ts_guard) -> ts_status {
@@ -249,8 +251,8 @@ pub extern "C" fn ts_guard_resume(guard: *mut ts_guard) -> ts_status {
     )
 }
 
-/// Energy that the hand may still get out, J times 2^48; negative after overspeed until refill and damping have made
-/// up for it.
+/// Energy that the hand may still get out, J times 2^48. It is negative after an over-speed, until refill and damping have made up
+/// for it.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_account(guard: *mut ts_guard, account: *mut ts_energy) -> ts_status {

@@ -1,7 +1,8 @@
-//! The energy guard, and the walls behind it, for firmware that is not written in Rust.
+//! The energy guard, and walls that contain it, for firmware that is not written in Rust.
 //!
-//! [`guard`] bounds any force, [`wall`] is a whole wall from count to torque, [`settings`] are its settings by name, [`memory`] is the one place where
-//! memory that C owns becomes a Rust value. `include/touchstone.h` is made of this crate.
+//! [`guard`] bounds any force. [`wall`] is a whole wall from encoder count to torque, and [`settings`] are its settings by name.
+//! [`memory`] is the only module that turns memory owned by C into a Rust value. `include/touchstone.h` is generated from this
+//! crate.
 #![cfg_attr(target_os = "none", no_std)]
 
 pub mod guard;
@@ -23,7 +24,7 @@ pub type ts_energy = i64;
 #[allow(non_camel_case_types)]
 pub type ts_si = i64;
 
-/// Never called, as nothing here panics; but a linker without an operating system needs a handler.
+/// Panic handler, which a linker without an operating system needs. It is never called, as nothing in this crate panics.
 #[cfg(target_os = "none")]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {

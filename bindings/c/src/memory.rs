@@ -1,13 +1,13 @@
-//! Where memory that C owns becomes a Rust value: the only place that reads or writes through a pointer.
+//! Turns memory that C owns into a Rust value. Only this module reads or writes through a pointer.
 //!
-//! An object of C is an array of 64-bit words. `init` writes a mark and the value into it; every other call looks for the mark first,
-//! so that zeroed or foreign memory is refused. The mark cannot tell memory that was partly overwritten.
+//! An object of C is an array of 64-bit words. `init` writes a mark and the value into it. Every other call checks the mark first,
+//! so that zeroed or foreign memory is refused. The mark does not show whether memory was partly overwritten.
 #![allow(unsafe_code)]
 
 use crate::status::ts_status;
 use core::ffi::{CStr, c_char};
 
-/// Content of an object's memory: the mark of its type, then the value.
+/// Content of an object's memory: the mark of its type, followed by the value.
 #[repr(C)]
 pub struct Marked<T> {
     mark: u64,
@@ -17,15 +17,15 @@ pub struct Marked<T> {
 /// An object of C that holds a Rust value of one type.
 ///
 /// # Safety
-/// The object is at least as large and as strictly aligned as `Marked<Self::Value>`: `assert_room!` checks it.
+/// The object must be at least as large and as strictly aligned as `Marked<Self::Value>`; `assert_room!` checks it.
 pub unsafe trait Object: Sized {
-    /// The value that the memory holds.
+    /// Type of the Rust value that the memory holds.
     type Value: Copy;
-    /// Mark of the type: different for each type.
+    /// Mark of the type, different for each type.
     const MARK: u64;
 }
 
-/// Stops the compiler where an object of C is too small for its value.
+/// Fails to compile if an object of C is too small for its value.
 macro_rules! assert_room {
     ($object:ty) => {
         const _: () = {
@@ -37,7 +37,7 @@ macro_rules! assert_room {
 }
 pub(crate) use assert_room;
 
-/// Puts a value into an object.
+/// Writes mark and value into an object.
 pub(crate) fn initialise<O: Object>(object: *mut O, value: O::Value) -> ts_status {
     if object.is_null() {
         return ts_status::TS_NULL_POINTER;
@@ -51,7 +51,7 @@ pub(crate) fn initialise<O: Object>(object: *mut O, value: O::Value) -> ts_statu
     ts_status::TS_OK
 }
 
-/// Takes an object's mark away, so that it counts as not initialised until its new value is made.
+/// Removes an object's mark, so that it counts as not initialised until `initialise` writes a new value.
 pub(crate) fn clear<O: Object>(object: *mut O) -> Result<(), ts_status> {
     if object.is_null() {
         return Err(ts_status::TS_NULL_POINTER);
@@ -61,7 +61,7 @@ pub(crate) fn clear<O: Object>(object: *mut O) -> Result<(), ts_status> {
     Ok(())
 }
 
-/// The value in an object.
+/// The value in an object. Errors: the pointer is null, or the object was not initialised.
 pub(crate) fn value<'a, O: Object>(object: *mut O) -> Result<&'a mut O::Value, ts_status> {
     if object.is_null() {
         return Err(ts_status::TS_NULL_POINTER);
@@ -75,7 +75,7 @@ pub(crate) fn value<'a, O: Object>(object: *mut O) -> Result<&'a mut O::Value, t
     Ok(unsafe { &mut (*object.cast::<Marked<O::Value>>()).value })
 }
 
-/// Writes an output.
+/// Writes an output through a pointer of C.
 pub(crate) fn put<T>(place: *mut T, value: T) -> ts_status {
     if place.is_null() {
         return ts_status::TS_NULL_POINTER;
@@ -85,7 +85,7 @@ pub(crate) fn put<T>(place: *mut T, value: T) -> ts_status {
     ts_status::TS_OK
 }
 
-/// Reads an input structure.
+/// Reads an input structure through a pointer of C.
 pub(crate) fn get<T: Copy>(place: *const T) -> Result<T, ts_status> {
     if place.is_null() {
         return Err(ts_status::TS_NULL_POINTER);
@@ -94,7 +94,7 @@ pub(crate) fn get<T: Copy>(place: *const T) -> Result<T, ts_status> {
     Ok(unsafe { place.read() })
 }
 
-/// A C string that is UTF-8.
+/// The text of a C string. Errors: the pointer is null, or the text is not UTF-8.
 pub(crate) fn text<'a>(text: *const c_char) -> Result<&'a str, ts_status> {
     if text.is_null() {
         return Err(ts_status::TS_NULL_POINTER);
@@ -104,7 +104,7 @@ pub(crate) fn text<'a>(text: *const c_char) -> Result<&'a str, ts_status> {
     text.to_str().map_err(|_| ts_status::TS_BAD_VALUE)
 }
 
-/// A buffer of C for a text; empty for a null pointer.
+/// A text buffer of C as a slice; empty for a null pointer.
 pub(crate) fn buffer<'a>(place: *mut c_char, length: usize) -> &'a mut [u8] {
     if place.is_null() || length == 0 {
         return &mut [];
@@ -113,7 +113,7 @@ pub(crate) fn buffer<'a>(place: *mut c_char, length: usize) -> &'a mut [u8] {
     unsafe { core::slice::from_raw_parts_mut(place.cast::<u8>(), length) }
 }
 
-/// Ends a text with a zero byte.
+/// Writes the zero byte that ends a text.
 pub(crate) fn terminate(buffer: &mut [u8], at: usize) {
     if let Some(end) = buffer.get_mut(at) {
         *end = 0;

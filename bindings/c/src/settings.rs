@@ -1,4 +1,4 @@
-//! All settings of a wall by name, as scenes and boards have them.
+//! All settings of a wall, by the names that scene files and boards use.
 
 use crate::memory::{self, Object, assert_room};
 use crate::status::{Words, ts_status};
@@ -6,10 +6,10 @@ use core::ffi::c_char;
 use core::fmt::Write as _;
 use touchstone_control::{Controller, Fixed32, NotSet, PositionSettings, Settings};
 
-/// Words of the settings' memory.
+/// Number of 64-bit words in the settings' memory.
 pub const TS_SETTINGS_WORDS: usize = 64;
 
-/// The settings of a wall. Initialise them by `ts_settings_init`.
+/// The settings of a wall. Initialise them with `ts_settings_init`.
 #[repr(C)]
 #[allow(non_camel_case_types)]
 pub struct ts_settings {
@@ -24,15 +24,15 @@ unsafe impl Object for ts_settings {
 }
 assert_room!(ts_settings);
 
-/// The defaults: the wall of Touchstone's simulated knob. Set at least what differs on your device.
+/// Sets all settings to the defaults: the wall of Touchstone's simulated knob. Change at least what differs on your device.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_settings_init(settings: *mut ts_settings) -> ts_status {
     memory::initialise(settings, Settings::default())
 }
 
-/// Sets one by its path and a decimal text or word: `"wall.k_desired_n_m_per_rad"`, `"5"`; `"law.kind"`, `"spring-damper"`.
-/// Ranges are checked by `ts_settings_check` and `ts_wall_init`, when all are set.
+/// Sets one setting by its path, from a decimal text or word: `"wall.k_desired_n_m_per_rad"`, `"5"`; `"law.kind"`,
+/// `"spring-damper"`. `ts_settings_check` and `ts_wall_init` check the ranges when all are set.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_settings_set(
@@ -54,7 +54,7 @@ pub extern "C" fn ts_settings_set(
     }
 }
 
-/// Sets the encoder for estimator and guard: counts of a whole turn, all edges counted, at least 1.
+/// Sets the encoder of estimator and guard: counts of a whole turn with all edges counted, at least 1.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_settings_set_counts_per_rev(
@@ -71,7 +71,8 @@ pub extern "C" fn ts_settings_set_counts_per_rev(
     }
 }
 
-/// Whether all are accepted together, and if not why, in one line with the setting's name and range. `message` may be null.
+/// Checks all settings together. If they are refused, `message` gets the reason in one line, with the setting's name and range;
+/// `message` may be null.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_settings_check(
@@ -87,7 +88,7 @@ pub extern "C" fn ts_settings_check(
     match Controller::<Fixed32>::new(settings) {
         Ok(_) => ts_status::TS_OK,
         Err(problem) => {
-            // A buffer cuts a text; it never fails.
+            // Writing to a buffer cuts the text; it never fails.
             let _ = write!(words, "{problem}");
             ts_status::TS_OUT_OF_RANGE
         }

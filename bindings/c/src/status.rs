@@ -1,15 +1,15 @@
-//! Results of a call.
+//! Status codes that the functions return.
 
 use crate::memory;
 use core::ffi::c_char;
 
-/// Result of a call. `TS_OK` is 0; with any other result the output is 0, so that a firmware that ignores the result
-/// drives no motor.
+/// Result of a call. `TS_OK` is 0. With any other result the output is 0, so that a firmware that ignores the result drives no
+/// motor.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
 pub enum ts_status {
-    /// Done.
+    /// The call succeeded.
     TS_OK = 0,
     /// A pointer is null.
     TS_NULL_POINTER = 1,
@@ -17,16 +17,16 @@ pub enum ts_status {
     TS_NOT_INITIALISED = 2,
     /// A setting is out of its range. `ts_guard_check` and `ts_settings_check` name it.
     TS_OUT_OF_RANGE = 3,
-    /// No setting has this name.
+    /// There is no setting of this name.
     TS_UNKNOWN_SETTING = 4,
-    /// The text is no value of this setting.
+    /// The text is not a value of this setting.
     TS_BAD_VALUE = 5,
-    /// The device moved further in a tick than the guard's `overspeed` allows. The force is 0 until the guard or wall is resumed:
+    /// The device moved further in a tick than the guard's `overspeed` allows. The force is 0 until guard or wall are resumed:
     /// switch the motor off.
     TS_OVERSPEED = 6,
 }
 
-/// A status in words, for a log. Never null.
+/// The meaning of a status in words, for a log. Never null.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_status_text(status: i32) -> *const c_char {
@@ -43,14 +43,14 @@ pub extern "C" fn ts_status_text(status: i32) -> *const c_char {
     text.as_ptr()
 }
 
-/// Writes an error in words to a C buffer, cut to its length, and ends it with a zero byte.
+/// Writes an error in words to a C buffer. The text is cut to the buffer's length and ends with a zero byte.
 pub(crate) struct Words<'a> {
     buffer: &'a mut [u8],
     used: usize,
 }
 
 impl<'a> Words<'a> {
-    /// An empty text in a buffer; the last byte stays for the zero.
+    /// An empty text in a buffer, whose last byte is kept for the final zero.
     pub(crate) fn new(buffer: &'a mut [u8]) -> Self {
         memory::terminate(buffer, 0);
         Self { buffer, used: 0 }
@@ -60,7 +60,7 @@ impl<'a> Words<'a> {
 impl core::fmt::Write for Words<'_> {
     fn write_str(&mut self, text: &str) -> core::fmt::Result {
         for byte in text.bytes() {
-            // One byte stays for the zero.
+            // One byte is kept for the final zero.
             if self.used.saturating_add(1) >= self.buffer.len() {
                 break;
             }

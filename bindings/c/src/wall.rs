@@ -7,10 +7,10 @@ use crate::{ts_force, ts_position, ts_si};
 use touchstone_control::fixed::types::I8F24;
 use touchstone_control::{Controller, CountScale, Fixed32, Force, Position, Si};
 
-/// Words of a wall's memory.
+/// Number of 64-bit words in a wall's memory.
 pub const TS_WALL_WORDS: usize = 160;
 
-/// A wall: coefficients and memory of estimator, law and guard. Initialise it by `ts_wall_init`.
+/// A wall: coefficients and memory of estimator, law and guard. Initialise it with `ts_wall_init`.
 #[repr(C)]
 #[allow(non_camel_case_types)]
 pub struct ts_wall {
@@ -25,7 +25,8 @@ unsafe impl Object for ts_wall {
 }
 assert_room!(ts_wall);
 
-/// A wall at power-up. Answers `TS_OUT_OF_RANGE` where the settings are refused; the wall then counts as not initialised, and gives no force.
+/// Initialises a wall as at power-up. Returns `TS_OUT_OF_RANGE` if the settings are refused; the wall is then not initialised, and
+/// gives no force.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_init(wall: *mut ts_wall, settings: *mut ts_settings) -> ts_status {
@@ -39,8 +40,8 @@ pub extern "C" fn ts_wall_init(wall: *mut ts_wall, settings: *mut ts_settings) -
     }
 }
 
-/// Runs one control period: takes the depth in the wall, positive inside, gives the force that pushes out. Command the
-/// motor with its negative along the angle, and hold it until the next tick.
+/// Runs one control period: takes the depth in the wall, positive inside, and gives the force that pushes out. Command the motor
+/// with the negative of that force along the angle, and hold it until the next tick.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_tick(
@@ -66,7 +67,7 @@ pub extern "C" fn ts_wall_tick(
     }
 }
 
-/// Tells estimator and guard the commanded force, where that is smaller than the wall's.
+/// Reports to estimator and guard the commanded force, if it is smaller than the wall's.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_commanded(wall: *mut ts_wall, force: ts_force) -> ts_status {
@@ -79,7 +80,7 @@ pub extern "C" fn ts_wall_commanded(wall: *mut ts_wall, force: ts_force) -> ts_s
     )
 }
 
-/// Tells the wall that the motor was switched off and that no tick follows until `ts_wall_resume`.
+/// Reports that the motor was switched off and that no tick follows until `ts_wall_resume`.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_switched_off(wall: *mut ts_wall) -> ts_status {
@@ -92,7 +93,8 @@ pub extern "C" fn ts_wall_switched_off(wall: *mut ts_wall) -> ts_status {
     )
 }
 
-/// Takes the wall up again for the next arming, with its settings or changed ones: all memory is new but the guard's account.
+/// Resumes the wall for the next arming, with its settings or changed ones. All memory is new except the level of the guard's
+/// energy account.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_resume(wall: *mut ts_wall, settings: *mut ts_settings) -> ts_status {
@@ -109,8 +111,8 @@ pub extern "C" fn ts_wall_resume(wall: *mut ts_wall, settings: *mut ts_settings)
     }
 }
 
-/// The penetration of an encoder's count into a wall that stands at `surface`, rad: `2 pi count / counts_per_rev - surface`,
-/// saturating. 0 for an encoder without counts.
+/// Penetration of an encoder count into a wall with its surface at `surface`, rad: `2 pi count / counts_per_rev - surface`, limited
+/// to the range of positions. 0 if `counts_per_rev` is 0.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_penetration(count: i64, counts_per_rev: u32, surface: ts_si) -> ts_position {

@@ -1,4 +1,4 @@
-//! `include/touchstone.h` is generated from the source.
+//! Checks that `include/touchstone.h` is what the generator makes from the source.
 
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 """MuJoCo's knob against a contact that gains energy, with and without the guard in its loop.
 
-A hand throws a knob into a stiff spring and lets go. The spring is computed at 1 kHz from the encoder's angle, one tick late, as over a USB link: each
-bounce gives the knob energy. The guard stands between the spring and the motor, and knows nothing of either but its four assumptions.
+A hand throws a knob into a stiff spring and lets go. The spring's torque is calculated at 1 kHz from the encoder's angle and acts one tick late, as
+over a USB link, so each bounce gives the knob energy. The guard bounds the torque between spring and motor. It knows only its four assumptions.
 
     pip install touchstone-haptics mujoco
     python mujoco_knob.py
@@ -34,13 +34,13 @@ KNOB = f"""
 
 
 def contact(angle_rad):
-    """The contact's torque along the angle: springs on both sides."""
+    """Torque of the contact along the angle, N·m: springs on both sides."""
     depth = math.copysign(max(0.0, abs(angle_rad) - SURFACE_RAD), angle_rad)
     return max(-FORCE_LIMIT_N_M, min(FORCE_LIMIT_N_M, -STIFFNESS_N_M_PER_RAD * depth))
 
 
 def throw(guarded, seconds=5.0):
-    """The knob's kinetic energy at the throw, and the largest between the springs after the first bounce, J."""
+    """Throws the knob. Returns its kinetic energy at the throw, and the largest between the springs after the first bounce, J."""
     model = mujoco.MjModel.from_xml_string(KNOB)
     knob = mujoco.MjData(model)
     knob.qvel[0] = SPEED_RAD_PER_S

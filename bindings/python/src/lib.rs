@@ -1,4 +1,4 @@
-//! The guard and the walls for Python, tick by tick and over whole arrays.
+//! The energy guard and the walls for Python, tick by tick and for whole arrays.
 
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -8,14 +8,14 @@ use touchstone_control::{
     Guarded, GuardedDevice, NotSet, Number, Position, PositionSettings, Settings, Si,
 };
 
-/// A number of Python as a value of the settings.
+/// A Python number as a setting.
 fn si(name: &str, value: f64) -> PyResult<Si> {
     Si::checked_from_num(value).ok_or_else(|| {
         PyValueError::new_err(format!("{name} = {value}: give a finite number below 2e9"))
     })
 }
 
-/// A position, rad (m), to the nearest step; beyond ±128 it saturates.
+/// A position in rad (m), rounded to the nearest quantum; beyond ±128 it saturates.
 fn position(value: f64) -> PyResult<Position<Fixed32>> {
     Ok(Position(Fixed32::saturating_signal(finite(
         "a position",
@@ -23,7 +23,7 @@ fn position(value: f64) -> PyResult<Position<Fixed32>> {
     )?)))
 }
 
-/// A force, N·m (N), to the nearest step; beyond ±128 it saturates.
+/// A force in N·m (N), rounded to the nearest quantum; beyond ±128 it saturates.
 fn force(value: f64) -> PyResult<Force<Fixed32>> {
     Ok(Force(Fixed32::saturating_signal(finite("a force", value)?)))
 }
@@ -35,16 +35,16 @@ fn finite(what: &str, value: f64) -> PyResult<Si> {
     Ok(Si::saturating_from_num(value))
 }
 
-/// Exact: the formats of positions and forces have 24 bits after the point.
+/// A setting as a Python number. It is exact for positions and forces, whose formats have 24 fractional bits.
 fn number(value: impl Into<Si>) -> f64 {
     value.into().to_num()
 }
 
-/// Bounds the energy that a hand can get out of a device, whatever force is wanted.
+/// Bounds the energy that a hand can get out of a device, whatever force the law requests.
 ///
-/// At most `capacity_j + refill_w * time` reaches the hand beyond what it put in, if the device has the stated
-/// damping, encoder and delay, and its motor gives the commanded torque. Units are rad and N·m; with m and N the same
-/// numbers serve a linear device.
+/// At most `capacity_j + refill_w * time` reaches the hand beyond what it put in. This holds if the device has the stated damping,
+/// encoder and delay, and its motor gives the commanded torque. Units are rad and N·m; with m and N the same numbers serve a linear
+/// device.
 #[pyclass(name = "Guard", module = "touchstone")]
 struct PyGuard {
     inner: Guarded<Fixed32>,
@@ -106,11 +106,10 @@ impl PyGuard {
         })
     }
 
-    /// Runs one control period: takes the displacement since the last tick and the wanted force, returns the force to
-    /// command.
+    /// Runs one control period: takes the displacement since the last tick and the requested force, returns the force to command.
     ///
-    /// A force that resists a positive motion is positive. `before_change` is the part of `moved` before the last
-    /// force took effect, where the encoder was read then too.
+    /// A force that resists a positive motion is positive. `before_change` is the part of `moved` before the last force took
+    /// effect, for an encoder that was read at that moment too.
     #[pyo3(signature = (moved_rad, wanted_n_m, before_change_rad=0.0))]
     fn tick(&mut self, moved_rad: f64, wanted_n_m: f64, before_change_rad: f64) -> PyResult<f64> {
         let (moved, before) = (position(moved_rad)?, position(before_change_rad)?);
@@ -118,7 +117,7 @@ impl PyGuard {
         Ok(number(allowed.0))
     }
 
-    /// Many control periods at once.
+    /// Runs many control periods: takes arrays of displacements and requested forces, returns an array of forces.
     fn ticks<'py>(
         &mut self,
         py: Python<'py>,
@@ -133,7 +132,7 @@ impl PyGuard {
                 wanted.len()
             )));
         }
-        // All are looked at first, so that a refused call changes nothing.
+        // All values are checked before the first tick, so that a refused call changes nothing.
         let pairs: Vec<_> = moved
             .iter()
             .zip(wanted)
@@ -149,18 +148,18 @@ impl PyGuard {
         Ok(PyArray1::from_vec(py, allowed))
     }
 
-    /// Tells the guard that a smaller force than allowed was commanded.
+    /// Reports that a smaller force than allowed was commanded.
     fn commanded(&mut self, force_n_m: f64) -> PyResult<()> {
         self.inner.commanded(force(force_n_m)?);
         Ok(())
     }
 
-    /// Tells the guard that the motor was switched off, and that no tick follows until `resume`.
+    /// Reports that the motor was switched off, and that no tick follows until `resume`.
     fn switched_off(&mut self) {
         self.inner.switched_off();
     }
 
-    /// Takes a switched-off or tripped guard up again, with the account that it had.
+    /// Resumes a guard that was switched off or tripped; the energy account keeps its level.
     fn resume(&mut self) {
         self.inner = Guarded::new(self.inner.guard).resumed(&self.inner);
     }
@@ -171,14 +170,14 @@ impl PyGuard {
         self.inner.account().0.to_num()
     }
 
-    /// Whether the device was faster than the guard's overspeed: no force until `resume`.
+    /// Whether the device was faster than the guard's speed limit; the force is 0 until `resume`.
     #[getter]
     fn tripped(&self) -> bool {
         self.inner.tripped
     }
 }
 
-/// A whole wall: estimator, law and guard, in the fixed point of the firmware and to its bits.
+/// A whole wall: estimator, law and guard, in the firmware's fixed-point arithmetic, with results equal to the last bit.
 #[pyclass(name = "Wall", module = "touchstone", subclass)]
 struct PyWall {
     inner: Controller<Fixed32>,
@@ -227,19 +226,18 @@ impl PyWall {
         })
     }
 
-    /// Runs one control period: takes the penetration, positive inside, returns the force that pushes out.
+    /// Runs one control period: takes the penetration, positive inside, and returns the force that pushes out.
     fn tick(&mut self, penetration_rad: f64) -> PyResult<f64> {
         Ok(number(self.inner.tick(position(penetration_rad)?).0))
     }
 
-    /// Runs one control period: takes an encoder's count, returns the torque along the angle, to be commanded until
-    /// the next tick.
+    /// Runs one control period: takes an encoder count, and returns the torque along the angle to command until the next tick.
     fn tick_count(&mut self, count: i64) -> f64 {
         let penetration = self.scale.penetration(count);
         -number(self.inner.tick(penetration).0)
     }
 
-    /// Many control periods at once, of penetrations.
+    /// Runs many control periods: takes an array of penetrations, returns an array of forces.
     fn ticks<'py>(
         &mut self,
         py: Python<'py>,
@@ -260,18 +258,18 @@ impl PyWall {
         Ok(PyArray1::from_vec(py, forces))
     }
 
-    /// Tells estimator and guard that a smaller force than the wall's was commanded.
+    /// Reports to estimator and guard that a smaller force than the wall's was commanded.
     fn commanded(&mut self, force_n_m: f64) -> PyResult<()> {
         self.inner.commanded(force(force_n_m)?);
         Ok(())
     }
 
-    /// Tells the wall that the motor was switched off, and that no tick follows until `resume`.
+    /// Reports that the motor was switched off, and that no tick follows until `resume`.
     fn switched_off(&mut self) {
         self.inner.switched_off();
     }
 
-    /// Takes the wall up again: all memory is new but the guard's account.
+    /// Resumes the wall; all memory is new except the level of the guard's energy account.
     fn resume(&mut self) -> PyResult<()> {
         let fresh = Controller::new(&self.settings)
             .map_err(|problem| PyRuntimeError::new_err(problem.to_string()))?;
@@ -279,7 +277,7 @@ impl PyWall {
         Ok(())
     }
 
-    /// Energy that the hand may still get out, J; `None` where the guard is off.
+    /// Energy that the hand may still get out, J; `None` if the guard is off.
     #[getter]
     fn account_j(&self) -> Option<f64> {
         self.inner
@@ -288,19 +286,19 @@ impl PyWall {
             .map(|guard| guard.account().0.to_num())
     }
 
-    /// Whether the guard has switched the force off for overspeed.
+    /// Whether the guard has switched the force off because of over-speed.
     #[getter]
     fn tripped(&self) -> bool {
         self.inner.tripped()
     }
 
-    /// The law's name.
+    /// Name of the control law.
     #[getter]
     fn law(&self) -> &'static str {
         self.settings.law.word()
     }
 
-    /// The passivity bounds that the settings exceed, in words.
+    /// Descriptions of the passivity bounds that the settings exceed.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.settings.warnings().map(|it| it.to_string()).collect()

@@ -1,4 +1,4 @@
-"""The action of bindings/ci: its script, with a pip that is not asked. Skipped where the program or bash is not there."""
+"""Tests the script of the action in bindings/ci, without running pip. Skipped if the program or bash is missing."""
 
 import os
 import shutil
@@ -17,7 +17,7 @@ if shutil.which("bash") is None:
 
 
 def script():
-    """The text below ``run: |``."""
+    """The action's script: the text below ``run: |``."""
     text = (Path(__file__).parents[2] / "ci" / "action.yml").read_text(encoding="utf-8")
     return "".join(line[8:] + "\n" for line in text.split("      run: |\n")[1].splitlines())
 

@@ -1,4 +1,4 @@
-"""A device whose follower's forces come late."""
+"""Tests a teleoperation device whose follower's forces arrive late."""
 
 import math
 
@@ -36,7 +36,7 @@ SETTINGS = dict(
 
 
 def most_energy(write_of, ticks=3000, late=20):
-    """A follower's spring to the start, 20 ms late: it gains energy with every swing. The largest energy of the handle."""
+    """Runs the handle with a spring to its start that acts 20 ms late and so gains energy with every swing. Returns its largest energy, J."""
     handle = Handle()
     step = write_of(handle)
     past = [0.0] * late

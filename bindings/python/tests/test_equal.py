@@ -1,4 +1,4 @@
-"""What the package says of a shipped scene, the program says: the same numbers to the bit. Skipped where the program is not there."""
+"""For a shipped scene, package and program give the same numbers to the last bit. Skipped if the program is missing."""
 
 import json
 import subprocess
@@ -28,7 +28,7 @@ def test_three_axes_have_the_programs_results_and_no_trace(scene):
 
 @pytest.fixture(scope="module", params=SCENES)
 def both(request, tmp_path_factory):
-    """A scene's run by the package, and what the program printed and wrote of it."""
+    """Results of a scene from the package, and what the program printed and wrote for the same scene."""
     folder = tmp_path_factory.mktemp("run") / request.param
     words = [touchstone.program(), "run", request.param, "--json", "--out", str(folder)]
     printed = subprocess.run(words, check=True, capture_output=True).stdout

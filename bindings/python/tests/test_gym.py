@@ -1,4 +1,4 @@
-"""The Gymnasium environments. Skipped without gymnasium."""
+"""Tests the Gymnasium environments. Skipped without gymnasium."""
 
 import math
 import warnings

@@ -1,4 +1,4 @@
-"""The simulator from Python. Skipped where the program is not there."""
+"""Tests the simulator from Python. Skipped if the program is missing."""
 
 import concurrent.futures
 

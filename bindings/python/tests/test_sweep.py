@@ -1,4 +1,4 @@
-"""Maps in parts on executors. Skipped where the program is not there."""
+"""Tests sweeps whose parts run on executors. Skipped if the program is missing."""
 
 import concurrent.futures
 import functools
@@ -63,7 +63,7 @@ def test_a_scene_as_a_dict_goes_to_the_workers(tmp_path):
 
 
 def _killed_once(flag, *words):
-    """A part whose worker is killed the first time."""
+    """Computes a part; the worker of the first call is killed."""
     if not Path(flag).exists():
         Path(flag).write_text("")
         os.kill(os.getpid(), signal.SIGKILL)

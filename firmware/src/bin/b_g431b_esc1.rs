@@ -1,4 +1,4 @@
-//! The program for the board after which it is named.
+//! The program for the board B-G431B-ESC1.
 #![no_std]
 #![no_main]
 

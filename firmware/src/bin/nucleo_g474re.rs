@@ -1,4 +1,4 @@
-//! The program for the board after which it is named.
+//! The program for a NUCLEO-G474RE with an X-NUCLEO-IHM08M1.
 #![no_std]
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! The program for the board after which it is named.
+//! The program for a NUCLEO-G474RE with a SimpleFOC Mini.
 #![no_std]
 #![no_main]
 

@@ -1,7 +1,7 @@
-//! B-G431B-ESC1: pins and peripherals.
+//! Pins and peripherals of the B-G431B-ESC1.
 //!
-//! Sources: UM2516 and the board's schematic as open projects for it quote them (NuttX's and SimpleFOC's board files); not
-//! checked on a board by us. The comparators' threshold is calculated from the schematic's values.
+//! Sources: UM2516 and the board's schematic, as the board files of NuttX and SimpleFOC quote them. Nothing was checked on a board.
+//! The comparators' threshold is calculated from the schematic's values.
 
 use embassy_stm32::adc::{Adc, AdcChannel};
 use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull};
@@ -23,28 +23,33 @@ use crate::sense::Readings;
 use crate::storage::Storage;
 use crate::{encoder, pwm, sense, serial};
 
-/// The board's name for the desktop.
+/// The board for which this program is built; the device reports it to the desktop.
 pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::BG431bEsc1;
 
-/// The power stage.
+/// Properties of the board's power stage and sensors.
 pub const HARDWARE: Hardware = hardware::B_G431B_ESC1;
 
 bind_interrupts!(struct Irqs {
     USART2 => usart::BufferedInterruptHandler<peripherals::USART2>;
 });
 
-/// The gate drivers L6387 switch on what is high, and keep no dead time themselves. COMP1, COMP2 and COMP4 watch the three shunts.
+/// Settings of the PWM timer. The gate drivers L6387 switch a transistor on while its input is high and keep no dead time
+/// themselves. COMP1, COMP2 and COMP4 watch the three shunts.
 const BRIDGE: Bridge = Bridge {
     dead_time_ns: 800,
     complement: Complement::ActiveHigh,
     break_input: BreakInput::Comparators(0b1011),
 };
 
-/// A current of 30 A out of the motor and through a low side. The shunt's divider adds an offset of 0.129 V and leaves 4/7 of
-/// 3 mV/A, the comparators see it before the amplifiers: 160 + 2.13 codes/A of 3.3 V / 4096.
+/// Threshold of the over-current comparators, as a code of 3.3 V / 4096: a current of 30 A out of the motor, through a lower
+/// transistor.
+///
+/// The shunt's divider adds an offset of 0.129 V (160 codes) and leaves 4/7 of 3 mV/A (2.13 codes/A). The comparators see the
+/// voltage before the amplifiers.
 const BREAK_CODE: u16 = 160 + 64;
 
-/// Sets up every pin and peripheral of the board; outputs stay off. The link to the desktop, and where settings are kept.
+/// Sets up every pin and peripheral of the board; the outputs stay off. Returns the serial port to the desktop and the settings'
+/// flash.
 pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     interrupt::TIM3.set_priority(Priority::P6);
     interrupt::USART2.set_priority(Priority::P6);
@@ -108,7 +113,7 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     (defmt::unwrap!(serial), Storage::new(p.FLASH))
 }
 
-/// The comparators against DAC3: the hardware's over-current, which needs no processor.
+/// Starts the comparators, with DAC3 as threshold: they detect over-current in hardware, without the processor.
 fn watch_shunts(_dac: embassy_stm32::Peri<'static, peripherals::DAC3>) {
     rcc::enable_and_reset::<peripherals::DAC3>();
     DAC3.mcr().write(|w| {
@@ -135,7 +140,8 @@ fn watch_shunts(_dac: embassy_stm32::Peri<'static, peripherals::DAC3>) {
     }
 }
 
-/// A finished set of conversions: which is what. The third current is the negative sum of the two.
+/// Assigns the results of a finished set of conversions to phases A and B, bus voltage and temperature. The third phase's current
+/// is the negative sum of the two.
 #[inline(always)]
 pub fn readings() -> Readings {
     let raw = sense::take();
@@ -149,54 +155,55 @@ pub fn readings() -> Readings {
     }
 }
 
-/// The edge counter: TIM4 has 16 bits.
+/// Reads the counter of encoder edges in TIM4, which has 16 bits.
 #[inline(always)]
 pub fn encoder_count() -> EncoderReading {
     EncoderReading::Counter16(TIM4.cnt().read().cnt())
 }
 
-/// This board has no port for a magnetic encoder.
+/// Empty functions in place of the magnetic encoder's: this board has no port for one.
 pub mod magnetic {
     use touchstone_drive::{EncoderKind, EncoderReading};
 
-    /// There is no reading.
+    /// A type without values: on this board no reading can be started.
     pub enum Last {}
 
-    /// Nothing to do.
+    /// Does nothing.
     #[inline(always)]
     pub fn prepare(_kind: EncoderKind) {}
 
-    /// There is no frame.
+    /// Always `None`: no frame is sent.
     #[inline(always)]
     pub fn begin(_kind: EncoderKind) -> Option<()> {
         None
     }
 
-    /// There is no frame.
+    /// Always `None`: no frame is sent.
     #[inline(always)]
     pub fn go_on(_kind: EncoderKind) -> Option<Last> {
         None
     }
 
-    /// Silence.
+    /// Always a silent encoder.
     #[inline(always)]
     pub fn end(_last: Option<Last>) -> EncoderReading {
         EncoderReading::Silent
     }
 }
 
-/// The board's button, at PC10, is not used: which level means pressed stands in its schematic, which was not read.
+/// Always false. The board's button at PC10 is not used: the level of a pressed button is in the board's schematic, which was not
+/// read.
 #[inline(always)]
 pub fn is_stop_pressed() -> bool {
     false
 }
 
-/// The board has no line of its drivers.
+/// Always false: the board's gate drivers have no error output.
 #[inline(always)]
 pub fn driver_complains() -> bool {
     false
 }
 
-/// This board has no driver state to forget.
+/// Does nothing: this board stores no error of its gate drivers.
 #[inline(always)]
 pub fn forget_driver() {}

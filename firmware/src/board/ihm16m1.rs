@@ -1,13 +1,13 @@
-//! A NUCLEO with 64 pins and the three-phase shield X-NUCLEO-IHM16M1 (STSPIN830): pins and peripherals, the same on the NUCLEO-G474RE and the
-//! NUCLEO-G431RB, which are of one board (UM2505 is of both).
+//! Pins and peripherals of a NUCLEO with 64 pins and the three-phase shield X-NUCLEO-IHM16M1 (STSPIN830). They are the same on the
+//! NUCLEO-G474RE and the NUCLEO-G431RB, which have the same circuit board (UM2505 describes both).
 //!
-//! | pins | from |
+//! | pins | source |
 //! |---|---|
-//! | phases' inputs and enables, currents, bus | NuttX's page and board file, and an open bench with the NUCLEO-G474RE and this shield, which agree; the shield's manual UM2415 and schematic **not read** |
-//! | currents of phases U and V | two of three sources; NuttX's code swaps U and V: exchanged currents end in fault 10, as no current comes to what was asked. ST's own project for the kit reads PB11 and PA7 for V and W: links on the shield may differ |
-//! | EN\FAULT at PB12 (link R37) or PA11 (link R35) | the bench: shields differ, so both are watched |
-//! | the limiter's reference at PB4, the thermistor at PC4 | NuttX's page; what the levels do **not read** |
-//! | the enables' functions: TIM1_CH1N, CH2N, CH3N | the chip's data sheet DS12288, from memory |
+//! | inputs and enables of the phases, currents, bus voltage | NuttX's page and board file, and an open project with the NUCLEO-G474RE and this shield, which agree; the shield's manual UM2415 and schematic **not read** |
+//! | currents of phases U and V | two of three sources; NuttX's code swaps U and V. With swapped currents no current reaches its command, which ends in fault 10. ST's own project for the kit reads PB11 and PA7 for V and W: solder links on the shield may differ |
+//! | EN\FAULT at PB12 (link R37) or PA11 (link R35) | the open project: shields differ, so the program watches both pins |
+//! | the current limiter's reference at PB4, the thermistor at PC4 | NuttX's page; the meaning of the levels **not read** |
+//! | functions of the enable pins: TIM1_CH1N, CH2N, CH3N | the chip's data sheet DS12288, from memory |
 //!
 //! Nothing was measured on a board.
 
@@ -31,31 +31,32 @@ use crate::sense::Readings;
 use crate::storage::Storage;
 use crate::{encoder, pwm, sense, serial};
 
-/// The power stage.
+/// Properties of the shield's power stage and sensors.
 pub const HARDWARE: Hardware = hardware::IHM16M1;
 
 bind_interrupts!(struct Irqs {
     LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
 });
 
-/// The STSPIN830 has an input and an enable a phase, and keeps its own dead time. Its line EN\FAULT is the break.
+/// Settings of the PWM timer. The driver STSPIN830 has an input and an enable for each phase and keeps its own dead time. Its line
+/// EN\FAULT is the hardware break.
 const BRIDGE: Bridge = Bridge {
     dead_time_ns: 0,
     complement: Complement::Enable,
     break_input: BreakInput::Pin,
 };
 
-/// TIM1_BKIN's number among the functions of PB12.
+/// Number of the alternate function TIM1_BKIN at pin PB12.
 const BREAK_FUNCTION: u8 = 6;
 
-/// The line EN\FAULT: port B's and port A's pin.
+/// Pin numbers of the line EN\FAULT: on port B, and on port A.
 const FAULT_LINE: (usize, usize) = (12, 11);
 
-/// The blue button, PC13: high while it is pressed (UM2505, "Push-buttons").
+/// Pin number of the blue button, PC13: high while it is pressed (UM2505, "Push-buttons").
 const STOP_BUTTON: usize = 13;
 
-/// Sets up every pin and peripheral but the time driver's priority; outputs stay off. The link to
-/// the desktop, and where settings are kept.
+/// Sets up every pin and peripheral except the time driver's priority; the outputs stay off. Returns the serial port to the desktop
+/// and the settings' flash.
 pub fn set_up_pins(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     interrupt::LPUART1.set_priority(Priority::P6);
     // Open drain, and enable at once: pulled up here, pulled down by the driver. The pin that is not linked rests high.
@@ -124,7 +125,8 @@ pub fn set_up_pins(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     (defmt::unwrap!(serial), Storage::new(p.FLASH))
 }
 
-/// A finished set of conversions: which is what. The third current is the negative sum of the two.
+/// Assigns the results of a finished set of conversions to phases A and B, bus voltage and temperature. The third phase's current
+/// is the negative sum of the two.
 #[inline(always)]
 pub fn readings() -> Readings {
     let raw = sense::take();
@@ -138,23 +140,23 @@ pub fn readings() -> Readings {
     }
 }
 
-/// The edge counter: TIM2 has 32 bits.
+/// Reads the counter of encoder edges in TIM2, which has 32 bits.
 #[inline(always)]
 pub fn encoder_count() -> EncoderReading {
     EncoderReading::Counter32(TIM2.cnt().read())
 }
 
-/// Whether the button is pressed. A convenience, not an emergency stop: a wire that is broken does not press it.
+/// Whether the stop button is pressed. It is a convenience and no emergency stop: with a broken wire it does nothing.
 #[inline(always)]
 pub fn is_stop_pressed() -> bool {
     GPIOC.idr().read().idr(STOP_BUTTON) == Idr::HIGH
 }
 
-/// The line was low when it was examined.
+/// Whether the line EN\FAULT was low at PA11 since [`forget_driver`].
 static COMPLAINED: AtomicBool = AtomicBool::new(false);
 
-/// Whether the driver has pulled its line since it was last forgotten. At PB12 no pulse is missed: the break keeps it. PA11 is looked
-/// at by the current loop, once a PWM period, and the driver has switched itself off before.
+/// Whether the driver has pulled its line EN\FAULT since [`forget_driver`]. At PB12 no pulse is missed, because the hardware break
+/// latches it. The current loop polls PA11 once a PWM period; before that the driver has already switched itself off.
 #[inline(always)]
 pub fn driver_complains() -> bool {
     let (b, a) = FAULT_LINE;
@@ -165,7 +167,7 @@ pub fn driver_complains() -> bool {
     COMPLAINED.load(Relaxed)
 }
 
-/// Forgets the driver's complaint; a line that is still low raises it again.
+/// Clears the stored error of the driver. A line that is still low raises it again.
 #[inline(always)]
 pub fn forget_driver() {
     COMPLAINED.store(false, Relaxed);

@@ -1,8 +1,8 @@
-//! NUCLEO-G474RE with the three-phase shield X-NUCLEO-IHM08M1: pins and peripherals.
+//! Pins and peripherals of the NUCLEO-G474RE with the three-phase shield X-NUCLEO-IHM08M1.
 //!
-//! Sources: UM2505 (the board); UM1996 (the shield) and its schematic, as open projects for it quote them (NuttX, oxifoc); the
-//! chip's data sheet DS12288 for which function a pin has. Not checked on a board by us. The shield joins PB15 to PA7's and PB14
-//! to PA6's net: both are left as they are after a reset, undriven.
+//! Sources: UM2505 (the board); UM1996 (the shield) and its schematic, as the open projects NuttX and oxifoc quote them; the chip's
+//! data sheet DS12288 (functions of the pins). Nothing was checked on a board. The shield connects PB15 with PA7 and PB14 with PA6,
+//! so PB15 and PB14 stay undriven, as after a reset.
 
 use embassy_stm32::adc::{Adc, AdcChannel};
 use embassy_stm32::gpio::{AfType, Flex, Level, Output, OutputType, Pull, Speed};
@@ -22,34 +22,35 @@ use crate::sense::Readings;
 use crate::storage::Storage;
 use crate::{analogue, encoder, pwm, sense, serial};
 
-/// The board's name for the desktop.
+/// The board for which this program is built; the device reports it to the desktop.
 pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::NucleoG474re;
 
-/// The power stage.
+/// Properties of the shield's power stage and sensors.
 pub const HARDWARE: Hardware = hardware::IHM08M1;
 
 bind_interrupts!(struct Irqs {
     LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
 });
 
-/// The gate drivers L6398 switch a lower transistor on while LIN is low, and keep 320 ns themselves. The shield's over-current
-/// comparators are wired to the pin BKIN.
+/// Settings of the PWM timer. The gate drivers L6398 switch a lower transistor on while its input LIN is low, and keep a dead time
+/// of 320 ns themselves. The shield's over-current comparators are wired to the pin BKIN.
 const BRIDGE: Bridge = Bridge {
     dead_time_ns: 500,
     complement: Complement::ActiveLow,
     break_input: BreakInput::Pin,
 };
 
-/// TIM1_BKIN's number among the functions of PA6.
+/// Number of the alternate function TIM1_BKIN at pin PA6.
 const BREAK_FUNCTION: u8 = 6;
 
-/// The blue button, PC13: high while it is pressed (UM2505, "Push-buttons").
+/// Pin number of the blue button, PC13: high while it is pressed (UM2505, "Push-buttons").
 const STOP_BUTTON: usize = 13;
 
-/// Enables an external servo amplifier while it is high: PC8, on the morpho connector.
+/// Pin number of PC8, on the morpho connector: it enables an external servo amplifier while it is high.
 const AMPLIFIER: u8 = 8;
 
-/// Sets up every pin and peripheral of the board; outputs stay off. The link to the desktop, and where settings are kept.
+/// Sets up every pin and peripheral of the board; the outputs stay off. Returns the serial port to the desktop and the settings'
+/// flash.
 pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     interrupt::TIM5.set_priority(Priority::P6);
     interrupt::LPUART1.set_priority(Priority::P6);
@@ -114,7 +115,8 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     (defmt::unwrap!(serial), Storage::new(p.FLASH))
 }
 
-/// A finished set of conversions: which is what. The third current is the negative sum of the two.
+/// Assigns the results of a finished set of conversions to phases A and B, bus voltage and temperature. The third phase's current
+/// is the negative sum of the two.
 #[inline(always)]
 pub fn readings() -> Readings {
     let raw = sense::take();
@@ -128,24 +130,24 @@ pub fn readings() -> Readings {
     }
 }
 
-/// The edge counter: TIM2 has 32 bits.
+/// Reads the counter of encoder edges in TIM2, which has 32 bits.
 #[inline(always)]
 pub fn encoder_count() -> EncoderReading {
     EncoderReading::Counter32(TIM2.cnt().read())
 }
 
-/// Whether the button is pressed. A convenience, not an emergency stop: a wire that is broken does not press it.
+/// Whether the stop button is pressed. It is a convenience and no emergency stop: with a broken wire it does nothing.
 #[inline(always)]
 pub fn is_stop_pressed() -> bool {
     GPIOC.idr().read().idr(STOP_BUTTON) == Idr::HIGH
 }
 
-/// The shield has no line of its drivers: its comparators pull the break.
+/// Always false: the shield's gate drivers have no error output. Its comparators act on the hardware break.
 #[inline(always)]
 pub fn driver_complains() -> bool {
     false
 }
 
-/// This board has no driver state to forget.
+/// Does nothing: this board stores no error of its gate drivers.
 #[inline(always)]
 pub fn forget_driver() {}

@@ -1,4 +1,5 @@
-//! NUCLEO-G474RE with the three-phase shield X-NUCLEO-IHM16M1 (STSPIN830): what is the chip's. Pins and peripherals are in `ihm16m1.rs`.
+//! The chip of the NUCLEO-G474RE with the three-phase shield X-NUCLEO-IHM16M1 (STSPIN830). Pins and peripherals are in
+//! `ihm16m1.rs`.
 
 use embassy_stm32::Peripherals;
 use embassy_stm32::interrupt;
@@ -11,10 +12,11 @@ use crate::storage::Storage;
 mod ihm16m1;
 pub use ihm16m1::*;
 
-/// The board's name for the desktop.
+/// The board for which this program is built; the device reports it to the desktop.
 pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::NucleoG474reIhm16m1;
 
-/// Sets up every pin and peripheral of the board; outputs stay off. The link to the desktop, and where settings are kept.
+/// Sets up every pin and peripheral of the board; the outputs stay off. Returns the serial port to the desktop and the settings'
+/// flash.
 pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     interrupt::TIM5.set_priority(Priority::P6);
     set_up_pins(p)

@@ -1,11 +1,11 @@
-//! NUCLEO-G474RE with a SimpleFOC Mini v1.1 (DRV8313) on loose wires: pins and peripherals. **It measures no current.**
+//! Pins and peripherals of the NUCLEO-G474RE with a SimpleFOC Mini v1.1 (DRV8313) on loose wires. **It measures no current.**
 //!
-//! | pins | from |
+//! | pins | source |
 //! |---|---|
 //! | the Mini's IN1, IN2, IN3, EN, nFT, 3V3 and both GND | its schematic v1.1 in its makers' repository |
-//! | IN1 to PA8, IN2 to PA9, IN3 to PA10, EN to PB13, nFT to PB12 | ours: TIM1's outputs, the first complementary one and the break, where the X-NUCLEO-IHM16M1 has them too |
-//! | the supply by 100 kΩ over 10 kΩ to PA0 | ours: the Mini does not measure it, two resistors belong to the wiring |
-//! | nSP and nRT stay open | 10 kΩ on the Mini pull them up: neither asleep nor in reset |
+//! | IN1 to PA8, IN2 to PA9, IN3 to PA10, EN to PB13, nFT to PB12 | our choice: TIM1's outputs, its first complementary output and its break, as with the X-NUCLEO-IHM16M1 |
+//! | the supply through a divider of 100 kΩ over 10 kΩ to PA0 | our choice: the Mini does not measure the supply, so two resistors belong to the wiring |
+//! | nSP and nRT stay open | 10 kΩ on the Mini pull them up, so the driver is neither asleep nor in reset |
 //! | functions of the pins | as on the X-NUCLEO-IHM16M1 |
 //!
 //! PB14 and PB15 carry the same level as EN and are not wired. Nothing was measured on a board.
@@ -30,33 +30,35 @@ use crate::sense::Readings;
 use crate::storage::Storage;
 use crate::{encoder, pwm, sense, serial};
 
-/// The board's name for the desktop.
+/// The board for which this program is built; the device reports it to the desktop.
 pub const BOARD: touchstone_protocol::Board = touchstone_protocol::Board::NucleoG474reSimplefocMini;
 
-/// The power stage.
+/// Properties of the Mini's power stage.
 pub const HARDWARE: Hardware = hardware::SIMPLEFOC_MINI;
 
 bind_interrupts!(struct Irqs {
     LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
 });
 
-/// The DRV8313 has an input a channel and one enable for all, and keeps its own dead time. Its line nFAULT is the break.
+/// Settings of the PWM timer. The driver DRV8313 has an input for each phase and one enable for all, and keeps its own dead time.
+/// Its line nFAULT is the hardware break.
 const BRIDGE: Bridge = Bridge {
     dead_time_ns: 0,
     complement: Complement::Enable,
     break_input: BreakInput::Pin,
 };
 
-/// TIM1_BKIN's number among the functions of PB12.
+/// Number of the alternate function TIM1_BKIN at pin PB12.
 const BREAK_FUNCTION: u8 = 6;
 
-/// The line nFAULT: port B's pin.
+/// Pin number of the line nFAULT, on port B.
 const FAULT_LINE: usize = 12;
 
-/// The blue button, PC13: high while it is pressed (UM2505, "Push-buttons").
+/// Pin number of the blue button, PC13: high while it is pressed (UM2505, "Push-buttons").
 const STOP_BUTTON: usize = 13;
 
-/// Sets up every pin and peripheral of the board; outputs stay off. The link to the desktop, and where settings are kept.
+/// Sets up every pin and peripheral of the board; the outputs stay off. Returns the serial port to the desktop and the settings'
+/// flash.
 pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     interrupt::TIM5.set_priority(Priority::P6);
     interrupt::LPUART1.set_priority(Priority::P6);
@@ -113,7 +115,7 @@ pub fn set_up(p: Peripherals) -> (BufferedUart<'static>, Storage) {
     (defmt::unwrap!(serial), Storage::new(p.FLASH))
 }
 
-/// A finished conversion. There is neither a current nor a temperature to read.
+/// Assigns the result of a finished conversion to the bus voltage. The board measures neither current nor temperature.
 #[inline(always)]
 pub fn readings() -> Readings {
     let [bus] = sense::take_first();
@@ -125,23 +127,23 @@ pub fn readings() -> Readings {
     }
 }
 
-/// The edge counter: TIM2 has 32 bits.
+/// Reads the counter of encoder edges in TIM2, which has 32 bits.
 #[inline(always)]
 pub fn encoder_count() -> EncoderReading {
     EncoderReading::Counter32(TIM2.cnt().read())
 }
 
-/// Whether the button is pressed. A convenience, not an emergency stop: a wire that is broken does not press it.
+/// Whether the stop button is pressed. It is a convenience and no emergency stop: with a broken wire it does nothing.
 #[inline(always)]
 pub fn is_stop_pressed() -> bool {
     GPIOC.idr().read().idr(STOP_BUTTON) == Idr::HIGH
 }
 
-/// The line was low when it was examined.
+/// Whether the line nFAULT was low since [`forget_driver`].
 static COMPLAINED: AtomicBool = AtomicBool::new(false);
 
-/// Whether the driver has pulled its line since it was last forgotten: by a current, a temperature or a supply of which nothing else here
-/// knows. No pulse is missed: the break keeps it.
+/// Whether the driver has pulled its line nFAULT since [`forget_driver`]: because of a current, a temperature or a supply voltage
+/// that no other sensor measures. No pulse is missed, because the hardware break latches it.
 #[inline(always)]
 pub fn driver_complains() -> bool {
     if GPIOB.idr().read().idr(FAULT_LINE) == Idr::LOW || pwm::is_input_broken() {
@@ -150,7 +152,7 @@ pub fn driver_complains() -> bool {
     COMPLAINED.load(Relaxed)
 }
 
-/// Forgets the driver's complaint; a line that is still low raises it again.
+/// Clears the stored error of the driver. A line that is still low raises it again.
 #[inline(always)]
 pub fn forget_driver() {
     COMPLAINED.store(false, Relaxed);

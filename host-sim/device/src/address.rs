@@ -1,19 +1,19 @@
-//! Where a device is: a serial port, by name or found by itself, or a TCP socket behind which there is one.
+//! The address of a device: a serial port, given by name or found automatically, or a TCP socket of an emulator or serial server.
 
 use serialport::{SerialPortInfo, SerialPortType};
 use std::fmt;
 use std::str::FromStr;
 use touchstone_sim::error::{Error, Result};
 
-/// STMicroelectronics.
+/// USB vendor number of STMicroelectronics.
 const VENDOR_ST: u16 = 0x0483;
 
-/// Where a device is.
+/// The address of a device.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Address {
     /// A serial port by its name, e.g. `/dev/ttyACM0` or `COM3`.
     Serial(String),
-    /// `HOST:PORT` of an emulator or a serial server.
+    /// A TCP address `HOST:PORT` of an emulator or a serial server.
     Tcp(String),
 }
 
@@ -44,14 +44,14 @@ impl FromStr for Address {
     }
 }
 
-/// A serial port that the system knows.
+/// A serial port that the operating system lists.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Port {
-    /// The name by which the system opens the port.
+    /// Name under which the operating system opens the port.
     pub name: String,
-    /// Whether it is the virtual port of an ST-LINK.
+    /// Whether the port is the virtual serial port of an ST-LINK debug probe.
     pub st_link: bool,
-    /// A description for people.
+    /// Description of the port, for people.
     pub about: String,
 }
 
@@ -78,7 +78,7 @@ impl From<SerialPortInfo> for Port {
     }
 }
 
-/// The product numbers of ST-LINK/V2-1 and V3, with a virtual port or without.
+/// Whether a USB product number is that of an ST-LINK/V2-1 or V3, with or without a virtual serial port.
 #[must_use]
 pub const fn is_st_link(product: u16) -> bool {
     matches!(
@@ -87,7 +87,7 @@ pub const fn is_st_link(product: u16) -> bool {
     )
 }
 
-/// All serial ports, ST-LINKs first.
+/// All serial ports of this machine, those of ST-LINKs first.
 #[must_use]
 pub fn ports() -> Vec<Port> {
     let mut ports: Vec<Port> = serialport::available_ports()
@@ -100,10 +100,10 @@ pub fn ports() -> Vec<Port> {
 }
 
 impl Address {
-    /// What was given, or the one ST-LINK port that there is.
+    /// The given address, or else the only ST-LINK port of this machine.
     ///
     /// # Errors
-    /// No address is given, and there is no such port or more than one.
+    /// No address is given, and this machine has no ST-LINK port or more than one.
     pub fn given_or_found(given: Option<&Address>) -> Result<Address> {
         match given {
             Some(address) => Ok(address.clone()),
@@ -111,7 +111,10 @@ impl Address {
         }
     }
 
-    /// The one ST-LINK port among these.
+    /// The address of the only ST-LINK port in `ports`.
+    ///
+    /// # Errors
+    /// `ports` has no ST-LINK port or more than one.
     fn among(ports: &[Port]) -> Result<Address> {
         let own: Vec<&Port> = ports.iter().filter(|port| port.st_link).collect();
         let wrong = |problem: String, fix: &str| Err(Error::device("port", problem, fix));

@@ -1,44 +1,45 @@
-//! Small motions of a device that nobody holds, an axis after the other: what its mechanics are found from.
+//! Small motions of a device that nobody holds, one axis after the other, from which its mass, damping and friction are identified.
 //!
-//! A soft spring and a little damping hold it where it was when it was switched on. Along one axis at a time three sines push it about by
-//! some millimetres. What acted and where it was is kept.
+//! A soft spring with a little damping holds the device at the position where its motors were switched on. A sum of three sines
+//! pushes it along one axis at a time by some millimetres. Force and position of every tick are recorded.
 
 use crate::haptic::{HapticFault, length};
 use crate::servo::ForceLaw;
 
-/// The motions that are made.
+/// The settings of the small motions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmallMotions {
     /// Control rate, Hz.
     pub rate_hz: u32,
-    /// How long each axis is pushed, s.
+    /// Time for which each axis is pushed, s.
     pub axis_s: f64,
-    /// Largest push, N; the spring's force is added to it.
+    /// Largest pushing force, N. The force of the spring and the damping is added to it.
     pub push_n: f64,
     /// Distance from the start at which the motion is aborted, m.
     pub furthest_m: f64,
 }
 
-/// Time for the force to fade in before records begin, s.
+/// Time before the first push, s, in which the force of the servo loop fades in. It is not recorded.
 const QUIET_S: f64 = 1.2;
-/// Stiffness and damping that hold the device, N/m and N·s/m.
+/// Stiffness (N/m) of the spring that holds the device; the next line has the damping (N·s/m).
 const SPRING_N_PER_M: f64 = 120.0;
 const DAMPING_N_S_PER_M: f64 = 1.0;
-/// The sines, Hz, and their shares of the push; they never peak together for long.
+/// Frequencies of the three sines, Hz, each with its amplitude as a fraction of [`SmallMotions::push_n`]. The frequencies are
+/// chosen so that the sines rarely peak together.
 const SINES: [(f64, f64); 3] = [(1.3, 0.4), (3.1, 0.3), (6.7, 0.3)];
-/// The window of the velocity, ticks.
+/// Number of ticks over which the velocity is averaged.
 const WINDOW: usize = 16;
 
-/// Where it was and what acted, a tick each, of an axis.
+/// Position and force of one axis in every tick in which it was pushed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AxisRecord {
-    /// Along the axis, m.
+    /// Position along the axis, m.
     pub position_m: Vec<f64>,
-    /// Along the axis, from that tick to the next, N.
+    /// Force along the axis from that tick to the next, N.
     pub force_n: Vec<f64>,
 }
 
-/// The law that moves it.
+/// The force law that makes the small motions and records them.
 #[derive(Debug, Clone)]
 pub struct MovedAbout {
     motions: SmallMotions,
@@ -46,12 +47,12 @@ pub struct MovedAbout {
     past: [[f64; 3]; WINDOW],
     tick: u64,
     at: [f64; 3],
-    /// The record of each axis.
+    /// The recorded positions and forces of each axis.
     pub axes: [AxisRecord; 3],
 }
 
 impl MovedAbout {
-    /// Prepares the motions; the device has not moved yet.
+    /// Prepares the motions. The position at the first tick becomes the one at which the spring holds the device.
     #[must_use]
     pub fn new(motions: SmallMotions) -> Self {
         Self {
@@ -72,13 +73,13 @@ impl MovedAbout {
         (self.motions.axis_s * f64::from(self.motions.rate_hz)).ceil() as u64
     }
 
-    /// Number of ticks of all motions.
+    /// Number of control ticks that all motions take.
     #[must_use]
     pub fn ticks(&self) -> u64 {
         self.quiet_ticks() + 3 * self.axis_ticks()
     }
 
-    /// The axis that is pushed in a tick, and for how long it has been, s.
+    /// The axis that is pushed in this tick, and the time since its push began, s. `None` before the first and after the last push.
     fn pushed(&self, tick: u64) -> Option<(usize, f64)> {
         let since = tick.checked_sub(self.quiet_ticks())?;
         let axis = (since / self.axis_ticks()) as usize;

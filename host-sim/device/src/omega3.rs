@@ -1,8 +1,8 @@
 //! Force Dimension's omega.3, through the maker's library.
 //!
-//! The device's own safety stays as it is: its velocity limit, watchdog, time guard and gravity compensation are not touched, and
-//! no call of the library moves the arm by itself. Nothing here waits without end: a release is tried a few times and then said to have
-//! failed, and what is left is the device's watchdog.
+//! The program does not change the device's own safety functions: velocity limit, watchdog, time guard and gravity compensation. It
+//! calls no function of the library that moves the arm by itself. Every call returns within a bounded time. A release is tried at
+//! most twice and then reported as failed; only the device's watchdog can switch the motors off then.
 
 use crate::haptic::{
     Applied, DataSheet, DeviceStanding, HapticDevice, HapticFault, Sensed, SwitchOff, Workspace,
@@ -12,7 +12,7 @@ use std::time::Duration;
 use touchstone_dhd::{Dhd, DhdError, DhdOutcome, DhdStatus, OMEGA3_TYPES};
 use touchstone_world::plant::{OMEGA3, OMEGA3_AXIS};
 
-/// An omega.3 that this program holds.
+/// An omega.3 that this program has opened.
 #[derive(Debug)]
 pub struct Omega3 {
     library: Arc<Dhd>,
@@ -20,11 +20,12 @@ pub struct Omega3 {
     sheet: DataSheet,
 }
 
-/// Time from a read over USB to the force of a write; assumed as one USB microframe each, not measured.
+/// Time from reading the position over USB until the written force acts, s. Assumed as one USB microframe (125 us) each for reading
+/// and writing; not measured.
 const DELAY_S: f64 = 250e-6;
-/// How often each part of a release is tried. More would take longer than two ticks of the device.
+/// Number of attempts for each step of a release. More attempts would take longer than two ticks of the device.
 const RELEASE_TRIES: usize = 2;
-/// Number of checks whether the motors are on, and the time between them.
+/// Number of checks whether the motors are on; the next line has the time between two checks.
 const ENGAGE_ASKS: usize = 50;
 const ENGAGE_PAUSE: Duration = Duration::from_millis(2);
 
@@ -42,10 +43,10 @@ fn unusable(why: impl Into<String>, fix: impl Into<String>) -> HapticFault {
 }
 
 impl Omega3 {
-    /// Takes the first one that no other program holds. Its motors stay off.
+    /// Opens the first omega.3 that no other program uses. Its motors stay off.
     ///
     /// # Errors
-    /// No device is found, or it is in use, of another kind, without supply or not calibrated.
+    /// No device is found, or the device is in use, of another type, without supply or not calibrated.
     pub fn open(library: Arc<Dhd>) -> Result<Self, HapticFault> {
         match library.count()? {
             (0, _) => {
@@ -108,13 +109,16 @@ impl Omega3 {
         }
     }
 
-    /// The library's number of the device while it is open.
+    /// The number under which the library knows the open device.
+    ///
+    /// # Errors
+    /// The device was released.
     fn id(&self) -> Result<i8, HapticFault> {
         self.id
             .ok_or_else(|| unusable("it was released", "open it again"))
     }
 
-    /// The library and its number, for what a wall does not need.
+    /// The library and the number under which it knows the device, for calls that a wall does not need.
     ///
     /// # Errors
     /// The device was released.

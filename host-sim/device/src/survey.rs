@@ -1,4 +1,5 @@
-//! A device's mechanics as reported with its motors off, in a file from which the device can be simulated.
+//! A survey: a device's inertia, Jacobian and ranges as its library reports them with the motors off, in a file from which the
+//! device can be simulated.
 
 use crate::Omega3;
 use crate::haptic::{DeviceTwin, HapticDevice, HapticFault};
@@ -7,57 +8,58 @@ use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 use touchstone_world::plant::{Device, OMEGA3_AXIS};
 
-/// A surveyed device. All values except the damping were reported by its library.
+/// The survey of a device. Its library reported all values except the damping.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Survey {
-    /// Name and serial number.
+    /// Name and serial number of the device.
     pub device: String,
-    /// Version of the library.
+    /// Version of the maker's library.
     pub library: String,
-    /// The mass that the library takes for the effector.
+    /// Mass of the effector in kilograms that the library assumes; `None` if it does not say.
     pub effector_mass_kg: Option<f64>,
-    /// Inertia that each axis moves, in the mean of all poses.
+    /// Inertia along each axis, kg: the mean over all recorded poses.
     pub inertia_kg: [f64; 3],
-    /// Damping of each axis. No library says it: the thesis' value (§5.2), until `touchstone device identify` measures it.
+    /// Damping of each axis, N·s/m. No library reports it, so it is the thesis' value (§5.2) until `touchstone device identify`
+    /// measures it.
     pub damping_n_s_per_m: [f64; 3],
-    /// Dry friction of each axis, N, where it was measured. Its twin has none.
+    /// Dry friction of each axis, N, where it was measured. The simulated copy of the device has no dry friction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction_n: Option<[f64; 3]>,
-    /// Where it was moved to.
+    /// Smallest coordinates of the recorded positions, m.
     pub position_min_m: [f64; 3],
-    /// Where it was moved to.
+    /// Largest coordinates of the recorded positions, m.
     pub position_max_m: [f64; 3],
-    /// Lower ends of the joints.
+    /// Lower ends of the joints' ranges, rad.
     pub joint_angle_min_rad: Vec<f64>,
-    /// Upper ends of the joints.
+    /// Upper ends of the joints' ranges, rad.
     pub joint_angle_max_rad: Vec<f64>,
-    /// The positions and the values reported there.
+    /// The recorded poses, each with the values that the library reported there.
     #[serde(default)]
     pub pose: Vec<Pose>,
 }
 
-/// A place of the effector.
+/// A recorded position of the effector with the values that the library reported there.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pose {
     /// Position, m.
     pub position_m: [f64; 3],
-    /// Angles of the three joints of the delta.
+    /// Angles of the delta mechanism's three joints, rad.
     pub joint_angles_rad: [f64; 3],
-    /// Cartesian inertia there.
+    /// Inertia in Cartesian coordinates at this position, kg.
     pub inertia_kg: [[f64; 3]; 3],
-    /// Metres per radian of each joint there.
+    /// Jacobian at this position: metres of the effector per radian of each joint.
     pub jacobian_m_per_rad: [[f64; 3]; 3],
 }
 
-/// The first three rows and columns.
+/// The first three rows and columns of a matrix.
 fn corner(matrix: &[[f64; 6]; 6]) -> [[f64; 3]; 3] {
     std::array::from_fn(|i| std::array::from_fn(|j| matrix[i][j]))
 }
 
 impl Pose {
-    /// Where a device is now. Its motors stay as they are.
+    /// Reads the present pose from the library. The motors stay as they are.
     ///
     /// # Errors
     /// The device's library does not know the values, or returned numbers that are not finite.
@@ -89,7 +91,7 @@ impl Pose {
 }
 
 impl Survey {
-    /// Of poses, at least one.
+    /// Makes a survey from recorded poses.
     ///
     /// # Errors
     /// There is no pose, or the library does not know the ranges.
@@ -150,15 +152,15 @@ impl Survey {
         }
     }
 
-    /// As a file.
+    /// The survey as the text of a TOML file.
     ///
     /// # Errors
-    /// A number that cannot be written.
+    /// A number cannot be written as TOML.
     pub fn to_toml(&self) -> std::result::Result<String, toml::ser::Error> {
         toml::to_string(self)
     }
 
-    /// Of a file.
+    /// Reads a survey from a TOML file.
     ///
     /// # Errors
     /// The file cannot be read, or is no survey.
@@ -181,10 +183,10 @@ impl Survey {
         })
     }
 
-    /// Its device to be simulated: masses and damping of its axes, the rest as an omega.3.
+    /// A simulated copy of the device: masses and damping from the survey, all other values those of an omega.3.
     ///
     /// # Errors
-    /// A mass or a damping that no device has.
+    /// A mass or a damping is outside the range that the simulation accepts.
     pub fn twin(&self) -> Result<DeviceTwin> {
         let axes = std::array::from_fn(|axis| Device {
             inertia: self.inertia_kg[axis],

@@ -1,4 +1,4 @@
-//! Bytes to and from a device, with time limits.
+//! Transport of bytes to and from a device, with time limits.
 
 use super::Address;
 use std::io::{ErrorKind, Read, Write};
@@ -6,11 +6,11 @@ use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 use touchstone_sim::error::{Error, Result};
 
-/// The port's rate: 115,200 would not carry telemetry.
+/// Rate of the serial port, baud. 115,200 is too slow for the telemetry.
 const BAUD: u32 = 921_600;
-/// A read that found nothing returns after this.
+/// Longest time that a read waits for bytes.
 const PATIENCE: Duration = Duration::from_millis(20);
-/// A connection or a write that takes longer has failed.
+/// Longest time for a connection or a write; a longer one counts as failed.
 const LIMIT: Duration = Duration::from_secs(2);
 
 /// The outcome of a read.
@@ -18,29 +18,29 @@ const LIMIT: Duration = Duration::from_secs(2);
 pub enum Received {
     /// This many bytes were read.
     Bytes(usize),
-    /// Nothing for some 20 ms.
+    /// No byte arrived within some 20 ms.
     Quiet,
 }
 
-/// Bytes to and from a device.
+/// A connection over which bytes go to and from a device.
 pub trait Transport {
-    /// Waits for bytes, some 20 ms at most.
+    /// Waits for bytes, at most some 20 ms.
     ///
     /// # Errors
-    /// The connection is gone.
+    /// The connection is lost.
     fn receive(&mut self, buffer: &mut [u8]) -> Result<Received>;
 
     /// Sends all bytes.
     ///
     /// # Errors
-    /// The connection is gone, or takes nothing any more.
+    /// The connection is lost, or the device accepts no more bytes.
     fn send(&mut self, bytes: &[u8]) -> Result<()>;
 }
 
 /// Opens the connection to a device.
 ///
 /// # Errors
-/// There is no such device, or it may not be used.
+/// There is no device at this address, or this user may not access it.
 pub fn open(address: &Address) -> Result<Box<dyn Transport>> {
     match address {
         Address::Serial(name) => serial(name),
@@ -61,7 +61,8 @@ fn serial(name: &str) -> Result<Box<dyn Transport>> {
     }))
 }
 
-/// What to do about a port that does not open. Its library calls a busy port an absent one: what it said has to tell them apart.
+/// The advice for a serial port that does not open. The library `serialport` reports a busy port as a missing one, so its message
+/// `said` is read as well.
 fn remedy(kind: serialport::ErrorKind, said: &str) -> &'static str {
     use serialport::ErrorKind::{Io, NoDevice};
     match kind {
@@ -103,7 +104,7 @@ fn tcp(socket: &str) -> Result<Box<dyn Transport>> {
     Ok(Box::new(Stream { stream, name }))
 }
 
-/// Anything that reads and writes within a time.
+/// A transport over any stream whose reads and writes have a time limit.
 struct Stream<S> {
     stream: S,
     name: String,

@@ -1,4 +1,5 @@
-//! A wall of three axes on a device: metres and newtons outside, the law's fixed point inside.
+//! A wall on a device with three axes: converts between metres and newtons outside and the control law's fixed-point numbers
+//! inside.
 
 use crate::haptic::HapticFault;
 use crate::servo::ForceLaw;
@@ -14,7 +15,7 @@ use touchstone_mesh::{Mesh, MeshSurface};
 
 type N = Fixed32;
 const UNIT: LengthUnit = LengthUnit::Centimetre;
-/// Number of the law's units in a metre.
+/// Number of the control law's units of length (centimetres) in a metre.
 const PER_METRE: f64 = 100.0;
 
 fn place(position_m: [f64; 3]) -> Vector<Position<N>> {
@@ -24,35 +25,36 @@ fn place(position_m: [f64; 3]) -> Vector<Position<N>> {
 /// The settings of a wall on a device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WallSettings {
-    /// The law, SI; its rate is the loop's.
+    /// Settings of the control law in SI units. Its rate is that of the servo loop.
     pub law: Settings,
-    /// Uses one law per axis instead of one along the normal.
+    /// Whether each axis has a law of its own, instead of one law along the surface's normal.
     pub per_axis: bool,
-    /// The guard, SI, where there is one.
+    /// Settings of the energy guard in SI units; `None` for no guard.
     pub guard: Option<GuardSettings>,
-    /// Settings of each axis's estimator in SI units, where the law uses estimated states.
+    /// Settings of each axis's estimator in SI units; `None` if the law uses measured states.
     pub estimator: Option<[EstimatorSettings; 3]>,
-    /// Step of a measured position, m.
+    /// Resolution of the measured position, m.
     pub count_m: f64,
 }
 
-/// The object in the device's workspace.
+/// The virtual object in the device's workspace.
 #[derive(Debug, Clone)]
 pub enum Obstacle<'m> {
-    /// One of the control crate's objects, in centimetres.
+    /// A geometric object of the control crate (plane, sphere, …), in centimetres.
     Shape(Shape<N>),
-    /// A mesh.
+    /// A triangle mesh.
     Mesh(MeshSurface<'m>),
 }
 
 impl<'m> Obstacle<'m> {
-    /// An obstacle of triangles that was not touched yet.
+    /// An obstacle of triangles, as before its first contact.
     #[must_use]
     pub fn of(mesh: &'m Mesh) -> Self {
         Self::Mesh(MeshSurface::new(mesh, UNIT))
     }
 
-    /// How deep a place is below the surface, m, and the normal there; `side` is the normal of the tick before, and becomes this one's.
+    /// Depth of a position below the surface, m, and the surface's normal there. `side` is the normal of the last tick; it is
+    /// replaced by this tick's normal.
     pub fn beneath(&self, position_m: [f64; 3], side: &mut Direction<N>) -> (f64, [f64; 3]) {
         let nearest = self.nearest(place(position_m), side);
         *side = nearest.normal;
@@ -93,7 +95,7 @@ impl Surface<N> for Obstacle<'_> {
     }
 }
 
-/// A wall, tick by tick.
+/// A wall on a device, as the force law of the servo loop.
 #[derive(Debug, Clone)]
 pub struct DeviceWall<'m> {
     wall: SpaceWall<N, Obstacle<'m>, AnyLaw<N>>,
@@ -101,10 +103,10 @@ pub struct DeviceWall<'m> {
 }
 
 impl<'m> DeviceWall<'m> {
-    /// Outside the object, at rest; a full account.
+    /// A wall with the device at rest outside the object, and with a full energy account of the guard.
     ///
     /// # Errors
-    /// Settings that law or guard cannot have.
+    /// The control law or the guard refuses the settings.
     pub fn new(settings: &WallSettings, obstacle: Obstacle<'m>) -> Result<Self, SettingsError> {
         let law = UNIT.law::<N>(&settings.law)?;
         let shell = match settings.per_axis {
@@ -135,7 +137,7 @@ impl<'m> DeviceWall<'m> {
         })
     }
 
-    /// Lowest value of the guard's account, J; `None` without a guard, or before the first tick.
+    /// Lowest value that the guard's energy account has reached, J; `None` without a guard or before the first tick.
     #[must_use]
     pub fn least_account_j(&self) -> Option<f64> {
         self.least_account

@@ -1,4 +1,4 @@
-//! Whatever goes wrong with a device, at whatever call: the loop ends with its force at zero and the device released, by the next tick.
+//! Checks that any fault of a device, at any call, ends the loop by the next tick with its force at zero and the device released.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
@@ -17,7 +17,7 @@ struct Witness<D> {
     inner: D,
     force_n: [f64; 3],
     released: bool,
-    /// Commands of any force after the release.
+    /// Number of commands with a force after the release.
     late_commands: u32,
     ticks: u64,
 }
@@ -60,7 +60,7 @@ impl<D: HapticDevice> HapticDevice for Witness<D> {
     }
 }
 
-/// A spring that pushes up from the floor; from a given tick on it behaves as a test demands.
+/// A force law of a spring that pushes up from the floor. From a given tick on it does what a test demands.
 struct Floor {
     tick: u64,
     trick: fn(u64) -> Option<[f64; 3]>,
@@ -91,7 +91,7 @@ impl ForceLaw for Floor {
     }
 }
 
-/// In a hand that comes from above and pushes down to where its spring gives 6 N.
+/// A simulated device in a hand that comes from above and presses into the floor until the hand's spring gives 6 N.
 fn pressed() -> SimulatedArm {
     let rest = |time_s: f64| [0.0, 0.0, 0.002 - 0.022 * (time_s / 0.1).min(1.0)];
     SimulatedArm::new(DeviceTwin::default(), RATE_HZ, Box::new(rest)).unwrap()
@@ -133,7 +133,7 @@ fn the_force_fades_in() {
     assert_eq!(told, [0.0, 1.0, 2.0, 2.0]);
 }
 
-/// Every fault at the first call of each kind, at the second, and in the middle.
+/// Injects every fault at the first and second call of its function, and at the call number 300.
 #[test]
 fn every_fault_at_every_call_ends_released_by_the_next_tick() {
     let lost = |fault: &HapticFault| matches!(fault, HapticFault::Lost(..));
@@ -265,7 +265,7 @@ fn forces_that_are_none_or_too_long_do_not_reach_the_device() {
     assert!((last[0] - 7.2).abs() < 1e-9 && (last[2] - 9.6).abs() < 1e-9);
 }
 
-/// The hand carries it out of its workspace: the force fades, then it is no place of this device.
+/// The hand carries the device out of its workspace: the force fades out, and far outside the loop ends with a fault.
 #[test]
 fn outside_the_workspace_the_force_fades_and_far_outside_it_ends() {
     let rest = |time_s: f64| [0.3 * time_s, 0.0, 0.0];

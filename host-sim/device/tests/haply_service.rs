@@ -1,4 +1,4 @@
-//! The Inverse3 against a service of the tests' own, which speaks both generations of messages around the simulated plant.
+//! Tests of the Inverse3 with a simulated service, which speaks both generations of messages and simulates the device.
 
 mod haply_mock;
 
@@ -93,7 +93,7 @@ fn whatever_goes_wrong_ends_with_no_force() {
     }
 }
 
-/// Checks that messages without a state do not delay the end.
+/// Checks that messages without a state do not delay the end of the loop.
 #[test]
 fn a_service_that_talks_without_a_state_is_left_as_a_silent_one() {
     for wrong in [Wrong::Pings, Wrong::Drip, Wrong::Binary] {
@@ -110,7 +110,7 @@ fn a_service_that_talks_without_a_state_is_left_as_a_silent_one() {
     }
 }
 
-/// A service that answers, but a byte at a time or never to its end.
+/// Checks a service that answers byte by byte, or never completes its answer.
 #[test]
 fn a_service_that_drips_its_first_answers_is_refused_within_seconds() {
     for begin in ["HTTP/1.1 200 OK\r\n\r\n", "HTTP/1.1 101 Switching", ""] {

@@ -1,7 +1,7 @@
-//! The omega.3 through its maker's interface, over a library that behaves as the maker's and goes wrong as told: every fault ends with no
-//! force and the device closed within two ticks of the device, 0.5 ms, of the return of the failing call.
+//! Tests of the omega.3 through the maker's interface, with a mock library that behaves as the maker's and has faults on demand.
+//! Every fault must end with no force and the device closed within two ticks of the device (0.5 ms) after the failing call returns.
 //!
-//! Time is the mock's own: a call over the USB costs 60 µs on it, so nothing depends on how busy this machine is.
+//! Time is that of the mock's own clock, on which a call over USB takes 60 µs. So the results do not depend on the machine's load.
 #![cfg(target_os = "linux")]
 
 use std::cell::RefCell;
@@ -32,7 +32,7 @@ fn opened(door: &Door) -> Result<Omega3, HapticFault> {
     Omega3::open(Arc::new(library))
 }
 
-/// Ticks on the mock's clock.
+/// A pace on the mock's clock.
 struct MockPace<'d> {
     door: &'d Door,
     due: f64,
@@ -74,7 +74,7 @@ impl Pace for MockPace<'_> {
     }
 }
 
-/// 2 N/mm upwards, below the centre.
+/// A force law: a spring of 2 N/mm that pushes upwards below the centre.
 struct Spring {
     tick: u64,
     breaks_at: u64,
@@ -102,7 +102,7 @@ fn limits(omega: &Omega3) -> ServoLimits {
     }
 }
 
-/// Plays 2 s on the mock's clock.
+/// Runs the loop for 2 s on the mock's clock.
 fn played(door: &Door) -> Result<ServoReport, HapticFault> {
     let mut omega = opened(door)?;
     let limits = limits(&omega);
@@ -152,7 +152,7 @@ fn without_a_fault_there_is_a_wall_and_a_released_device() {
     }
 }
 
-/// Each call that the loop makes, at the first time, the second and in the middle, failing once, a few times and for good.
+/// Makes each call of the loop fail: at its first, its second and a later call; once, a few times and for good.
 #[test]
 fn every_call_that_fails_ends_with_no_force_and_a_closed_device_within_two_ticks() {
     let calls = [
@@ -195,7 +195,7 @@ fn every_call_that_fails_ends_with_no_force_and_a_closed_device_within_two_ticks
     );
 }
 
-/// The calls of the release itself: one that fails is tried again, and all others are made anyway.
+/// Makes the calls of the release fail: a failing call is tried again, and all other calls are made.
 #[test]
 fn a_release_goes_on_whatever_of_it_fails() {
     for (plan, closed) in [
@@ -311,7 +311,7 @@ fn what_cannot_be_used_is_said_and_not_held() {
     }
 }
 
-/// An older library writes fewer status words, and has fewer functions.
+/// Older libraries, which write fewer status words and have fewer functions, can be used.
 #[test]
 fn older_libraries_do() {
     let door = door(&["own-clock", "status 12"]);
@@ -341,7 +341,7 @@ fn older_libraries_do() {
     );
 }
 
-/// The mock with one of its functions under another name.
+/// The mock library with one of its functions renamed, so that the program does not find it.
 fn without(function: &str, plan: &[&str]) -> Door {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     Door::changed(folder, plan, |mut bytes| {
@@ -359,8 +359,8 @@ fn without(function: &str, plan: &[&str]) -> Door {
     })
 }
 
-/// In real time, by the machine's clock: 3 s at 4 kHz. How late the ticks are depends on the machine and is not judged here, but all are accounted
-/// for, and what the mock saw is what the loop did.
+/// Runs 3 s at 4 kHz in real time. The lateness of ticks depends on the machine and is not judged. The test checks that every tick
+/// ran or was counted as missed, and that the mock saw what the loop commanded.
 #[test]
 fn in_real_time_every_tick_is_played_or_counted_as_missed() {
     let door = door(&[]);

@@ -1,21 +1,21 @@
-//! Meanings of the library's numbers (`dhdc.h`).
+//! Meanings of the numbers that Force Dimension's library returns (`dhdc.h`).
 
 use std::fmt;
 
-/// The numbers of an omega.3: its own, and that under which CHAI3D knows a newer one.
+/// The library's type numbers of an omega.3: the usual one, and that of a newer version by CHAI3D.
 pub const OMEGA3_TYPES: [i32; 2] = [33, 110];
 
-/// Room for status words. Libraries write 12 to 17 of them, by their age, and do not know how much room there is.
+/// Number of status words that the program has room for. Versions of the library write 12 to 17 of them and do not know the room.
 pub const STATUS_INTS: usize = 64;
 
-/// A device's kind and name.
+/// A device's type, name and serial number.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DhdModel {
-    /// The library's number of its kind.
+    /// The library's number of the device's type.
     pub number: i32,
-    /// The device's name, where the library has one.
+    /// The device's name, if the library returns one.
     pub name: Option<String>,
-    /// The device's serial number, where the library has one.
+    /// The device's serial number, if the library returns one.
     pub serial: Option<u16>,
 }
 
@@ -32,12 +32,12 @@ impl fmt::Display for DhdModel {
     }
 }
 
-/// A call that failed.
+/// The error of a failed call of the library.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DhdError {
-    /// Name of the call.
+    /// Name of the failed function.
     pub call: &'static str,
-    /// The library's number, or [`DhdError::NOT_IN_LIBRARY`].
+    /// The library's error number, or [`DhdError::NOT_IN_LIBRARY`].
     pub number: i32,
 }
 
@@ -68,16 +68,16 @@ const ERRORS: [&str; 23] = [
 ];
 
 impl DhdError {
-    /// The library is too old for the call.
+    /// The library is too old: it does not have this function.
     pub const NOT_IN_LIBRARY: i32 = -1;
-    /// Communication.
+    /// The library's error number of a communication error.
     pub const COM: i32 = 2;
-    /// No device.
+    /// The library's error number if there is no device.
     pub const NO_DEVICE: i32 = 5;
-    /// The device is in use by another program.
+    /// The library's error number if another program uses the device.
     pub const IN_USE: i32 = 20;
 
-    /// The error's number in words.
+    /// The meaning of the error's number as text.
     #[must_use]
     pub fn words(&self) -> &'static str {
         match usize::try_from(self.number) {
@@ -93,12 +93,12 @@ impl fmt::Display for DhdError {
     }
 }
 
-/// Status words; those that the library did not write are unknown.
+/// The status words of a device. Words that the library did not write are unknown.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DhdStatus(pub [i32; STATUS_INTS]);
 
 impl DhdStatus {
-    /// Stands in every word before the call.
+    /// Value of every status word before the call; a word that keeps it was not written.
     pub const NOT_WRITTEN: i32 = i32::MIN;
 
     fn word(&self, index: usize) -> Option<i32> {
@@ -109,32 +109,32 @@ impl DhdStatus {
         self.word(index).map(|word| word != 0)
     }
 
-    /// Whether the device has its supply.
+    /// Whether the device has its supply; `None` if unknown.
     #[must_use]
     pub fn power(&self) -> Option<bool> {
         self.yes(0)
     }
-    /// Whether the device is connected.
+    /// Whether the device is connected; `None` if unknown.
     #[must_use]
     pub fn connected(&self) -> Option<bool> {
         self.yes(1)
     }
-    /// Whether the device was reset and has no position.
+    /// Whether the device was reset and therefore has no position; `None` if unknown.
     #[must_use]
     pub fn reset(&self) -> Option<bool> {
         self.yes(3)
     }
-    /// Whether the motors are on.
+    /// Whether the motors are on; `None` if unknown.
     #[must_use]
     pub fn force(&self) -> Option<bool> {
         self.yes(5)
     }
-    /// Whether the motors brake.
+    /// Whether the motors brake; `None` if unknown.
     #[must_use]
     pub fn brake(&self) -> Option<bool> {
         self.yes(6)
     }
-    /// Why its motors were switched off; 0 where they were not.
+    /// The library's number of the cause for which the motors were switched off; 0 if they were not, `None` if unknown.
     #[must_use]
     pub fn off_cause(&self) -> Option<i32> {
         self.word(14)

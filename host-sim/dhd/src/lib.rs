@@ -1,9 +1,9 @@
-//! Force Dimension's library, `libdhd` or `libdrd`, found and loaded when the program runs.
+//! Force Dimension's library, `libdhd` or `libdrd`, which is found and loaded when the program runs.
 //!
-//! The library is not part of this program and cannot be: whoever has a device has it from its maker. What is here is
-//! the search for it, the calls that a wall and a survey need, and what they return, as data. Positive results are
-//! none of the errors: 1 says that a position was not read again, 2 that the motors give less than asked. Nothing of a call that
-//! failed is believed, as such calls leave what they should have filled untouched, and a call that succeeds does not clear the last error.
+//! The library is not part of this program; it comes from the maker with a device. This crate has the search for the library, the
+//! functions that a wall and a survey need, and their results as data. Positive results are no errors: 1 means that the position
+//! was not read again, 2 that the motors give less force than commanded. After a failed call the program uses none of its outputs,
+//! because the library leaves them unchanged. It reads the error number only after a failure, because a success does not clear it.
 
 mod code;
 mod search;
@@ -13,24 +13,24 @@ pub use code::{DhdError, DhdModel, DhdStatus, OMEGA3_TYPES, STATUS_INTS};
 pub use search::{ENVIRONMENT, LibrarySearch, NotLoaded};
 pub use symbols::Dhd;
 
-/// A call of the library that did not fail.
+/// The result of a call that did not fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DhdOutcome {
-    /// 0: done.
+    /// Result 0: the call is done.
     Done,
-    /// 1: the time guard kept the last position.
+    /// Result 1: the library's time guard returned the last position again.
     NotReadAgain,
-    /// 2: the motors are saturated; all were scaled alike.
+    /// Result 2: the motors are saturated; the torques of all motors were scaled by the same factor.
     Saturated,
-    /// Any other number above 0.
+    /// Any other positive result.
     Other(i32),
 }
 
-/// Three of a kind.
+/// Three coordinates of a vector.
 type Three = [f64; 3];
 
 impl Dhd {
-    /// The meaning of a call's return value. The error's number is fetched at once, as any later call may replace it.
+    /// The meaning of a call's result. Reads the error number at once, because a later call may replace it.
     fn checked(&self, call: &'static str, number: i32) -> Result<DhdOutcome, DhdError> {
         match number {
             0 => Ok(DhdOutcome::Done),
@@ -48,7 +48,7 @@ impl Dhd {
         }
     }
 
-    /// A call that an older library does not have.
+    /// The error for a function that an older library does not have.
     fn lacks(call: &'static str) -> DhdError {
         DhdError {
             call,
@@ -56,7 +56,7 @@ impl Dhd {
         }
     }
 
-    /// Version of the library, as `3.17.6`; `None` where it has none.
+    /// Version of the library, such as `3.17.6`; `None` if the library does not say.
     #[must_use]
     pub fn version(&self) -> Option<String> {
         let ask = self.calls().get_sdk_version?;
@@ -67,7 +67,7 @@ impl Dhd {
         Some(format!("{major}.{minor}.{release}"))
     }
 
-    /// Number of devices, and how many of them no other program holds.
+    /// Number of connected devices, and number of those that no other program uses.
     ///
     /// # Errors
     /// The library's error.
@@ -82,10 +82,10 @@ impl Dhd {
         Ok((all, free))
     }
 
-    /// Opens the device of this number among those that are free.
+    /// Opens the device with this index among those that no other program uses. Returns the library's number of the open device.
     ///
     /// # Errors
-    /// The library says so.
+    /// The library's error.
     pub fn open(&self, index: i8) -> Result<i8, DhdError> {
         let id = (self.calls().open_id)(symbols::char_of(index));
         match i8::try_from(id) {
@@ -94,19 +94,19 @@ impl Dhd {
         }
     }
 
-    /// Closes it: others may have it.
+    /// Closes the device, so that other programs may use it.
     ///
     /// # Errors
-    /// The library says so.
+    /// The library's error.
     pub fn close(&self, id: i8) -> Result<DhdOutcome, DhdError> {
         let done = (self.calls().close)(symbols::char_of(id));
         self.checked("dhdClose", done)
     }
 
-    /// What kind of device it is.
+    /// Type, name and serial number of a device.
     ///
     /// # Errors
-    /// The library says so.
+    /// The library's error.
     pub fn model(&self, id: i8) -> Result<DhdModel, DhdError> {
         let id = symbols::char_of(id);
         let number = (self.calls().get_system_type)(id);
@@ -149,16 +149,16 @@ impl Dhd {
         Ok((at, self.checked("dhdGetPosition", done)?))
     }
 
-    /// The force from now on, N.
+    /// Commands a force, N, which acts from now on.
     ///
     /// # Errors
-    /// The library says so.
+    /// The library's error.
     pub fn set_force(&self, [x, y, z]: Three, id: i8) -> Result<DhdOutcome, DhdError> {
         let done = (self.calls().set_force)(x, y, z, symbols::char_of(id));
         self.checked("dhdSetForce", done)
     }
 
-    /// The force that acts, N; `None` where the library cannot say.
+    /// The force that acts, N; `None` if the library cannot say.
     #[must_use]
     pub fn force(&self, id: i8) -> Option<Three> {
         let ask = self.calls().get_force?;
@@ -168,35 +168,35 @@ impl Dhd {
         (done >= 0 && force.iter().all(|f| f.is_finite())).then_some(force)
     }
 
-    /// Motors on or off.
+    /// Switches the motors on or off.
     ///
     /// # Errors
-    /// The library says so.
+    /// The library's error.
     pub fn enable_force(&self, on: bool, id: i8) -> Result<DhdOutcome, DhdError> {
         let done = (self.calls().enable_force)(u8::from(on), symbols::char_of(id));
         self.checked("dhdEnableForce", done)
     }
 
-    /// Motors off and braked.
+    /// Switches the motors off and brakes them.
     ///
     /// # Errors
-    /// The library says so.
+    /// The library's error.
     pub fn stop(&self, id: i8) -> Result<DhdOutcome, DhdError> {
         let done = (self.calls().stop)(symbols::char_of(id));
         self.checked("dhdStop", done)
     }
 
-    /// The longest force that the library lets through, N.
+    /// Sets the largest force to which the library limits commands, N.
     ///
     /// # Errors
-    /// The library says so, or does not have it.
+    /// The library's error, or the library does not have this function.
     pub fn set_max_force(&self, force_n: f64, id: i8) -> Result<DhdOutcome, DhdError> {
         let call = "dhdSetMaxForce";
         let set = self.calls().set_max_force.ok_or(Self::lacks(call))?;
         self.checked(call, set(force_n, symbols::char_of(id)))
     }
 
-    /// The mass that the library takes for its effector, kg; `None` where it cannot say.
+    /// The mass that the library assumes for the effector, kg; `None` if it cannot say.
     #[must_use]
     pub fn effector_mass_kg(&self, id: i8) -> Option<f64> {
         let mut mass = f64::NAN;
@@ -207,7 +207,7 @@ impl Dhd {
     /// Joint angles, rad.
     ///
     /// # Errors
-    /// The library says so, or does not have it.
+    /// The library's error, or the library does not have this function.
     pub fn joint_angles(&self, id: i8) -> Result<[f64; 8], DhdError> {
         let call = "dhdGetJointAngles";
         let ask = self.calls().get_joint_angles.ok_or(Self::lacks(call))?;
@@ -216,10 +216,10 @@ impl Dhd {
         Ok(angles)
     }
 
-    /// The inertia at these joint angles, in Cartesian coordinates: kg in the upper left.
+    /// The inertia matrix at these joint angles in Cartesian coordinates; its upper left 3 × 3 part is in kg.
     ///
     /// # Errors
-    /// The library says so, or does not have it.
+    /// The library's error, or the library does not have this function.
     pub fn inertia(&self, angles: &[f64; 8], id: i8) -> Result<[[f64; 6]; 6], DhdError> {
         let call = "dhdJointAnglesToInertiaMatrix";
         let ask = self.calls().inertia_matrix.ok_or(Self::lacks(call))?;
@@ -228,10 +228,10 @@ impl Dhd {
         Ok(inertia)
     }
 
-    /// The Jacobian of the delta part here: m/rad.
+    /// The delta mechanism's Jacobian at the present position, m/rad.
     ///
     /// # Errors
-    /// The library says so, or does not have it.
+    /// The library's error, or the library does not have this function.
     pub fn jacobian(&self, id: i8) -> Result<[Three; 3], DhdError> {
         let call = "dhdGetDeltaJacobian";
         let ask = self.calls().get_jacobian.ok_or(Self::lacks(call))?;
@@ -240,10 +240,10 @@ impl Dhd {
         Ok(jacobian)
     }
 
-    /// Ranges of the joint angles, rad: lower ends, upper ends.
+    /// The ranges of the joint angles, rad: all lower ends, then all upper ends.
     ///
     /// # Errors
-    /// The library says so, or does not have it.
+    /// The library's error, or the library does not have this function.
     pub fn joint_range(&self, id: i8) -> Result<([f64; 8], [f64; 8]), DhdError> {
         let call = "dhdGetJointAngleRange";
         let ask = self.calls().get_joint_range.ok_or(Self::lacks(call))?;
@@ -252,10 +252,10 @@ impl Dhd {
         Ok((low, high))
     }
 
-    /// Calls for experts, for as long as `work` takes; nothing is changed by those that are here.
+    /// Enables the library's expert functions while `work` runs. The expert functions in this crate only read.
     ///
     /// # Errors
-    /// The library says so, or does not have it.
+    /// The library's error, or the library does not have this function.
     pub fn as_expert<T>(&self, work: impl FnOnce() -> T) -> Result<T, DhdError> {
         let call = "dhdEnableExpertMode";
         let (Some(on), Some(off)) = (self.calls().expert_on, self.calls().expert_off) else {

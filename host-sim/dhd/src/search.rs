@@ -1,14 +1,14 @@
-//! Places where the library is searched, and the message when it is not found.
+//! The search for the library: the places where it looks, and the message if the library is not found.
 
 use crate::Dhd;
 use std::env;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Variables that name the library itself, and the maker's own for the folder of its SDK.
+/// Environment variables of the search: the first names the library's file, the others (the maker's own) the folder of the SDK.
 pub const ENVIRONMENT: [&str; 3] = ["TOUCHSTONE_DHD", "FDSDK", "FORCEDIM_SDK"];
 
-/// Names without version, the larger library first: it has all of the other.
+/// File names without a version. `drd` comes first because it contains all functions of `dhd`.
 #[cfg(target_os = "windows")]
 const NAMES: [&str; 4] = ["drd64.dll", "dhd64.dll", "drd.dll", "dhd.dll"];
 #[cfg(target_os = "macos")]
@@ -16,7 +16,7 @@ const NAMES: [&str; 2] = ["libdrd.dylib", "libdhd.dylib"];
 #[cfg(not(any(target_os = "windows", target_os = "macos")))]
 const NAMES: [&str; 4] = ["libdrd.so.3", "libdrd.so", "libdhd.so.3", "libdhd.so"];
 
-/// Beginning and middle of a file name before its version.
+/// Beginnings of file names that go on with a version, each with the text after the version.
 #[cfg(target_os = "windows")]
 const VERSIONED: [(&str, &str); 0] = [];
 #[cfg(target_os = "macos")]
@@ -24,23 +24,23 @@ const VERSIONED: [(&str, &str); 2] = [("libdrd", ".dylib"), ("libdhd", ".dylib")
 #[cfg(not(any(target_os = "windows", target_os = "macos")))]
 const VERSIONED: [(&str, &str); 2] = [("libdrd.so", ""), ("libdhd.so", "")];
 
-/// The places to look for the library.
+/// The places in which to look for the library.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct LibrarySearch {
-    /// The file itself; nothing else is tried then.
+    /// The library's file. If it is given, no other place is tried.
     pub file: Option<PathBuf>,
-    /// Folders, first to last.
+    /// Folders in the order in which they are tried.
     pub folders: Vec<PathBuf>,
-    /// Whether the system's loader is tried last.
+    /// Whether the operating system's loader is tried last, by the file names alone.
     pub system: bool,
 }
 
-/// The library was not loaded; holds the reasons.
+/// The error if no library could be loaded.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NotLoaded {
-    /// Places that were tried, each with its problem.
+    /// Places that were tried, each with the reason for the failure.
     pub tried: Vec<(PathBuf, String)>,
-    /// Whether a file was named.
+    /// Whether the user named the library's file.
     pub named: bool,
 }
 
@@ -60,7 +60,7 @@ impl fmt::Display for NotLoaded {
 }
 
 impl NotLoaded {
-    /// How to mend it.
+    /// The advice to the user.
     #[must_use]
     pub fn fix(&self) -> &'static str {
         if self.tried.iter().any(|(_, why)| why.contains("usb")) {
@@ -71,7 +71,8 @@ impl NotLoaded {
 }
 
 impl LibrarySearch {
-    /// The search. An option's path comes first, then `TOUCHSTONE_DHD`, then the folders of the SDK.
+    /// The search that the program uses: the file `named`, else that in `TOUCHSTONE_DHD`, else the folders of the SDK and of the
+    /// system.
     #[must_use]
     pub fn new(named: Option<&Path>) -> Self {
         let set = |name| env::var_os(name).filter(|text| !text.is_empty());
@@ -114,10 +115,10 @@ impl LibrarySearch {
         }
     }
 
-    /// The first library that loads.
+    /// Loads the first library that can be loaded.
     ///
     /// # Errors
-    /// No library loads; holds all places and reasons.
+    /// No library could be loaded; holds all places with the reasons.
     pub fn load(&self) -> Result<Dhd, NotLoaded> {
         let mut tried = Vec::new();
         if let Some(file) = &self.file {
@@ -158,7 +159,7 @@ impl LibrarySearch {
     }
 }
 
-/// The platform's name in the SDK's folders.
+/// The name of this platform in the SDK's folders.
 fn platform() -> String {
     let system = if cfg!(target_os = "macos") {
         "mac"
@@ -172,14 +173,14 @@ fn platform() -> String {
     format!("{system}-{machine}-")
 }
 
-/// Folders of a folder whose names begin so, the last in the alphabet first.
+/// The folders in `folder` whose names begin with `prefix`, in descending alphabetical order.
 fn children(folder: &Path, prefix: &str) -> Vec<PathBuf> {
     let mut found = named(folder, |name| name.starts_with(prefix));
     found.retain(|path| path.is_dir());
     found
 }
 
-/// The libraries in a folder: the larger one first, newer versions first.
+/// The libraries in a folder: `drd` before `dhd`, newer versions first.
 fn libraries(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for (start, part) in VERSIONED {
@@ -213,7 +214,7 @@ fn named(folder: &Path, wanted: impl Fn(&str) -> bool) -> Vec<PathBuf> {
     found
 }
 
-/// The numbers in a name, so that 3.17.6 comes after 3.9.1.
+/// A sort key from the numbers in a file name, so that 3.17.6 is newer than 3.9.1.
 fn numbers(path: &Path) -> (Vec<u32>, PathBuf) {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let numbers = name.split(|letter: char| !letter.is_ascii_digit());

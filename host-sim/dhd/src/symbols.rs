@@ -1,8 +1,8 @@
-//! Loading the library and its functions: the only `unsafe` of the desktop program, three lines of it.
+//! Loads the library and its functions. The desktop program has no other `unsafe` code than three lines here.
 //!
-//! Functions are taken under safe types: where C has a pointer to be filled, the type here has a reference to as much as the
-//! function may write, which is the same at the border and cannot be null or dangling. No struct crosses. So only the claim
-//! that a symbol has this type is unsafe, and every call of it is not.
+//! Functions get safe types. Where C has a pointer to memory that the function fills, the Rust type has a reference to as much
+//! memory as the function may write. Both are passed alike, and a reference cannot be null or dangling. No struct is passed. So
+//! only the claim that a symbol has this type is unsafe, and the calls are safe.
 #![allow(unsafe_code)]
 
 use libloading::Library;
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use crate::code::STATUS_INTS;
 
-/// The library's word for a device or an index. `char` has a sign on some machines and none on others; the bits are the same.
+/// Converts a device's number to C's `char`, which is signed on some machines and unsigned on others. The bits stay the same.
 pub(crate) fn char_of(id: i8) -> c_char {
     id as c_char
 }
@@ -20,10 +20,10 @@ type OfDevice = extern "system" fn(c_char) -> c_int;
 type OfNothing = extern "system" fn() -> c_int;
 type ToThree = extern "system" fn(&mut f64, &mut f64, &mut f64, c_char) -> c_int;
 
-/// Takes functions out of the library: those that a wall needs, and those that may be missing.
+/// Declares the functions that are loaded from the library: those that must exist and those that may be missing.
 macro_rules! functions {
     (needed { $($needed:ident $needed_name:literal $needed_type:ty;)* } optional { $($name:ident $symbol:literal $type:ty;)* }) => {
-        /// The functions, by the names of `dhdc.h` and `drdc.h`.
+        /// The loaded functions, with the names of `dhdc.h` and `drdc.h`.
         #[derive(Clone, Copy)]
         pub(crate) struct Calls {
             $(pub(crate) $needed: $needed_type,)*
@@ -31,7 +31,10 @@ macro_rules! functions {
         }
 
         impl Calls {
-            /// The functions of a library, or the first that it lacks.
+            /// Loads the functions from a library.
+            ///
+            /// # Errors
+            /// The name of the first required function that the library lacks.
             fn of(library: &Library) -> Result<Self, &'static str> {
                 Ok(Self {
                     $($needed: {
@@ -81,11 +84,11 @@ functions! {
     }
 }
 
-/// The library, loaded.
+/// The loaded library.
 pub struct Dhd {
     calls: Calls,
     path: PathBuf,
-    /// The library is declared after the functions, so that they are dropped first.
+    /// The library. It is declared after the functions, so that the functions are dropped first.
     _library: Library,
 }
 
@@ -96,10 +99,10 @@ impl std::fmt::Debug for Dhd {
 }
 
 impl Dhd {
-    /// Loads a file, or a name that the system's loader knows.
+    /// Loads the library from a file, or by a name that the operating system's loader knows.
     ///
     /// # Errors
-    /// The reason for the refusal.
+    /// The reason why it cannot be loaded.
     pub(crate) fn load(path: &Path) -> Result<Self, String> {
         // SAFETY: loading runs the library's initialisers, which nothing can check. The file is the one that the user named, or the vendor's name in a
         // place that only its owner or an administrator can write, as with every program that is linked with it.
@@ -113,7 +116,7 @@ impl Dhd {
         })
     }
 
-    /// Where it was found.
+    /// The path from which the library was loaded.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path

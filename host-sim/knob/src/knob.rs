@@ -1,4 +1,5 @@
-//! A whole knob without a board: the drive's two interrupts around the simulated motor, in lock-step, as the firmware wires them.
+//! A complete simulated knob without a board: the firmware's two interrupt functions with the simulated motor, in lock-step, connected as
+//! in the firmware.
 //!
 //! ```text
 //! every PWM period:  sample -> CurrentLoop::tick -> compare values, which act from half a period later on
@@ -19,22 +20,22 @@ use touchstone_world::plant::{HeldLinear, MEDIUM, Stepper};
 /// PWM period, s.
 pub const PERIOD_S: f64 = 1.0 / 20_000.0;
 
-/// Room temperature's code.
+/// Code of the temperature sensor at room temperature.
 pub const WARM: u16 = 1_300;
 
-/// Falsifies what passes between the world and the drive, for tests.
+/// Falsifies readings between the simulated motor and the firmware's code, for tests of faults.
 pub trait Tamper {
-    /// Changes the current loop's samples.
+    /// Changes the current loop's samples (currents, bus voltage, temperature).
     fn sample(&mut self, _tick: u32, _sample: &mut CurrentSample) {}
-    /// Changes the control tick's readings; returns whether the tick runs at all.
+    /// Changes the control tick's readings. Returns whether the tick runs; false simulates a tick that is left out.
     fn input(&mut self, _tick: u32, _input: &mut ControlInput) -> bool {
         true
     }
-    /// Changes the encoder's reading at the change of force; `None` for no reading.
+    /// Changes the encoder's reading at the change of force; `None` means that the reading is missing.
     fn change(&mut self, _tick: u32, reading: EncoderReading) -> Option<EncoderReading> {
         Some(reading)
     }
-    /// The bus voltage, V.
+    /// The bus voltage in this tick, V.
     fn bus_v(&mut self, _tick: u32) -> f64 {
         24.0
     }
@@ -45,34 +46,34 @@ pub trait Tamper {
 pub struct Honest;
 impl Tamper for Honest {}
 
-/// One order of the error of an off-centre magnet: `A sin(n θ + φ)`.
+/// One harmonic of the encoder error of an off-centre magnet: `A sin(n θ + φ)` at the shaft angle `θ`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EncoderError {
-    /// `A`, rad.
+    /// Amplitude `A`, rad.
     pub amplitude_rad: f64,
-    /// Periods in a turn: `n`.
+    /// Number of periods per turn, `n`.
     pub per_rev: f64,
-    /// `φ`, rad.
+    /// Phase `φ`, rad.
     pub phase_rad: f64,
 }
 
-/// The knob.
+/// A simulated knob with the firmware's code.
 pub struct Knob<T: Tamper, S: Stepper = HeldLinear> {
-    /// The control tick.
+    /// The firmware's control tick.
     pub device: Device,
-    /// Things to touch in addition to the wall.
+    /// The environment (further walls, end stops, detents) and the cogging map, as far as there are any.
     pub around: Around,
-    /// The current loop.
+    /// The firmware's current loop.
     pub current: CurrentLoop,
-    /// Motor, knob and hand.
+    /// The simulated motor, knob and hand.
     pub rig: Rig<S>,
-    /// The falsification.
+    /// The falsification of readings.
     pub tamper: T,
-    /// Errors of the encoder's angle.
+    /// Harmonics of the encoder's error; their sum is added to the shaft angle.
     pub encoder_error: Vec<EncoderError>,
-    /// Where the hand means to be, rad.
+    /// The hand's rest point (the angle at which the hand intends to be), rad.
     pub rest_rad: f64,
-    /// State of the bridge in this period.
+    /// State of the bridge in the present PWM period.
     pub acting: Drive,
     /// The last control tick's record.
     pub record: Record,
@@ -96,17 +97,17 @@ fn off_or(bridge: touchstone_drive::BridgeCommand) -> Drive {
     }
 }
 
-/// The thesis' knob's motor at 24 V.
+/// A knob without falsified readings, with the motor of the thesis' knob at 24 V.
 #[must_use]
 pub fn honest(settings: &DeviceSettings) -> Knob<Honest> {
     Knob::new(settings, GIMBAL, 0.0, Honest)
 }
 
 impl<T: Tamper> Knob<T> {
-    /// At rest at an angle, just switched on.
+    /// A knob at rest at an angle, just switched on.
     ///
     /// # Panics
-    /// Settings that are refused.
+    /// The device refuses the settings.
     #[must_use]
     pub fn new(
         settings: &DeviceSettings,
@@ -120,10 +121,10 @@ impl<T: Tamper> Knob<T> {
 }
 
 impl<T: Tamper, S: Stepper> Knob<T, S> {
-    /// Same as [`Knob::new`], with another plant, of steps of half a PWM period.
+    /// Same as [`Knob::new`], with another mechanical simulation, whose interval must be half a PWM period.
     ///
     /// # Panics
-    /// Settings that are refused.
+    /// The device refuses the settings.
     #[must_use]
     pub fn with_plant(
         settings: &DeviceSettings,
@@ -138,7 +139,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
     /// Same as [`Knob::new`], on another board.
     ///
     /// # Panics
-    /// Settings that are refused.
+    /// The device refuses the settings.
     #[must_use]
     pub fn on(
         hardware: &'static Hardware,
@@ -179,12 +180,12 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         }
     }
 
-    /// Gives a command to the next control tick.
+    /// Hands a command to the next control tick.
     pub fn ask(&mut self, command: Command) {
         self.command = Some(command);
     }
 
-    /// The encoder's reading now.
+    /// The encoder's present reading.
     #[must_use]
     pub fn reading(&self) -> EncoderReading {
         let angle = self.rig.now().angle_rad;
@@ -280,13 +281,13 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         self.output = Some(output);
     }
 
-    /// PWM periods up to and with the next control tick.
+    /// Runs PWM periods until a control tick has run; returns its record.
     pub fn tick(&mut self) -> Record {
         while !self.period() {}
         self.record
     }
 
-    /// Calibrates, with a hand that goes along; ends when that has ended.
+    /// Runs a calibration to its end, with a hand whose rest point follows the shaft. Returns the state after it.
     pub fn calibrate(&mut self) -> State {
         self.ask(Command::Calibrate);
         self.tick();
@@ -297,10 +298,10 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         self.device.state()
     }
 
-    /// Calibrates and arms.
+    /// Calibrates and arms the knob.
     ///
     /// # Panics
-    /// When that fails.
+    /// The calibration or the arming fails.
     pub fn armed(mut self) -> Self {
         assert_eq!(self.calibrate(), State::Ready);
         self.ask(Command::Arm);
@@ -309,7 +310,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         self
     }
 
-    /// Telemetry of the last tick.
+    /// The telemetry record of the last control tick.
     #[must_use]
     pub fn telemetry(&self) -> Telemetry {
         let part = self.device.measuring();
@@ -319,7 +320,7 @@ impl<T: Tamper, S: Stepper> Knob<T, S> {
         }
     }
 
-    /// The code of the latched fault.
+    /// The code of the stored fault, if there is one.
     #[must_use]
     pub fn fault(&self) -> Option<FaultCode> {
         self.device.fault().map(|context| context.code)

@@ -1,7 +1,7 @@
-//! A whole knob behind a socket, in real time: the drive around the simulated motor, with a board's protocol.
+//! A complete simulated knob behind a TCP socket, in real time: the firmware's code with the simulated motor and a board's
+//! protocol.
 //!
-//! Programs of the desktop reach it as they reach a board. [`ServedKnob::suffer`] causes mishaps of a board or its
-//! cable.
+//! Desktop programs connect to it as to a board. [`ServedKnob::suffer`] causes faults of the board or its cable.
 
 use crate::knob::{Knob, Tamper};
 use std::io::{ErrorKind, Read, Write};
@@ -23,17 +23,17 @@ use touchstone_protocol::{
 use touchstone_world::motor::GIMBAL;
 
 const BOARD: Board = Board::NucleoG474re;
-/// Period of the hand that presses into the wall and comes out, s.
+/// Period of the simulated hand's motion into the wall and out, s.
 const PRESS_S: f64 = 3.0;
-/// The hand's rest point goes from this far before the surface to this far beyond it, rad.
+/// The hand's rest point moves from this distance before the wall's surface to the same distance inside, rad.
 const NEAR_RAD: f64 = 0.1;
 const DEEP_RAD: f64 = 2.5;
 
-/// The simulated surroundings of a served knob: a supply that may rise, and a desktop that may fall silent.
+/// A served knob's surroundings: a supply whose voltage may change, and a desktop that may stop sending.
 #[derive(Debug, Clone, Copy)]
 pub struct Outside {
     supply_v: f64,
-    /// A frame came since the last tick; `None` before there is a line.
+    /// Whether a frame arrived since the last tick; `None` before a desktop is connected.
     heard: Option<bool>,
 }
 
@@ -50,21 +50,21 @@ impl Tamper for Outside {
     }
 }
 
-/// The knob with its connection and its hand.
+/// The simulated knob with its connection and its hand.
 pub struct ServedKnob {
     knob: Knob<Outside>,
     settings: DeviceSettings,
     decimation: u16,
-    /// Records that are dropped from now on.
+    /// Number of telemetry records that are still to be dropped.
     gap: u32,
     dropped: u32,
-    /// Telemetry that was not sent yet.
+    /// Telemetry records that were not sent yet.
     records: Vec<Telemetry>,
     armed_s: f64,
-    /// Where it stood when it was armed, and how far the surface was.
+    /// Shaft angle when the knob was armed, rad; the next field is the wall's distance from it.
     start_rad: f64,
     outside_rad: f64,
-    /// The cable is in.
+    /// Whether the cable is plugged in.
     plugged: bool,
     noise: usize,
 }
@@ -93,8 +93,8 @@ impl ServedKnob {
         }
     }
 
-    /// Causes a mishap: `gap N` drops N records, `noise N` sends N bytes of nonsense, `volts V` changes the supply,
-    /// `pull` and `plug` are the cable's.
+    /// Causes a fault: `gap N` drops N records, `noise N` sends N bytes of nonsense, `volts V` changes the supply, `pull` and
+    /// `plug` disconnect and connect the cable.
     pub fn suffer(&mut self, what: &str) {
         let (word, number) = what.trim().split_once(' ').unwrap_or((what.trim(), "0"));
         let number: f64 = number.parse().unwrap_or(0.0);
@@ -108,15 +108,15 @@ impl ServedKnob {
         }
     }
 
-    /// Calibrates, in as little real time as the machine takes.
+    /// Calibrates the knob, as fast as the machine can simulate.
     #[must_use]
     pub fn calibrated(mut self) -> Self {
         self.knob.calibrate();
         self
     }
 
-    /// Runs one control tick, with the hand that presses while the device is armed; a telemetry record that is due is
-    /// queued.
+    /// Runs one control tick. While the device is armed, the simulated hand presses into the wall. Queues a telemetry record if one
+    /// is due.
     fn advance(&mut self) {
         let rate_hz = f64::from(self.settings.timing.rate_hz);
         if self.knob.device.state() == State::Armed {
@@ -144,7 +144,7 @@ impl ServedKnob {
         self.records.push(self.knob.telemetry());
     }
 
-    /// Gives the device a command with its next tick; returns whether it had an effect.
+    /// Hands a command to the device's next tick; returns whether it had an effect.
     fn give(&mut self, command: Command) -> bool {
         self.knob.ask(command);
         self.advance();
@@ -227,7 +227,7 @@ impl Backend for ServedKnob {
     }
 }
 
-/// Serves one connection after the other until `stop` is set; `happens` brings the words for [`ServedKnob::suffer`].
+/// Serves one connection after the other until `stop` is set. `happens` brings the texts for [`ServedKnob::suffer`].
 ///
 /// # Errors
 /// The listener fails.

@@ -1,8 +1,9 @@
-//! Certificates compared with runs: `cargo run --release -p touchstone-lab --example certify_campaign -- FILE.csv
-//! [RUNS] [SEED] [STATES]`.
+//! Compares stability certificates with simulated runs of random devices: `cargo run --release -p touchstone-lab --example
+//! certify_campaign -- FILE.csv [RUNS] [SEED] [STATES]`.
 //!
-//! Rows are appended to the file; an interrupted campaign goes on with the same seed. At the end it prints how often
-//! each verdict met each outcome, and why some were undecided.
+//! Results are appended to the file, one table row per run; an interrupted campaign continues when started with the same seed. At
+//! the end the program prints how often each verdict of a certificate met each outcome of a run, and why some certificates were
+//! undecided.
 
 use rayon::prelude::*;
 use std::error::Error;
@@ -11,7 +12,7 @@ use touchstone_control::{Choice as _, StatesKind};
 use touchstone_lab::certify::campaign::{Row, Tally, row};
 use touchstone_lab::journal::Journal;
 
-/// Rows between two writes.
+/// Number of random devices that are simulated between two writes to the file.
 const CHUNK: u64 = 48;
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -1,5 +1,5 @@
-//! Draws the signals to expect at a first power-up: `first_power FOLDER OUT`, from the tables that
-//! `touchstone-emulator trace` wrote into FOLDER. `cargo xtask traces` calls both.
+//! Draws the signals to expect at a board's first power-up: `first_power FOLDER OUT` reads the CSV tables that `touchstone-emulator
+//! trace` wrote into FOLDER and writes SVG pictures into OUT. `cargo xtask traces` runs both programs.
 
 use std::error::Error;
 use std::path::Path;
@@ -8,9 +8,9 @@ use touchstone_lab::report::drawn;
 use touchstone_lab::report::figure::{Axis, Figure, Range, Shape};
 use touchstone_lab::report::svg::Size;
 
-/// Level of a pin, V.
+/// Voltage of a pin at high level, V.
 const HIGH_V: f64 = 3.3;
-/// Pins are drawn above each other by as much, V.
+/// Vertical distance between two pins' curves in a picture, V.
 const APART_V: f64 = 5.0;
 const NARROW: Size = Size {
     width: 360,
@@ -22,7 +22,7 @@ const WIDE: Size = Size {
 };
 
 type Drawn = Result<String, Box<dyn Error>>;
-/// The name of a picture, and what draws it of a folder's tables.
+/// File name of a picture, and the function that draws it from the tables in a folder.
 type Picture = (&'static str, fn(&Path) -> Drawn);
 
 const PICTURES: [Picture; 4] = [
@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A table by its columns.
+/// A CSV table: column names and the cells of each row.
 struct Table {
     names: Vec<String>,
     rows: Vec<Vec<String>>,
@@ -75,7 +75,7 @@ impl Table {
             .collect::<Result<_, _>>()?)
     }
 
-    /// A column over the time.
+    /// Pairs of time in seconds and the value of the named column.
     fn course(&self, name: &str) -> Result<Vec<(f64, f64)>, Box<dyn Error>> {
         let times = self.numbers("time_s")?;
         Ok(times.into_iter().zip(self.numbers(name)?).collect())
@@ -86,7 +86,7 @@ fn time(min: f64, max: f64) -> Axis {
     Axis::new("time", "s", Range { min, max })
 }
 
-/// A pin's levels as corners.
+/// Corner points of the curve of a pin's level (0 or 1), drawn `above` volts higher, from pairs of time and level.
 fn corners(levels: &[(f64, f64)], above: f64) -> Vec<(f64, f64)> {
     let mut points: Vec<(f64, f64)> = Vec::new();
     for (index, &(at, level)) in levels.iter().enumerate() {
@@ -100,7 +100,7 @@ fn corners(levels: &[(f64, f64)], above: f64) -> Vec<(f64, f64)> {
     points
 }
 
-/// The pins of phase U, and when currents are sampled.
+/// Picture of the two pins of motor phase U between the times `from` and `to` in seconds, with lines where currents are sampled.
 fn pins(
     table: &Table,
     title: &str,
@@ -266,7 +266,7 @@ fn press(folder: &Path) -> Drawn {
         ["penetration_rad", "force_n_m", "current_q_a"].map(|name| table.course(name));
     let (depth, force, current) = (depth?, force?, current?);
     let end = force.last().ok_or("an empty table")?.0;
-    // What is held before the hand lets go: the last force, and the tenth of a second before that begins to fall.
+    // The force before the hand lets go: from the last force, the tenth of a second before it begins to fall.
     let falls = force.iter().rposition(|(_, newton)| *newton > 0.0);
     let falls = falls.ok_or("no force")?;
     let held = falls.saturating_sub(150)..falls.saturating_sub(50);

@@ -1,10 +1,11 @@
-//! Touchstone's side of `tests/rivals/compare.py`: a hinge with dry friction that is pressed into a wall.
+//! Simulations by Touchstone for the comparison with other physics engines in `tests/rivals/compare.py`. The problem is a hinge
+//! with dry friction that is pressed into a wall.
 //!
-//! `rivals problem NAME TICKS` prints, as JSON, the device, the torque of every tick and the angles of the reference under these
-//! torques, with the error of the exact step. `rivals time NAME TICKS` prints nanoseconds a tick: of the whole loop with encoder, law
-//! and press, and of the plant alone under the same torques.
+//! `rivals problem NAME TICKS` prints as JSON: the device, the torque of every tick, the reference's angles under these torques,
+//! and the error of Touchstone's exact step. `rivals time NAME TICKS` prints nanoseconds per tick, once for the whole loop
+//! (encoder, control law and press) and once for the plant alone under the same torques.
 //!
-//! Nobody holds the hinge: a press of given torques takes the place of the hand, so that the model is one that every engine has.
+//! No hand model holds the hinge, because not every engine has one. A press with given torques takes its place.
 
 use std::error::Error;
 use std::hint::black_box;
@@ -37,7 +38,8 @@ k_desired_n_m_per_rad = 0.5
 kind = \"spring\"
 ";
 
-/// A press, N·m: its mean and the swing of a square wave around it, and after how many ticks that changes sides.
+/// Torque that presses the hinge into the wall, N·m: a mean, plus a square wave of amplitude `swing` that changes sign every
+/// `half_period` ticks.
 #[derive(Debug, Clone, Copy)]
 struct Press {
     mean: f64,
@@ -57,9 +59,9 @@ impl Press {
             })
         };
         match name {
-            // Never at rest for long: a jolt every 32 ticks.
+            // A jolt every 32 ticks, so that the hinge never rests for long.
             "moving" => press(2e-3, 32),
-            // Comes to rest within a second, and stays.
+            // The hinge comes to rest within a second, and stays.
             "stuck" => press(0.0, 1),
             _ => None,
         }

@@ -1,10 +1,13 @@
-//! A sweep's rate on one core over that of single runs of the same scenes: `cargo run --release -p touchstone-lab --example sweep_rate --
-//! [CELLS an axis, default 40] [REPEATS, default 5]`.
+//! Compares the simulation rate of a sweep on one core with that of single runs of the same scenes: `cargo run --release -p
+//! touchstone-lab --example sweep_rate -- [CELLS per axis, default 40] [REPEATS, default 5]`.
 //!
-//! Scenes of 2 s at 1 kHz. In turns, so that a disturbance of the machine does not hit one of them alone: every cell by
-//! `touchstone_lab::sweep`, with everything from an empty folder to rows in a file, and every cell as a run of a scene that is ready
-//! in memory; and long runs of the scene in the middle, held in the wall for as long, whose preparation costs nothing beside their
-//! ticks. On Linux the time is what the processor gave to this program, elsewhere that of the clock.
+//! Each scene lasts 2 s at 1 kHz. Three measurements alternate, so that a disturbance of the machine affects all of them:
+//!
+//! - every cell by `touchstone_lab::sweep`, from an empty folder to rows in a file
+//! - every cell as a single run of a scene that is ready in memory
+//! - long runs of the scene in the middle of the map, held in the wall, whose preparation takes no time compared with their ticks
+//!
+//! On Linux the times are processor time of this program, elsewhere clock time.
 
 use std::error::Error;
 use std::time::Instant;
@@ -14,7 +17,7 @@ use touchstone_lab::sweep::{Sweep, use_threads};
 use touchstone_sim::run;
 use touchstone_sim::scene::{MotionSpec, Scene};
 
-/// Time that the threads of this program had a processor, s; of the clock since `begun` where the system does not tell.
+/// Processor time of all threads of this program in seconds. Where the system does not report it, the clock time since `begun`.
 fn busy_s(begun: Instant) -> f64 {
     let of_threads = || {
         let mut total = 0;

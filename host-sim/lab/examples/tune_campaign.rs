@@ -1,9 +1,9 @@
-//! Tunes laws for random devices: `cargo run --release -p touchstone-lab --example tune_campaign -- FILE.csv [DEVICES
-//! a stiffness] [SEED] [LAWS] [TICKS] [SECOND TICKS]`.
+//! Tunes control laws for random devices: `cargo run --release -p touchstone-lab --example tune_campaign -- FILE.csv [DEVICES per
+//! stiffness] [SEED] [LAWS] [TICKS] [SECOND TICKS]`.
 //!
-//! LAWS are names of a scorecard with commas between. Rows are appended to the file, one for each device and law; an
-//! interrupted campaign goes on with the same arguments. At the end it prints how many walls hold, under each law and
-//! under the better one of each device, and why the others do not.
+//! LAWS are names of laws as in a scorecard, separated by commas. Results are appended to the file, one row per device and law; an
+//! interrupted campaign continues when started with the same arguments. At the end the program prints how many walls hold under
+//! each law and under the better law of each device, and why the other walls do not hold.
 
 use std::error::Error;
 use std::path::Path;
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let (mut journal, mut rows) = Journal::open::<Row>(Path::new(file))?;
     println!("seed {seed}: {} rows are done", rows.len());
-    // Stiffness by stiffness within a number, so that a campaign that was cut has as many of each.
+    // All stiffnesses of one device number in turn, so that an interrupted campaign has equally many of each.
     for number in 0..devices {
         for class in Class::ALL {
             for rival in &laws {

@@ -1,7 +1,7 @@
-//! Rows of a long job, appended to a file as they are done, so that an interrupted job goes on.
+//! A file to which a long job appends its results as they are finished, so that an interrupted job can continue.
 //!
-//! The file has comma-separated values below a header, or is empty. Rows are written in one piece, so an interruption
-//! tears at most the last line; the next program to open the file removes that line and computes its row again.
+//! The file holds comma-separated values below a header, or is empty. Each batch of rows is written in one call, so an interruption
+//! tears at most the last line. The next program that opens the file removes a torn line and computes its row again.
 
 use csv::{ReaderBuilder, WriterBuilder};
 use serde::Serialize;
@@ -11,7 +11,7 @@ use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
 
-/// The file, open, and held against other programs where the system can do that.
+/// An open results file, locked against other programs where the operating system can do that.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
@@ -20,10 +20,10 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens or makes the file, and reads the rows that are there.
+    /// Opens the file, or creates it, and returns it with the rows that it already holds.
     ///
     /// # Errors
-    /// A file that cannot be read or written, holds other rows, or belongs to a program that is at work.
+    /// The file cannot be read or written, is a symbolic link, holds rows of another format, or is locked by a running program.
     pub fn open<R: DeserializeOwned>(path: &Path) -> Result<(Self, Vec<R>)> {
         let wrong = |error: io::Error| problem(path, error.to_string());
         if std::fs::symlink_metadata(path).is_ok_and(|meta| meta.is_symlink()) {
@@ -61,10 +61,11 @@ impl Journal {
         Ok((journal, rows))
     }
 
-    /// Appends rows, all at once; the first ones come after a header, which the rows' fields name unless it is given.
+    /// Appends rows in one write. If the file is empty, a header comes before them: `header`, or else the names of the rows'
+    /// fields.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// The file cannot be written.
     pub fn append<R: Serialize>(&mut self, header: Option<&[&str]>, rows: &[R]) -> Result<()> {
         let wrong = |error: String| problem(&self.path, error);
         let mut writer = WriterBuilder::new()
@@ -91,10 +92,10 @@ impl Journal {
     }
 }
 
-/// The rows below the header of a file that no program writes now; empty where the file does not exist.
+/// Reads the rows below the header of a file that no program is writing; empty where the file does not exist.
 ///
 /// # Errors
-/// A file that cannot be read or holds other rows.
+/// The file cannot be read or holds rows of another format.
 pub fn read<R: DeserializeOwned>(path: &Path) -> Result<Vec<R>> {
     match std::fs::read(path) {
         Ok(text) => rows(path, &text),
@@ -119,8 +120,8 @@ fn problem(path: &Path, problem: String) -> Error {
     }
 }
 
-/// What does not apply is `NaN` in a table, so that a column of decimals is one from its first row on: a reader that sees nothing but empty
-/// cells at first takes it for a column of texts.
+/// Writes a missing number as `NaN` instead of an empty cell. Readers that guess a column's type from its first rows then see
+/// decimals; a column that begins with empty cells would be taken for text.
 pub mod or_nan {
     use serde::{Deserialize, Deserializer, Serializer};
 
@@ -128,38 +129,38 @@ pub mod or_nan {
         read.filter(|number| !number.is_nan())
     }
 
-    /// For a field's `serialize_with`.
+    /// Writes a missing number as `NaN`; for the attribute `serialize_with` of a field.
     ///
     /// # Errors
-    /// The format's.
+    /// The serialiser's own errors.
     pub fn serialize<S: Serializer>(value: &Option<f64>, to: S) -> Result<S::Ok, S::Error> {
         to.serialize_f64(value.unwrap_or(f64::NAN))
     }
 
-    /// For a field's `deserialize_with`; takes an empty cell as well.
+    /// Reads `NaN` or an empty cell as a missing number; for the attribute `deserialize_with` of a field.
     ///
     /// # Errors
-    /// The format's.
+    /// The cell holds no number.
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
         Option::deserialize(from).map(number)
     }
 
-    /// The same for a list.
+    /// Missing numbers of a list as `NaN`, for fields that hold several numbers.
     pub mod each {
         use super::{Deserialize, Deserializer, Serializer, number};
 
-        /// As [`super::serialize`].
+        /// Writes each missing number of the list as `NaN`, as [`super::serialize`] does for one.
         ///
         /// # Errors
-        /// The format's.
+        /// The serialiser's own errors.
         pub fn serialize<S: Serializer>(values: &[Option<f64>], to: S) -> Result<S::Ok, S::Error> {
             to.collect_seq(values.iter().map(|value| value.unwrap_or(f64::NAN)))
         }
 
-        /// As [`super::deserialize`].
+        /// Reads each `NaN` of the list as a missing number, as [`super::deserialize`] does for one.
         ///
         /// # Errors
-        /// The format's.
+        /// A cell holds no number.
         pub fn deserialize<'de, D: Deserializer<'de>>(
             from: D,
         ) -> Result<Vec<Option<f64>>, D::Error> {

@@ -1,19 +1,22 @@
-//! Random devices for campaigns, by seed.
+//! Random devices for simulation campaigns, reproducible from a seed.
 //!
-//! Inertia 1e-6 to 1e-3 kg·m², damping 1e-5 to 1e-2 N·m·s/rad, dry friction none (a third) or 1e-4 to 0.02 N·m, 1e3 to 1e5
-//! counts, 0.5 to 20 kHz, delay none (a third) or up to 2 ticks; each drawn evenly on a logarithmic scale but for the delay.
+//! Inertia is 1e-6 to 1e-3 kg·m², damping 1e-5 to 1e-2 N·m·s/rad, the encoder has 1e3 to 1e5 counts per turn, and the control rate
+//! is 0.5 to 20 kHz. Dry friction is none for a third of the devices, otherwise 1e-4 to 0.02 N·m. Delay is none for a third,
+//! otherwise up to 2 ticks. Each value is drawn evenly on a logarithmic scale, except for the delay, which is drawn evenly on a
+//! linear scale.
 
 use touchstone_sim::scene::{Encoder, Friction, Scene};
 
-/// Damping of a fingertip, which `c_i` holds beside the device's own, N·m·s/rad.
+/// Damping of a fingertip, N·m·s/rad. Control laws assume a total damping (`device_damping_n_m_s_per_rad`, the thesis' `c_i`),
+/// which is the device's own damping plus the fingertip's.
 pub const FINGERTIP: f64 = 1e-4;
 
-/// SplitMix64 (Steele, Lea and Flood, 2014).
+/// Random number generator SplitMix64 (Steele, Lea and Flood, 2014).
 #[derive(Debug, Clone)]
 pub struct Random(u64);
 
 impl Random {
-    /// The generator of a seed; each seed has its own stream.
+    /// Creates the generator of a seed; each seed gives an independent sequence of random numbers.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         let mut random = Self(seed);
@@ -21,7 +24,7 @@ impl Random {
         random
     }
 
-    /// Evenly in `[0, 1)`.
+    /// Draws a number evenly in `[0, 1)`.
     pub fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -30,31 +33,31 @@ impl Random {
         ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Evenly on a logarithmic scale.
+    /// Draws a number between `low` and `high`, evenly on a logarithmic scale.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.unit())
     }
 }
 
-/// A device.
+/// A random device with its encoder and control rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RandomDevice {
-    /// kg·m².
+    /// Inertia, kg·m².
     pub inertia: f64,
-    /// Damping, N·m·s/rad.
+    /// Viscous damping, N·m·s/rad.
     pub damping: f64,
-    /// Kinetic dry friction, N·m; two thirds have some.
+    /// Kinetic dry friction, N·m; two thirds of the devices have some.
     pub friction: Option<f64>,
-    /// Counts a revolution.
+    /// Encoder counts per turn.
     pub counts: f64,
     /// Control rate, Hz.
     pub rate_hz: f64,
-    /// Computational delay, ticks.
+    /// Computational delay from sample to force, in ticks.
     pub delay_ticks: f64,
 }
 
 impl RandomDevice {
-    /// The next one.
+    /// Draws the next device of the generator's sequence.
     pub fn drawn(random: &mut Random) -> Self {
         let inertia = random.between(1e-6, 1e-3);
         let damping = random.between(1e-5, 1e-2);
@@ -74,13 +77,13 @@ impl RandomDevice {
         }
     }
 
-    /// Dry friction, N·m.
+    /// Dry friction, N·m; 0 for a device without.
     #[must_use]
     pub fn friction_n_m(&self) -> f64 {
         self.friction.unwrap_or(0.0)
     }
 
-    /// Makes it the device of a scene.
+    /// Replaces device, encoder, rate and delay of a scene by this device's.
     pub fn put_into(&self, scene: &mut Scene) {
         scene.device.inertia_kg_m2 = self.inertia;
         scene.device.damping_n_m_s_per_rad = self.damping;

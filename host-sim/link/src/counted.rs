@@ -1,17 +1,17 @@
-//! Records that came, and those that are missing between them.
+//! Counts received telemetry records and those missing between them.
 
-/// Counts of received and missing records.
+/// Numbers of received and missing records.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counted {
-    /// Records that came.
+    /// Number of records received.
     pub records: u64,
-    /// Records that did not.
+    /// Number of records missing.
     pub lost: u64,
     last: Option<u32>,
 }
 
 impl Counted {
-    /// Takes a record; returns how many before it are missing, which count as lost.
+    /// Counts a received record. Returns the number of records missing just before it, which it adds to [`Self::lost`].
     pub fn take(&mut self, tick: u32, decimation: u16) -> u32 {
         let steps = self.last.map_or(0, |last| {
             let steps = tick.wrapping_sub(last) / u32::from(decimation);

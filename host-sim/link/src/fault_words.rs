@@ -1,6 +1,6 @@
-//! The documentation's words on a fault, for a person at the device.
+//! The documentation's text on a fault, for a person at the device.
 
-/// The pages of `docs/faults`: number and text.
+/// Number and text of each page in `docs/faults`.
 const PAGES: &[(u8, &str)] = include!(concat!(env!("OUT_DIR"), "/faults.rs"));
 
 /// The text below a heading of a fault's page, e.g. `Meaning`; `None` for a fault that this version does not know.

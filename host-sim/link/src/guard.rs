@@ -1,5 +1,5 @@
-//! Limits on a board's energy guard within which its bound holds on this board: no file of settings may weaken it
-//! unnoticed.
+//! Limits for the settings of a board's energy guard, within which its energy bound holds on this board. With them the program
+//! warns if a settings file weakens the guard.
 
 use crate::value;
 use touchstone_control::{ChangeOfForce, Fixed32, Guard, Si};
@@ -9,17 +9,18 @@ use touchstone_protocol::settings::fields::field;
 use touchstone_protocol::settings::{DriveKind, GuardSettings};
 use touchstone_protocol::{Board, DeviceSettings};
 
-/// A setting with which the guard promises less than it did, or nothing.
+/// A setting that weakens the guard's energy bound, or makes it void.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Weaker {
-    /// The setting.
+    /// Path of the setting.
     pub path: &'static str,
-    /// The problem of the new value.
+    /// What is wrong with the new value, in words.
     pub problem: String,
 }
 
-/// How new settings weaken the guard's bound. The delay is compared with the board's own loop, damping with the old
-/// settings, capacity and refill with the shipped ones. A weakness that existed before is not listed again.
+/// Lists how new settings weaken the guard's energy bound. The delay is compared with that of the board's own loop, the damping
+/// with the old settings, the account's capacity and refilling power with the shipped ones. A weakness of the old settings is not
+/// listed again.
 #[must_use]
 pub fn weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) -> Vec<Weaker> {
     const ON: &str = "law.guard.on";
@@ -97,16 +98,17 @@ fn trusted(guard: &GuardSettings) -> Si {
         .saturating_mul(guard.damping_n_m_s_per_rad)
 }
 
-/// The bound of a board's guard with its present settings.
+/// The energy bound of a board's guard with its present settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound {
-    /// Energy that a hand gets out at once, beyond what it put in, J: the account, and half a count under the largest force that it allows.
+    /// Most energy that a hand can get out at once beyond what it put in, J: the capacity of the guard's energy account, plus half
+    /// an encoder count times the largest force that a full account allows.
     pub at_once_j: f64,
-    /// Further power, W.
+    /// Power that a hand can get out continuously in addition, W: that which refills the energy account.
     pub refill_w: f64,
 }
 
-/// The bound of the guard with a board's settings; `None` without a guard.
+/// The energy bound of the guard with a board's settings; `None` without a guard.
 #[must_use]
 pub fn bound(settings: &DeviceSettings, board: Board) -> Option<Bound> {
     let (law, _) = law_settings(settings, hardware(board)).ok()?;
@@ -124,7 +126,7 @@ pub fn bound(settings: &DeviceSettings, board: Board) -> Option<Bound> {
     })
 }
 
-/// The bound in words, with its conditions.
+/// The energy bound as text for people, with its conditions.
 #[must_use]
 pub fn promise(settings: &DeviceSettings, board: Board) -> String {
     let Some(bound) = bound(settings, board) else {
@@ -146,8 +148,9 @@ pub fn promise(settings: &DeviceSettings, board: Board) -> String {
     )
 }
 
-/// Limits the guard's settings to what is certain on this board, whatever a file says: on, with the position measured
-/// when the force changes, no more damping than `sure_damping`, no more capacity and refill than shipped.
+/// Limits the guard's settings to what is certain on this board, whatever a settings file says. The guard is on and uses the
+/// position measured when the force changes. Its damping is at most `sure_damping`, its capacity and refilling power at most the
+/// shipped ones.
 pub fn hold(all: &mut DeviceSettings, board: Board, sure_damping: Si) {
     let shipped = DeviceSettings::defaults(board).law.guard;
     let guard = &mut all.law.guard;

@@ -1,4 +1,4 @@
-//! What the desktop knows of a board, whether it runs as a program or in a browser's page: no port, no clock, no file.
+//! What a desktop program and a browser's page have in common for talking to a board. The crate uses no port, no clock and no file.
 //!
 //! ```text
 //! bytes -> talk: frames, questions and answers -> rows: records as numbers

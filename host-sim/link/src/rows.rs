@@ -1,11 +1,11 @@
-//! Records as rows of numbers, as the page draws them.
+//! Telemetry records as rows of numbers, which a browser's page draws.
 
 use crate::counted::Counted;
 use touchstone_drive::twin::Twin;
 use touchstone_protocol::{DeviceSettings, Telemetry};
 
-/// Numbers of a record, in their order. Those that the simulated page also has bear its names, so that the same code
-/// draws them.
+/// Names of the numbers in a row, in their order. Numbers that the browser's page for simulations also draws have the same names
+/// there, so that the same code draws them.
 pub const COLUMNS: [&str; 16] = [
     "clock",
     "tick",
@@ -28,25 +28,26 @@ pub const COLUMNS: [&str; 16] = [
     "phase",
 ];
 
-/// Most rows that are kept: a page that fetches none for so long is gone.
+/// Most rows that are kept. If the page has not fetched them by then, all are removed.
 const KEPT: usize = 20_000;
 
-/// A record has the position up to this distance from the wall's surface.
+/// Largest distance from the wall's surface, rad, at which a row takes the position from the record's depth; beyond it from the
+/// count.
 const REACH_RAD: f64 = 127.0;
 
-/// Bytes of a busy record with its frame, and of the serial line in a second (921,600 baud, ten bits a byte), of which answers need
-/// some.
+/// Bytes of a busy record with its frame. The next line has the bytes per second that records may take of the serial line (921,600
+/// baud, ten bits a byte); the rest is for answers.
 const RECORD_BYTES: u32 = 36;
 const LINE_BYTES: u32 = 80_000;
 
-/// Control ticks between two records that the line carries.
+/// The smallest number of control ticks per record for which the serial line is fast enough.
 #[must_use]
 pub fn decimation(settings: &DeviceSettings) -> u16 {
     let line = settings.timing.rate_hz * RECORD_BYTES;
     u16::try_from(line.div_ceil(LINE_BYTES)).unwrap_or(u16::MAX)
 }
 
-/// Rows since the last batch.
+/// The rows since the page last fetched them.
 #[derive(Default)]
 pub struct RecordRows {
     twin: Option<Twin>,
@@ -55,13 +56,14 @@ pub struct RecordRows {
     period_s: f64,
     surface_rad: f64,
     count_rad: f64,
-    /// Control ticks since the page's clock began, gaps included.
+    /// Number of control ticks since the first record, including those of missing records.
     ticks: u64,
     numbers: Vec<f64>,
 }
 
 impl RecordRows {
-    /// Starts with another model, which follows the device if every tick is sent.
+    /// Starts with new settings. `twin` is a model of the device's control law; it can follow the device only if every tick is
+    /// sent.
     pub fn begin(&mut self, twin: Option<Twin>, decimation: u16, settings: &DeviceSettings) {
         self.twin = twin.filter(|_| decimation == 1);
         self.counted = Counted::default();
@@ -71,7 +73,7 @@ impl RecordRows {
         self.count_rad = std::f64::consts::TAU / f64::from(settings.encoder.counts_per_rev);
     }
 
-    /// Takes a record.
+    /// Adds a row for a record.
     pub fn push(&mut self, record: &Telemetry) {
         let missing = self.counted.take(record.tick, self.decimation);
         self.ticks += u64::from(self.decimation) * (1 + u64::from(missing));
@@ -111,12 +113,13 @@ impl RecordRows {
         ]);
     }
 
-    /// The rows so far, which are then removed.
+    /// Returns the rows up to now and removes them.
     pub fn numbers(&mut self) -> Vec<f64> {
         std::mem::take(&mut self.numbers)
     }
 
-    /// The rows as a message: numbers of 64 bits, least significant byte first, after the batch's number.
+    /// Returns the rows up to now as a message and removes them: the batch's number, then 64-bit floats, least significant byte
+    /// first.
     pub fn take(&mut self, batch: u32) -> Vec<u8> {
         let numbers = self.numbers();
         std::iter::once(f64::from(batch))

@@ -1,4 +1,4 @@
-//! One setting between a person's two texts and all settings of a device.
+//! Converts a setting's path and value from a person's texts, and checks them with all settings of a device.
 
 use crate::value::{self, Wrong};
 use touchstone_drive::wire::checked;
@@ -8,10 +8,10 @@ use touchstone_protocol::{Board, DeviceSettings};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{nearest, renamed};
 
-/// A setting and the value that it shall have, as postcard has it.
+/// A setting with its new value in postcard's encoding.
 pub type Setting = (&'static Field, Vec<u8>);
 
-/// An error about a path.
+/// The error for a path or its value.
 #[must_use]
 pub fn option(path: &str, (problem, fix): Wrong) -> Error {
     Error::Option {
@@ -21,12 +21,12 @@ pub fn option(path: &str, (problem, fix): Wrong) -> Error {
     }
 }
 
-/// The setting of a path.
+/// The setting with this path.
 fn known(path: &str) -> Result<&'static Field> {
     field(path).ok_or_else(|| option(path, unknown(path)))
 }
 
-/// Problem and fix for a path that no setting has.
+/// Problem and advice for a path that no setting has.
 #[must_use]
 pub fn unknown(path: &str) -> Wrong {
     let paths: Vec<&str> = FIELDS.iter().map(|field| field.path).collect();
@@ -37,7 +37,7 @@ pub fn unknown(path: &str) -> Wrong {
     ("there is no such setting".into(), fix)
 }
 
-/// The setting and the value that two texts name.
+/// Reads a setting's path and its new value from two texts.
 ///
 /// # Errors
 /// There is no such setting, or the value is not allowed.
@@ -47,11 +47,11 @@ pub fn parsed(path: &str, text: &str) -> Result<Setting> {
     Ok((field, bytes))
 }
 
-/// All settings with this one changed. This is the device's own check, made before the request, with the same message
-/// and remedy.
+/// All settings with one of them changed. Makes the same check as the device before the request is sent, with the same message and
+/// advice.
 ///
 /// # Errors
-/// No device of this kind accepts them.
+/// A device on this board would refuse the settings.
 pub fn changed(
     before: &DeviceSettings,
     (field, bytes): &Setting,
@@ -70,7 +70,7 @@ pub fn changed(
     Ok(after)
 }
 
-/// Why a setting is refused, without its path where that stands before it anyway.
+/// Why a setting is refused. Leaves its path out if that is `path`, which the message already names.
 #[must_use]
 pub fn without_path(invalid: &SettingsError, path: &str) -> String {
     let text = invalid.to_string();

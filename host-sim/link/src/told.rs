@@ -1,4 +1,4 @@
-//! Messages to the page in words.
+//! Messages to the page, with texts for people.
 
 use crate::fault_words::section;
 use crate::value;
@@ -30,7 +30,7 @@ pub fn hello(device: &str, settings: &DeviceSettings, decimation: u16) -> Value 
     })
 }
 
-/// The device's state, and what to do next, in words.
+/// The device's state and what to do next, as text for people.
 #[must_use]
 pub fn state(status: &Status) -> Value {
     let fault = status.fault.map(|fault| {
@@ -53,14 +53,14 @@ pub fn state(status: &Status) -> Value {
     })
 }
 
-/// A page's text without its marks, its paragraphs one below the other.
+/// A documentation page's text without its markup, one paragraph per line.
 fn plain(text: &str) -> String {
     text.replace("**", "")
         .replace('`', "")
         .replace("\n\n", "\n")
 }
 
-/// A state, and what leads on.
+/// A state of the device, with what to do next, as text.
 const fn phase_words(phase: Phase) -> &'static str {
     match phase {
         Phase::Boot => "Just switched on. Calibrate: the shaft will move.",
@@ -72,7 +72,7 @@ const fn phase_words(phase: Phase) -> &'static str {
     }
 }
 
-/// What holds the force back.
+/// A limit that reduces the force, as text.
 const fn limit_words(limit: Limit) -> &'static str {
     match limit {
         Limit::Temperature => "the power stage is warm",
@@ -88,19 +88,19 @@ const fn limit_words(limit: Limit) -> &'static str {
     }
 }
 
-/// The connection to the device.
+/// The message on the connection: why it was lost, or what was done after it came back.
 #[must_use]
 pub fn connection(lost: Option<&str>, done: Option<&str>) -> Value {
     json!({ "type": "connection", "lost": lost, "done": done })
 }
 
-/// Records that the device's port could not carry, and frames that came in damaged.
+/// The message with the number of records that the device's serial port dropped, and of frames that arrived damaged.
 #[must_use]
 pub fn troubles(dropped: u32, damaged: u32) -> Value {
     json!({ "type": "troubles", "dropped": dropped, "damaged": damaged })
 }
 
-/// What switches a device off that moves or may move something, and that done, in words.
+/// The command that switches a device off in this state, and the text for what was done. `None` if the device is off.
 #[must_use]
 pub const fn switched_off(phase: Phase) -> Option<(DeviceCommand, &'static str)> {
     match phase {

@@ -1,17 +1,17 @@
-//! One value between a person's text and the wire.
+//! Converts a setting's value between a person's text and its encoding on the wire.
 
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::settings::fields::{Field, Kind};
 use touchstone_protocol::settings::{Decimal, VALUE_MAX};
 use touchstone_sim::scene::{list, nearest};
 
-/// The problem of a text, and the remedy.
+/// What is wrong with a text, and advice.
 pub type Wrong = (String, String);
 
-/// The value that a text stands for, as postcard has it. Numbers are exact: no float comes near them.
+/// Converts a person's text to the setting's value in postcard's encoding. Numbers are exact, without floating point.
 ///
 /// # Errors
-/// The text is no value of this setting.
+/// The text is no valid value of this setting.
 pub fn parse(field: &Field, text: &str) -> Result<Vec<u8>, Wrong> {
     let mut buffer = [0; VALUE_MAX];
     let no = |problem: String| Err((problem, wanted(field).1));
@@ -45,7 +45,7 @@ pub fn parse(field: &Field, text: &str) -> Result<Vec<u8>, Wrong> {
     Ok(bytes.expect("VALUE_MAX bytes hold every value").to_vec())
 }
 
-/// Problem and fix for a value that is refused without a better reason.
+/// Problem and advice for a value that is refused without a more exact reason.
 #[must_use]
 pub fn wanted(field: &Field) -> Wrong {
     (
@@ -54,7 +54,7 @@ pub fn wanted(field: &Field) -> Wrong {
     )
 }
 
-/// The allowed values of a setting, in words.
+/// The allowed values of a setting as text.
 #[must_use]
 pub fn range(field: &Field) -> String {
     match field.kind {
@@ -65,7 +65,7 @@ pub fn range(field: &Field) -> String {
     }
 }
 
-/// The unit with a space before it, or nothing.
+/// The setting's unit after a space; empty for a setting without unit.
 #[must_use]
 pub fn unit(field: &Field) -> String {
     match field.unit {
@@ -74,7 +74,7 @@ pub fn unit(field: &Field) -> String {
     }
 }
 
-/// The value of a setting, as [`parse`] takes it.
+/// The value of a setting as the text that [`parse`] reads.
 #[must_use]
 pub fn shown(settings: &DeviceSettings, field: &Field) -> String {
     let mut buffer = [0; VALUE_MAX];
@@ -94,7 +94,7 @@ pub fn shown(settings: &DeviceSettings, field: &Field) -> String {
     .expect("the leaf has the type that the table says")
 }
 
-/// The value of a setting for programs: a number where it is one.
+/// The value of a setting for programs, as JSON: a number if it is one.
 #[must_use]
 pub fn as_json(settings: &DeviceSettings, field: &Field) -> serde_json::Value {
     let text = shown(settings, field);
@@ -111,7 +111,7 @@ pub fn as_json(settings: &DeviceSettings, field: &Field) -> serde_json::Value {
     }
 }
 
-/// A setting for programs.
+/// A setting's path, type, range, unit and meaning for programs, as JSON.
 #[must_use]
 pub fn json(field: &Field) -> serde_json::Value {
     use serde_json::json;

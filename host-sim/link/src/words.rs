@@ -1,9 +1,9 @@
-//! Names and answers of a device, for people.
+//! Names and answers of a device as text for people.
 
 use touchstone_protocol::settings::KeyError;
 use touchstone_protocol::{Fault, FaultCode, Identity, Phase, Refusal, Reply, Unkept};
 
-/// The microcontroller's own number.
+/// The microcontroller's unique number as text.
 #[must_use]
 pub fn number_of(identity: &Identity) -> String {
     use std::fmt::Write;
@@ -41,7 +41,7 @@ pub fn name_of(fault: &Fault) -> String {
     }
 }
 
-/// The name of a fault's page in `docs/faults/`, without its number.
+/// File name of a fault's page in `docs/faults/`, without its number.
 #[must_use]
 pub fn page(code: FaultCode) -> String {
     let mut name = String::new();
@@ -54,13 +54,13 @@ pub fn page(code: FaultCode) -> String {
     name
 }
 
-/// Problem and remedy.
+/// What is wrong, and advice.
 pub type ProblemAndFix = (String, &'static str);
 
-/// The remedy for a device of another version.
+/// The advice for a device with another version of the protocol.
 pub const OTHER_VERSION: &str = "flash the firmware of this version: touchstone flash";
 
-/// An answer to another question.
+/// Problem and advice for an answer of another type than the request needs.
 #[must_use]
 pub fn odd(reply: &Reply) -> ProblemAndFix {
     let kind = format!("{reply:?}");
@@ -68,7 +68,7 @@ pub fn odd(reply: &Reply) -> ProblemAndFix {
     (format!("answered something else ({kind})"), OTHER_VERSION)
 }
 
-/// A device that speaks another version of the protocol.
+/// Problem and advice for a device with another version of the protocol.
 #[must_use]
 pub fn other_version(version: u16, own: u16) -> ProblemAndFix {
     (
@@ -77,7 +77,7 @@ pub fn other_version(version: u16, own: u16) -> ProblemAndFix {
     )
 }
 
-/// Why the device does not do it.
+/// Why the device refused a request, and advice.
 #[must_use]
 pub fn refused(refusal: &Refusal) -> ProblemAndFix {
     match refusal {
@@ -120,7 +120,7 @@ pub fn refused(refusal: &Refusal) -> ProblemAndFix {
     }
 }
 
-/// The command that leads on.
+/// Advice which command is possible in this state.
 const fn next_step(phase: Phase) -> &'static str {
     match phase {
         Phase::Boot => "calibrate first: touchstone device calibrate",

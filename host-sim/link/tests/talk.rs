@@ -1,4 +1,4 @@
-//! The protocol with a device of the tests that loses, refuses, is silent or sends nonsense.
+//! Tests of the communication with a simulated device that loses frames, refuses requests, is silent or sends nonsense.
 
 use serde_json::Value;
 use touchstone_link::talk::{ANSWER_LIMIT_MS, TRIES, Talk};
@@ -8,14 +8,14 @@ use touchstone_protocol::{
     Reply, Request, ResetReason, Status, Telemetry, ToDevice, stored,
 };
 
-/// A device that remembers the requests.
+/// A simulated device that records the requests.
 struct Device {
     decoder: Decoder,
     settings: DeviceSettings,
     phase: Phase,
     tick: u32,
     asked: Vec<String>,
-    /// How many of the next answers are lost.
+    /// Number of the next answers that are lost.
     mute: u32,
     telemetry: bool,
 }
@@ -118,7 +118,7 @@ fn framed(message: &FromDevice) -> Vec<u8> {
     frame::encode(message, &mut buffer).unwrap().to_vec()
 }
 
-/// Both ends of the link, and their clock.
+/// Both ends of the link, with a clock.
 struct Wire {
     talk: Talk,
     device: Device,
@@ -145,7 +145,7 @@ impl Wire {
         wire
     }
 
-    /// Lets time pass, with a record a millisecond while the device has power.
+    /// Lets time pass. The device sends a record every millisecond while it has power.
     fn pass(&mut self, ms: f64, power: bool) {
         let until = self.now_ms + ms;
         while self.now_ms < until {
@@ -171,7 +171,7 @@ impl Wire {
         self.talk.order(text, self.now_ms);
     }
 
-    /// The last message of a kind.
+    /// The last message of this kind.
     fn last(&self, kind: &str) -> &Value {
         let found = self.said.iter().rev().find(|said| said["type"] == kind);
         found.unwrap_or_else(|| panic!("no {kind} in {:?}", self.said))

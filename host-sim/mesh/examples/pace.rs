@@ -1,4 +1,5 @@
-//! Time of a proxy's tick on balls of more and more triangles: pressed 0.4 mm deep and led around, and outside.
+//! Measures the time of a proxy's tick on balls with more and more triangles: with the hand 0.4 mm inside and led around, and
+//! outside.
 
 #[path = "../tests/shapes/mod.rs"]
 mod shapes;

@@ -1,19 +1,20 @@
-//! Without the feature `geometry` no mesh exists; the error says how to build the program with it.
+//! Replacement of the crate without the feature `geometry`: no mesh exists, and an error says how to build the program with the
+//! feature.
 
 use std::path::Path;
 use touchstone_control::space::{Direction, LengthUnit, Nearest, Spatial, Surface, Vector};
 use touchstone_control::{Position, Reported};
 use touchstone_sim::error::{Error, Result};
 
-/// A triangle mesh; without the feature no value exists.
+/// A triangle mesh. Without the feature `geometry` no value of this type exists.
 #[derive(Debug, Clone)]
 pub enum Mesh {}
 
 impl Mesh {
-    /// Nothing is read.
+    /// Reads nothing.
     ///
     /// # Errors
-    /// Always returns how to build the program with this feature.
+    /// Always: the error says how to build the program with the feature `geometry`.
     pub fn read(path: &Path, _unit_m: f64) -> Result<Self> {
         Err(Error::Io {
             path: path.to_owned(),
@@ -22,37 +23,37 @@ impl Mesh {
         })
     }
 
-    /// Triangles with an area.
+    /// Number of triangles with an area.
     #[must_use]
     pub const fn triangles(&self) -> usize {
         match *self {}
     }
 
-    /// Triangles that had none.
+    /// Number of triangles without an area, which were left out.
     #[must_use]
     pub const fn left_out(&self) -> usize {
         match *self {}
     }
 
-    /// The diagonal of the box around it, m.
+    /// Diagonal of the mesh's bounding box, m.
     #[must_use]
     pub const fn size_m(&self) -> f64 {
         match *self {}
     }
 
-    /// Notes for a person, each a line; `workspace_m`: the box that the device reaches.
+    /// Remarks on the mesh for a person, one per line. The argument is the box that the device reaches, m.
     #[must_use]
     pub const fn notes(&self, _: [[f64; 3]; 2]) -> Vec<String> {
         match *self {}
     }
 }
 
-/// A mesh's surface; without the feature no value exists.
+/// A mesh's surface. Without the feature `geometry` no value of this type exists.
 #[derive(Debug, Clone)]
 pub struct MeshSurface<'m>(&'m Mesh);
 
 impl<'m> MeshSurface<'m> {
-    /// The surface of a mesh; without the feature it is never called.
+    /// The surface of a mesh. Without the feature `geometry` it is never called.
     #[must_use]
     pub const fn new(mesh: &'m Mesh, _: LengthUnit) -> Self {
         Self(mesh)

@@ -1,9 +1,10 @@
-//! Triangle meshes as virtual objects, for the desktop.
+//! Triangle meshes as virtual objects, on the desktop.
 //!
-//! [`Mesh`] is the object, from vertices or a file of STL, OBJ or PLY; `Proxy` is a point that stays on its surface while the hand goes in (the
-//! god-object of Zilles and Salisbury, IROS 1995). [`MeshSurface`] shows the two to [`touchstone_control::space`] as any other object.
+//! [`Mesh`] is the object, from vertices or a file of STL, OBJ or PLY. `Proxy` is a point that stays on the mesh's surface while the
+//! hand's point is inside (the god-object of Zilles and Salisbury, IROS 1995). [`MeshSurface`] makes mesh and proxy an object for
+//! [`touchstone_control::space`].
 //!
-//! All of it needs the feature `geometry`. Without it no mesh can be made, and reading one says how to build the program.
+//! The crate needs the feature `geometry`. Without it no mesh can be made, and the error says how to build the program with it.
 
 #[cfg(any(not(feature = "geometry"), test))]
 // The tests ask it for a mesh, and nothing else.

@@ -1,4 +1,4 @@
-//! A mesh: triangles with their planes, in a tree of boxes.
+//! A triangle mesh: its triangles with their planes, in a tree of bounding boxes.
 
 use crate::file::{self, Kind, MOST_TRIANGLES};
 use crate::tree::Tree;
@@ -6,14 +6,14 @@ use parry3d_f64::math::Vector;
 use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 
-/// Why triangles are no mesh.
+/// Why triangles make no mesh.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum MeshError {
     /// No triangle has an area.
     NoArea,
-    /// A triangle names a vertex that there is not, or one that is no number.
+    /// A triangle uses a vertex number that does not exist, or a vertex that is not finite.
     Vertex {
-        /// The triangle, from 0.
+        /// Number of the triangle, from 0.
         triangle: usize,
     },
     /// There are more than [`MOST_TRIANGLES`].
@@ -42,11 +42,11 @@ impl std::error::Error for MeshError {}
 pub(crate) struct Face {
     /// The corners, counter-clockwise from outside, m.
     pub corners: [Vector; 3],
-    /// Outwards, of length 1.
+    /// Normal of length 1 that points outwards.
     pub normal: Vector,
 }
 
-/// A triangle mesh. Its front faces, those whose corners run counter-clockwise, are outside; it need not be closed.
+/// A triangle mesh. The side of a triangle from which its corners run counter-clockwise is outside. The mesh need not be closed.
 #[derive(Debug, Clone)]
 pub struct Mesh {
     pub(crate) tree: Tree,
@@ -96,8 +96,8 @@ impl Mesh {
         })
     }
 
-    /// From a file of STL, OBJ or PLY, by its ending; any other is STL. None of them has a unit: `unit_m` is how many metres its 1 is,
-    /// 0.001 for millimetres.
+    /// Reads a mesh from a file of STL, OBJ or PLY, as its ending says; a file of any other ending is read as STL. None of these formats
+    /// has a unit: `unit_m` is the file's unit in metres, e.g. 0.001 for millimetres.
     ///
     /// # Errors
     /// The file cannot be read or is too long, is not what its ending says, or holds no triangle with an area.
@@ -111,7 +111,7 @@ impl Mesh {
         Self::of_file(triangles, path, unit_m)
     }
 
-    /// From the bytes of a file; `path` is its name in messages, and says what it is.
+    /// Reads a mesh from the bytes of a file. `path` names the file in messages, and its ending says the format.
     ///
     /// # Errors
     /// Same as [`Mesh::read`].
@@ -150,19 +150,19 @@ impl Mesh {
         }
     }
 
-    /// Triangles with an area.
+    /// Number of triangles with an area.
     #[must_use]
     pub fn triangles(&self) -> usize {
         self.tree.triangles().len()
     }
 
-    /// Triangles that had none.
+    /// Number of triangles without an area, which were left out.
     #[must_use]
     pub const fn left_out(&self) -> usize {
         self.left_out
     }
 
-    /// Solids that its file names.
+    /// Number of solids that the STL file names.
     #[must_use]
     pub const fn solids(&self) -> usize {
         self.solids
@@ -174,7 +174,7 @@ impl Mesh {
         self.not_convex
     }
 
-    /// The diagonal of the box around it, m.
+    /// Diagonal of the mesh's bounding box, m.
     #[must_use]
     pub const fn size_m(&self) -> f64 {
         self.size_m
@@ -182,7 +182,7 @@ impl Mesh {
 }
 
 impl Face {
-    /// `None` where the corners lie on a line, to rounding.
+    /// A triangle with its normal and edges; `None` if the corners lie on a line, to rounding.
     pub fn new(corners: [Vector; 3]) -> Option<Self> {
         let [a, b, c] = corners;
         let edges = [b - a, c - b, a - c];
@@ -201,12 +201,12 @@ impl Face {
         })
     }
 
-    /// Height of a point above its plane, m.
+    /// Height of a point above the triangle's plane, m.
     pub fn height(&self, point: Vector) -> f64 {
         self.normal.dot(point - self.corners[0])
     }
 
-    /// Whether a point lies over the face, or beside it by no more than `beside_m`.
+    /// Whether the point, projected on the triangle's plane, lies in the triangle or at most `beside_m` outside its edges.
     pub fn is_below(&self, point: Vector, beside_m: f64) -> bool {
         let [a, b, c] = self.corners;
         [(a, b - a), (b, c - b), (c, a - c)]

@@ -1,26 +1,26 @@
-//! Oddities of a mesh, each with the number that shows it: inside out, doubled, open, out of reach, of another unit.
+//! Checks of a mesh that warn about likely mistakes: inside out, doubled triangles, open, out of reach, another unit.
 
 use super::mesh::Mesh;
 use parry3d_f64::math::Vector;
 use std::collections::HashMap;
 
-/// A mesh below this across is likely in another unit, m.
+/// Diagonal below which a mesh is probably in another unit, m.
 const LEAST_M: f64 = 1e-3;
-/// So is one that is so many times as long as what the device reaches.
+/// A mesh is probably in another unit if its diagonal is more than this many times that of the box which the device reaches.
 const MOST_TIMES: f64 = 100.0;
 
-/// How the edges of triangles meet.
+/// Numbers of irregular edges and triangles.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Edges {
-    /// Edges of one triangle alone: the mesh is open there.
+    /// Number of edges that belong to one triangle only: the mesh is open there.
     pub open: usize,
-    /// Edges that two triangles run the same way: one of the two is inside out.
+    /// Number of edges along which two triangles run in the same direction: one of the two triangles is inside out.
     pub same_way: usize,
-    /// Triangles that have the corners of another one, in whatever order.
+    /// Number of triangles with the same corners as another triangle, in any order.
     pub doubled: usize,
 }
 
-/// Triangles that hang together.
+/// A part of a mesh: triangles connected by common corners.
 struct Part {
     from: Vector,
     volume_m3: f64,
@@ -37,7 +37,7 @@ impl Part {
 }
 
 impl Mesh {
-    /// The volume that its triangles enclose, m³; negative where they are inside out. Of a closed mesh.
+    /// Volume that the triangles of a closed mesh enclose, m³; negative if they are inside out.
     #[must_use]
     pub fn signed_volume_m3(&self) -> f64 {
         // About a point of the mesh: far from 0 little would be left of the difference.
@@ -74,7 +74,7 @@ impl Mesh {
         places
     }
 
-    /// Volume and box of each of its parts, which share no corner with each other.
+    /// Volume and bounding box of each part of the mesh. Different parts share no corner.
     fn parts(&self) -> Vec<Part> {
         let places = self.places();
         // Each place's way to the first one of its part.
@@ -112,7 +112,8 @@ impl Mesh {
         parts.into_values().collect()
     }
 
-    /// Parts whose volume is negative, and that are no hollow in another part; how many parts there are.
+    /// Number of parts that are inside out, and number of all parts. A part counts as inside out if its volume is negative and it
+    /// is no hollow in another part.
     fn inside_out(&self) -> (usize, usize) {
         let parts = self.parts();
         let is_hollow = |part: &Part| {
@@ -125,7 +126,7 @@ impl Mesh {
         (turned.count(), parts.len())
     }
 
-    /// How its edges meet.
+    /// Counts the irregular edges and triangles of the mesh.
     #[must_use]
     pub fn edges(&self) -> Edges {
         let places = self.places();
@@ -173,14 +174,14 @@ impl Mesh {
         found
     }
 
-    /// The box around it, m.
+    /// The mesh's bounding box, m: smallest and largest coordinates.
     #[must_use]
     pub fn bounds_m(&self) -> [[f64; 3]; 2] {
         let around = self.tree.around();
         [around.mins.to_array(), around.maxs.to_array()]
     }
 
-    /// Notes for a person, each a line; `workspace_m`: the box that the device reaches.
+    /// Remarks on the mesh for a person, one per line. `workspace_m` is the box that the device reaches.
     #[must_use]
     pub fn notes(&self, workspace_m: [[f64; 3]; 2]) -> Vec<String> {
         let mut notes = Vec::new();

@@ -1,32 +1,32 @@
-//! The proxy: a point that follows the hand and never goes through a front face.
+//! The proxy of a mesh: a point that follows the hand's point and never goes through a triangle from its front.
 //!
-//! Every tick it goes straight towards the hand. A face in its way stops it, and from there it goes to the point that is closest to the hand
-//! and below none of the planes that stopped it: on one plane, on the crease of two, or in the corner of three. That is repeated with
-//! no plane in mind until nothing stops it any more, so that it slides over an edge within the tick. So however thin a
-//! plate is and however fast the hand, the proxy stays on the side on which it was.
+//! In every tick the proxy goes straight towards the hand. A triangle on the way stops it. Then it goes to the point that is
+//! closest to the hand and below none of the planes that stopped it: on one plane, on the crease of two, or in the corner of three.
+//! It repeats both steps, each time without the earlier planes, until nothing stops it, so it slides over an edge within a tick.
+//! However thin a plate is and however fast the hand, the proxy stays on the side on which it was.
 //!
-//! Planes are kept at a distance, the [gap](Proxy::gap_m): a ten-millionth of the object, so that rounding puts the proxy
-//! behind none of them. Triangles are as much larger at their edges that nothing slips through between two.
+//! The proxy keeps a distance from planes, the [gap](Proxy::gap_m): a ten-millionth of the object's size, so that rounding never
+//! puts it behind a plane. Triangles count as larger at their edges, so that the proxy cannot slip through between two.
 
 use crate::mesh::{Face, Mesh};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 
-/// Times the proxy goes on with no plane in mind.
+/// Largest number of rounds in a tick; each round begins without planes that stopped the proxy.
 const ROUNDS: usize = 6;
-/// Most planes that may stop the proxy in a round.
+/// Largest number of planes that may stop the proxy in a round.
 const PLANES: usize = 6;
-/// How far a triangle reaches beyond its edges, gaps: for edges down to 15 degrees.
+/// Distance by which a triangle counts as larger at its edges, in gaps. Enough for edges down to 15 degrees.
 const BESIDE_GAPS: f64 = 8.0;
 
-/// A plane that nothing may be below: `normal · x >= least`.
+/// A plane that the proxy may not be below: `normal · x >= least`.
 #[derive(Debug, Clone, Copy)]
 struct Plane {
     normal: Vector,
     least: f64,
 }
 
-/// A point on the outside of a mesh.
+/// A point on the outside of a mesh that follows the hand.
 #[derive(Debug, Clone, Copy)]
 pub struct Proxy {
     at: Vector,
@@ -34,7 +34,7 @@ pub struct Proxy {
 }
 
 impl Proxy {
-    /// Where the hand is first seen.
+    /// A proxy at the hand's first position, m.
     #[must_use]
     pub fn new(mesh: &Mesh, at: Vector) -> Self {
         Self {
@@ -43,19 +43,19 @@ impl Proxy {
         }
     }
 
-    /// Where it is, m.
+    /// Position of the proxy, m.
     #[must_use]
     pub const fn at(&self) -> Vector {
         self.at
     }
 
-    /// How far it keeps from every face, m.
+    /// Distance that the proxy keeps from every triangle, m.
     #[must_use]
     pub const fn gap_m(&self) -> f64 {
         self.gap_m
     }
 
-    /// Follows the hand, all in metres; where it comes to. It is the hand's own place where nothing is in the way.
+    /// Moves the proxy towards the hand and returns its new position, m. If nothing is in the way, this is the hand's position.
     pub fn follow(&mut self, mesh: &Mesh, hand: Vector) -> Vector {
         for _ in 0..ROUNDS {
             let before = self.at;
@@ -67,7 +67,7 @@ impl Proxy {
         self.at
     }
 
-    /// Goes towards the hand until no plane stops the proxy, or as many do as there are directions.
+    /// Moves the proxy towards the hand until no plane stops it, or until [`PLANES`] planes have.
     fn round(&mut self, mesh: &Mesh, hand: Vector) {
         let mut planes: Vec<Plane> = Vec::with_capacity(PLANES);
         let mut goal = hand;
@@ -89,7 +89,8 @@ impl Proxy {
         }
     }
 
-    /// The first front face on the straight way to a place, of those that have not stopped it yet, and the share of the way until there.
+    /// The first triangle that is met from its front on the straight way to `goal`, without those of the planes `known`. Returns
+    /// the fraction of the way up to the triangle too.
     fn first(&self, mesh: &Mesh, goal: Vector, known: &[Plane]) -> Option<(f64, Face)> {
         let gap = self.gap_m;
         let around = Vector::splat(2.0 * BESIDE_GAPS * gap);
@@ -116,13 +117,13 @@ impl Proxy {
         best
     }
 
-    /// Distance of the hand from the surface when the proxy is with it, m.
+    /// Distance of the proxy from the mesh, m. While the proxy is at the hand, this is the hand's distance from the surface.
     pub(crate) fn clearance(&self, mesh: &Mesh) -> f64 {
         mesh.tree.distance(self.at)
     }
 }
 
-/// The point closest to a place that lies below none of the planes: on one, two or three of them.
+/// The point closest to `place` that is below none of the planes. It lies on one, two or three of them.
 fn closest(place: Vector, planes: &[Plane], gap_m: f64) -> Option<Vector> {
     let allowed = |point: &Vector| {
         planes

@@ -1,11 +1,12 @@
-//! STL as the world writes it: text in any capitals and spacing, one solid or several, and binary whose count is what there is.
+//! Reads STL files as programs write them: text in any letter case and spacing, with one or more solids; binary with a wrong count
+//! of triangles.
 
 use crate::file::{MOST_TRIANGLES, Refused, Triangles, Welded};
 use crate::words::Words;
 
-/// Title and number of triangles of a binary file, bytes.
+/// Bytes of a binary file before its first triangle: header and number of triangles.
 pub(crate) const HEAD: usize = 84;
-/// A triangle of a binary file, bytes.
+/// Bytes of a triangle in a binary file.
 const RECORD: usize = 50;
 
 /// Reads the bytes of a file. It is text if it begins with the word `solid` and then has a `facet` or an end;
@@ -72,7 +73,7 @@ pub(crate) fn binary_count(head: &[u8], length: u64) -> Option<u64> {
     (length > HEAD as u64 && count * RECORD as u64 == length - HEAD as u64).then_some(count)
 }
 
-/// Another format that people store as `.stl`.
+/// Name of another format that is sometimes stored as `.stl`; `None` if the bytes begin like none of these.
 fn other_format(bytes: &[u8]) -> Option<&'static str> {
     let begins = |mark: &[u8]| bytes.starts_with(mark);
     let first = bytes.iter().position(|byte| !byte.is_ascii_whitespace())?;
@@ -146,8 +147,7 @@ fn text(bytes: &[u8]) -> Result<Triangles, Refused> {
     }
 }
 
-/// Reads a facet after its first word. Its stated normal is ignored: many programs write nothing useful there, or
-/// `nan`.
+/// Reads a facet after its first word. The normal in the file is ignored, because many programs write no useful one, or `nan`.
 fn facet(words: &mut Words<'_>) -> Result<[[f32; 3]; 3], String> {
     words.wanted("normal")?;
     let mut left = 3;
@@ -167,7 +167,7 @@ fn facet(words: &mut Words<'_>) -> Result<[[f32; 3]; 3], String> {
     Ok(corners)
 }
 
-/// `endloop` or `end loop`.
+/// Reads two words that may be written as one, such as `endloop` or `end loop`.
 fn joined(words: &mut Words<'_>, first: &str, second: &str) -> Result<(), String> {
     match words.next() {
         Some(word) if word.is(first) => words.wanted(second),

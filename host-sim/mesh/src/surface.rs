@@ -1,4 +1,4 @@
-//! A mesh with its proxy, as the control crate's objects are.
+//! A mesh with its proxy as an object that the control crate's wall can have.
 
 use crate::mesh::Mesh;
 use crate::proxy::Proxy;
@@ -8,18 +8,19 @@ use std::cell::Cell;
 use touchstone_control::space::{Direction, LengthUnit, Nearest, Spatial, Surface, Vector};
 use touchstone_control::{Position, Reported};
 
-/// A mesh that a [`touchstone_control::space::SpaceWall`] can be of, with the rule of the closest surface point: that point is the proxy,
-/// which remembers where it was. Lengths come in the device's unit.
+/// A mesh as an object of a [`touchstone_control::space::SpaceWall`], with the rule of the closest surface point. The surface point
+/// is the proxy, which keeps its position from tick to tick. Lengths are in the control law's unit.
 #[derive(Debug, Clone)]
 pub struct MeshSurface<'m> {
     mesh: &'m Mesh,
     metre: f64,
-    /// The proxy, in a cell: objects are used through a shared reference, and the proxy is the surface's memory.
+    /// The proxy. It is in a `Cell` because the wall uses its object through a shared reference, and the proxy changes in every
+    /// tick.
     proxy: Cell<Option<Proxy>>,
 }
 
 impl<'m> MeshSurface<'m> {
-    /// An object on which no hand was seen yet.
+    /// An object before the hand's first position is known.
     #[must_use]
     pub fn new(mesh: &'m Mesh, unit: LengthUnit) -> Self {
         Self {
@@ -29,7 +30,7 @@ impl<'m> MeshSurface<'m> {
         }
     }
 
-    /// Where the proxy is, m; `None` before the first tick.
+    /// Position of the proxy, m; `None` before the first tick.
     #[must_use]
     pub fn proxy_m(&self) -> Option<[f64; 3]> {
         self.proxy.get().map(|proxy| proxy.at().to_array())
@@ -44,7 +45,8 @@ impl<'m> MeshSurface<'m> {
     }
 }
 
-/// A direction for the format: scaled to a length that it holds with all digits, then normalised there.
+/// A direction in the control law's number format: first scaled to a length that the format holds with all digits, then normalised
+/// in the format.
 fn direction<N: Spatial + Reported>(way: Place) -> Option<Direction<N>> {
     let largest = way.abs().max_element();
     (largest > 0.0).then_some(())?;

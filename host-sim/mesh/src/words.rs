@@ -1,11 +1,11 @@
 //! The words of a text file with their lines, for the readers of meshes.
 
-/// White space, with the vertical tab that C counts as such.
+/// Whether a byte is white space, including the vertical tab as in C.
 pub(crate) fn is_space(byte: &u8) -> bool {
     byte.is_ascii_whitespace() || *byte == b'\x0b'
 }
 
-/// The words of a text with their lines; any of LF, CR, CRLF ends one.
+/// The words of a text with their line numbers. LF, CR or CRLF ends a line.
 pub(crate) struct Words<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -38,7 +38,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Skips the rest of the line, which is a name in any letters.
+    /// Skips the rest of the line, which is a solid's name in any encoding.
     pub fn skip_line(&mut self) {
         while self.at < self.bytes.len() && !self.ends_line() {
             self.at += 1;

@@ -1,4 +1,4 @@
-//! The eight cases that a proxy has to pass, on meshes.
+//! Eight cases on meshes that a proxy has to pass.
 
 mod shapes;
 
@@ -7,7 +7,8 @@ use touchstone_control::space::{LengthUnit, Rule, SurfacePoint, Touch, Turn};
 use touchstone_control::{Fixed32, Position, Reported};
 use touchstone_mesh::{Mesh, MeshSurface, Proxy, Vector};
 
-/// Leads the hand along straight lines with this many ticks a leg; returns hand and proxy of every tick.
+/// Leads the hand along straight lines from corner to corner, each in this many ticks. Returns the positions of hand and proxy in
+/// every tick.
 fn along(mesh: &Mesh, corners: &[Vector], ticks: u32) -> Vec<(Vector, Vector)> {
     let mut proxy = Proxy::new(mesh, corners[0]);
     let mut course = Vec::new();
@@ -24,15 +25,15 @@ fn last(course: &[(Vector, Vector)]) -> (Vector, Vector) {
     *course.last().expect("a tick")
 }
 
-/// Distance in mm.
+/// Distance of two points, mm.
 fn apart(a: Vector, b: Vector) -> f64 {
     1e3 * (a - b).length()
 }
 
-/// The tangent of the cone's half angle.
+/// Tangent of half the cone's angle in the rule of the restricted surface point.
 const CONE: f64 = 0.02;
 
-/// The same path through the control crate's restricted surface point, in centimetres.
+/// Leads the hand along the same path with the control crate's rule of the restricted surface point, in centimetres.
 fn touched(mesh: &Mesh, corners: &[Vector], ticks: u32) -> Vec<Touch<Fixed32>> {
     let surface = MeshSurface::new(mesh, LengthUnit::Centimetre);
     let turn = Turn::of_ratio(<Fixed32 as Reported>::signal_from_f64(CONE));
@@ -52,7 +53,7 @@ fn numbers(touch: &Touch<Fixed32>) -> [f64; 3] {
     touch.normal.0.map(<Fixed32 as Reported>::signal_to_f64)
 }
 
-/// The largest turn of the direction in a tick, while inside.
+/// Largest turn of the direction in a tick while the hand is inside.
 fn largest_turn(touches: &[Touch<Fixed32>]) -> f64 {
     let inside = |touch: &Touch<Fixed32>| touch.depth > Position::zero();
     touches
@@ -65,7 +66,7 @@ fn largest_turn(touches: &[Touch<Fixed32>]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Gap and rounding, mm.
+/// Tolerance for the proxy's gap and rounding, mm.
 const NEAR: f64 = 1e-4;
 
 #[test]
@@ -132,8 +133,8 @@ fn case_3_in_a_concave_corner_it_lies_on_the_crease() {
     assert!(((proxy - hand).normalize() - normal).length() < 1e-6);
 }
 
-/// A proxy alone jumps by the depth times the sine of the edge's turn. Behind the restricted rule the force turns by
-/// the cone's angle at most.
+/// Over a convex edge the proxy alone jumps by the depth times the sine of the edge's angle. With the restricted rule the force
+/// turns by at most the cone's angle in a tick.
 #[test]
 fn case_4_over_a_convex_edge_the_force_turns_continuously() {
     let roof = prism(&[[-30., -20.], [30., -20.], [30., 0.], [0., 12.], [-30., 0.]]).mesh();
@@ -253,7 +254,8 @@ fn case_8_faster_than_it_is_thick() {
     );
 }
 
-/// Ten thousand places and jumps of up to 30 mm at random around a ball: the proxy is never inside, nor away from a hand outside.
+/// Ten thousand random positions and jumps of up to 30 mm around a ball: the proxy is never inside, and it is at the hand when the
+/// hand is outside.
 #[test]
 fn it_never_gets_inside() {
     let mesh = ball(20.0, 32).mesh();

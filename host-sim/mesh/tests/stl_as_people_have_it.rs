@@ -1,5 +1,5 @@
-//! STL files as people have them: ways to write text, several solids, other formats under the name; and 10,000 files
-//! by a generator.
+//! Tests with STL files as programs write them: variants of the text form, several solids, other formats stored as `.stl`, and
+//! 10,000 generated files.
 
 #[path = "../../../tests/made/choices.rs"]
 mod choices;

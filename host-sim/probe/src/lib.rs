@@ -1,9 +1,7 @@
-//! Boards behind a probe: their flash is written and their log is read by the crate probe-rs, so that no other program has to be
-//! installed.
+//! Writes a board's flash and reads its log through a debug probe, with the crate probe-rs, so that no other program is needed.
 //!
-//! Everything here needs the feature `probe-rs`. Without it this crate is empty, and what builds the whole workspace builds none of
-//! the packages that a probe needs. Probes come from a `Lister`, so that the tests bring one of their own, with a chip in software
-//! behind it.
+//! All code here needs the feature `probe-rs`. Without it this crate is empty, so a build of the whole workspace does not build the
+//! packages for probes. A `Lister` finds the probes; the tests use one with a simulated probe and chip.
 
 #[cfg(feature = "probe-rs")]
 mod board;

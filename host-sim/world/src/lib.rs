@@ -1,8 +1,8 @@
-//! The world around a control law: exact plants of a device and its hand, the motor with its bridge, shunts and
-//! sensors.
+//! Simulated hardware around a control law: the mechanics of a device and a hand, and the motor with its bridge, current sensors
+//! and encoder.
 //!
-//! Nothing here knows scenes, files or laws: numbers in, numbers out, `nalgebra` at most. Equal numbers have equal
-//! bits on every machine: transcendental functions are those of `libm`.
+//! This crate knows no scene files and no control laws: its functions take and return numbers. It uses no other library than
+//! `nalgebra`. Equal inputs give results with equal bits on every machine, because transcendental functions are those of `libm`.
 
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 

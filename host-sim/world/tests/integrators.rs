@@ -1,4 +1,5 @@
-//! Each integrator has its textbook order, keeps its energy balance to that order, and holds or creeps as it says.
+//! Checks that each integration method has its textbook order, keeps the energy balance to that order, and holds or creeps as
+//! documented.
 
 use touchstone_world::integrator::{
     CREEP_RAD_PER_S, ExactLinear, ImplicitEuler, ImplicitMidpoint, Method, Model, RungeKutta4,
@@ -22,7 +23,7 @@ const STICKY: Device = Device {
 };
 const PERIOD_S: f64 = 1e-3;
 
-/// A torque and a rest point for each tick, both smooth.
+/// Torque and rest point in a tick; both change smoothly with the ticks.
 fn held(tick: u32) -> [f64; 2] {
     let t = PERIOD_S * f64::from(tick);
     [0.03 * (37.0 * t).sin(), 0.1 + 0.3 * (11.0 * t).sin()]
@@ -30,7 +31,7 @@ fn held(tick: u32) -> [f64; 2] {
 
 const START: [f64; 4] = [0.1, 2.0, 0.12, -1.0];
 
-/// Largest difference of the device's angle from the exact plant's, and the largest gap in the energy balance of a tick.
+/// Largest difference of the device's angle from the exact plant's, and largest error of a tick's energy balance.
 fn errors(
     plant: &impl Stepper<State = State<4>>,
     exact: &impl Stepper<State = State<4>>,
@@ -50,7 +51,7 @@ fn errors(
     [off, gap]
 }
 
-/// The errors with a number of substeps and with twice as many, as powers of two.
+/// Binary logarithms of the ratios of both errors between a number of substeps and twice that number: the methods' orders.
 fn slopes<M: Method<4>>(substeps: u32) -> [f64; 2] {
     let model = Model::held(&KNOB, &MEDIUM).unwrap();
     let exact = HeldLinear::new(&KNOB, &MEDIUM, PERIOD_S).unwrap();
@@ -65,7 +66,7 @@ fn slopes<M: Method<4>>(substeps: u32) -> [f64; 2] {
     [0, 1].map(|i| (coarse[i] / fine[i]).log2())
 }
 
-/// Whether a slope is within a tenth of the order: the next term of the error still counts at these substeps.
+/// Whether a measured order is within a tenth of the textbook's. The tolerance covers the next term of the error.
 fn is_order(slope: f64, order: u32) -> bool {
     (slope - f64::from(order)).abs() < 0.1
 }
@@ -123,7 +124,7 @@ fn the_exact_step_of_a_model_is_the_exact_plant() {
     assert!(ExactLinear::new(&sticky, PERIOD_S).is_err());
 }
 
-/// With stops and starts inside of substeps every method is of first order.
+/// Checks that every method is of first order if stops and starts fall inside substeps.
 fn converges_on_friction<M: Method<4>>() {
     let model = Model::held(&STICKY, &MEDIUM).unwrap();
     let exact = HeldCoulomb::new(&STICKY, &MEDIUM, PERIOD_S).unwrap();

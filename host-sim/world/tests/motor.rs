@@ -1,4 +1,4 @@
-//! The motor compared with an independent integration of its equations, and with known properties of motors.
+//! Tests of the motor against an independent integration of its equations, and against known properties of motors.
 
 use std::f64::consts::TAU;
 use touchstone_world::motor::{
@@ -17,7 +17,7 @@ fn amplitude_invariant([a, b, c]: [f64; 3], theta: f64) -> (f64, f64) {
     (d, q)
 }
 
-/// `d/dt (i_d, i_q)` in the rotor's frame: the textbook form, not the one in the model.
+/// The derivative `d/dt (i_d, i_q)` in the rotor's frame by the textbook equations, which differ in form from those of the model.
 fn slope(
     m: &MotorParameters,
     (d, q): (f64, f64),

@@ -21,13 +21,13 @@ pub use rounding::{cut, damping_loss, signal, spring, towards_zero};
 pub type Int = i32;
 /// Number of bits of a signal (position or force).
 pub const BITS: u32 = 8;
-/// Number of fractional bits of a signal.
+/// Number of fractional bits of a signal (position or force).
 pub const SIGNAL: u32 = 7;
 /// Number of fractional bits of a gain.
 pub const GAIN: u32 = 3;
-/// The highest signal, in quanta.
+/// The highest signal (position or force), in quanta.
 pub const HIGHEST: i32 = (1 << 7) - 1;
-/// The lowest signal, in quanta.
+/// The lowest signal (position or force), in quanta.
 pub const LOWEST: i32 = -(1 << 7);
 /// The lowest energy, in quanta.
 pub const LOWEST_ENERGY: i32 = -(1 << 15);

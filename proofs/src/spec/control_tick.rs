@@ -1,4 +1,5 @@
-//! Specification of a device's control tick: what the tick requests from the device's parts (drive, law, limits) and calculates from their answers.
+//! Specification of a device's control tick: what the tick requests from the device's parts (drive, law, limits) and calculates
+//! from their answers.
 //!
 //! ```text
 //! fault     = reported, else detected, else refused settings      the first one is latched, and outputs go off
@@ -13,7 +14,8 @@
 //!             the switching off is reported to the law
 //! ```
 //!
-//! If the device is armed but has no good reading, the drive is off and the law is not called. Its guard then books the last force up to the next reading.
+//! If the device is armed but has no good reading, the drive is off and the law is not called. Its guard then books the last force
+//! up to the next reading.
 
 use super::{Int, LOWEST, signal};
 use touchstone_control::law::{Contact, View};
@@ -205,7 +207,7 @@ pub fn tick(
     };
 
     let shows = after == State::Armed && verdict.count.is_some();
-    // The last tick's force held up to this reading.
+    // The last tick's force acted up to this reading.
     let acted = drove && fault.is_none() && verdict.count.is_some();
     let leaves = armed && after != State::Armed;
     let mut at_change = None;

@@ -6,21 +6,21 @@ use super::{GAIN, HIGHEST, Int, SIGNAL, cut, over, signal, spring, times, toward
 /// The law's coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Enhanced {
-    /// `k_de`: stiffness that the wall should show, a gain.
+    /// `k_de`: stiffness that the wall should show, in the format of gains.
     pub desired: Int,
-    /// Stiffness towards which the offset regulates, a gain.
+    /// Stiffness towards which the offset regulates, in the format of gains.
     pub target: Int,
-    /// `B/T` of the damper beside the wall, a gain.
+    /// `B/T`: damping per tick of the damper beside the wall, in the format of gains.
     pub damper: Int,
-    /// `k_v`: stiffness of the virtual spring, a gain.
+    /// `k_v`: stiffness of the virtual spring, in the format of gains.
     pub soft: Int,
-    /// `1/k_v`, a ratio.
+    /// `1/k_v`: compliance of the virtual spring, in the format of ratios.
     pub compliance: Int,
-    /// Fraction of the ideal step of the offset (3.7, 3.8), a ratio.
+    /// Fraction of the ideal step of the offset (thesis 3.7, 3.8), in the format of ratios.
     pub of_ideal: Int,
-    /// `b/k_v`: bound of the offset's step per force (3.9), a ratio.
+    /// `b/k_v`: largest step of the offset per force (thesis 3.9), in the format of ratios.
     pub of_force: Int,
-    /// `a`: bound of the offset's step per penetration (3.11), a ratio.
+    /// `a`: largest step of the offset per penetration (thesis 3.11), in the format of ratios.
     pub of_penetration: Int,
     /// Whether the law regulates the stiffness at the HIP instead of that at the virtual mass.
     pub at_hip: bool,
@@ -28,17 +28,17 @@ pub struct Enhanced {
     pub every_tick: bool,
     /// Whether the energy counts the next displacement of the virtual mass instead of its last one.
     pub exact: bool,
-    /// Whether the force is kept where the first contact phase ends (2.16, 2.17).
+    /// Whether the force is kept where the first contact phase ends (thesis 2.16, 2.17).
     pub keep_force: bool,
-    /// `m/T²` of the virtual mass, a gain.
+    /// `m/T²`: inertia of the virtual mass per tick², in the format of gains.
     pub inertia: Int,
-    /// `k_f`: stiffness of the coupling between HIP and virtual mass, a gain.
+    /// `k_f`: stiffness of the coupling between HIP and virtual mass, in the format of gains.
     pub coupling: Int,
-    /// `c_f/T`: damping of the coupling, a gain.
+    /// `c_f/T`: damping of the coupling, in the format of gains.
     pub damping: Int,
-    /// `m/T² + k_f + c_f/T + c_env/T`: the sum that multiplies the displacement of the virtual mass, a gain.
+    /// `m/T² + k_f + c_f/T + c_env/T`: the sum that multiplies the displacement of the virtual mass, in the format of gains.
     pub total: Int,
-    /// `k_f + k_v`: coupling and virtual spring together, a gain.
+    /// `k_f + k_v`: coupling and virtual spring together, in the format of gains.
     pub series: Int,
     /// Energy lent to each contact, in quanta.
     pub credit: Int,
@@ -91,7 +91,7 @@ fn outward_up(tension: Int) -> Int {
     ((tension.max(0) + (1 << GAIN) - 1) >> GAIN).min(HIGHEST)
 }
 
-/// The product of a ratio and a signal, rounded towards zero.
+/// The product of a ratio and a signal (position or force), rounded towards zero.
 fn share(ratio: Int, x: Int) -> Int {
     cut(times(ratio, x), SIGNAL).clamp(-HIGHEST, HIGHEST)
 }
@@ -171,7 +171,7 @@ impl Enhanced {
         } else {
             (per(times(self.coupling, e), self.series), 0)
         };
-        // Half of the coupling's force times its stretch, both rounded up; a force beyond the format is not granted.
+        // Energy of the coupling: half of its force times its stretch, both rounded up. A force beyond the format is not covered.
         let stretch = size(signal(e - mass));
         let tension = times(self.coupling, stretch);
         let stored = (times(outward_up(tension), stretch) + 1) >> 1;
@@ -251,7 +251,7 @@ impl Enhanced {
         (m.energy, m.at_mass, step) = if self.exact {
             self.paid_move(m.energy, m.mass, drive, wanted)
         } else {
-            // Fig. 3.18: the last displacement stands for the next.
+            // Fig. 3.18: the last displacement is used in place of the next one.
             let (energy, force) = passive(m.energy, wanted, m.mass_moved, self.energy_cap);
             let step = self.displacement(m.mass, drive, force);
             (energy, force, step)
@@ -264,7 +264,7 @@ impl Enhanced {
         if e <= 0 {
             return None;
         }
-        // A wall does not pull: the mass goes on as if it were not coupled, if that is paid for.
+        // A wall does not pull: the mass moves on as if it were not coupled, if its energy covers that.
         let force = if self.exact { wanted } else { m.at_mass };
         let coast = self.displacement(before.mass, times(self.inertia, before.mass_moved), force);
         let mut step = coast;

@@ -10,12 +10,12 @@ use super::{Int, signal};
 pub const RAD: Int = 1 << 54;
 /// Number of binary digits of a motion's state below its part, the digits that are multiplied.
 const BELOW_PART: u32 = 54 - 28;
-/// Number of binary digits of a state that are too small for a signal.
+/// Number of binary digits of a state that are too small for a signal (position or force).
 const BELOW_SIGNAL: u32 = 54 - 24;
 /// Number of past commands that the estimator keeps.
 pub const REMEMBERED: usize = 3;
 
-/// Product of a weight and a part; [`crate::weighed`] says what replaces it under the checker.
+/// Product of a weight and a part; [`crate::weighed`] says what replaces it under the model checker.
 #[must_use]
 pub fn weighed(weight: Int, part: Int) -> Int {
     weight * part
@@ -26,9 +26,9 @@ pub fn weighed(weight: Int, part: Int) -> Int {
 pub struct Motion {
     /// Position `x`.
     pub x: Int,
-    /// Displacement per tick `d`.
+    /// Displacement `d` per tick.
     pub d: Int,
-    /// Push of the hand `g`.
+    /// Push of the hand `g`: the change of the displacement per tick that it causes in a tick.
     pub g: Int,
 }
 
@@ -66,13 +66,13 @@ impl<const COMMANDS: usize> Flow<COMMANDS> {
 /// Coefficients of the estimator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Estimator {
-    /// The flow from one sample to the next.
+    /// Prediction of the motion from one sample to the next.
     pub tick: Flow<REMEMBERED>,
-    /// The flow from a sample to the time at which the next command begins to act.
+    /// Prediction of the motion from a sample to the time at which the next command begins to act.
     pub ahead: Flow<2>,
-    /// Correction gains `α`, `β`, `γ`.
+    /// Correction gains `α`, `β`, `γ`: of position, displacement and push per measured deviation.
     pub correction: [Int; 3],
-    /// Largest command, in quanta of a signal.
+    /// Largest command, in quanta of a signal (position or force).
     pub limit: Int,
 }
 
@@ -81,17 +81,17 @@ pub struct Estimator {
 pub struct Memory {
     /// Motion at the last sample; `None` before the first sample.
     pub motion: Option<Motion>,
-    /// The last commands in quanta of a signal, the latest first.
+    /// The last commands in quanta of a signal (position or force), the latest first.
     pub commands: [Int; REMEMBERED],
 }
 
-/// A signal converted to the 54 fractional bits of a state.
+/// A signal (position or force) converted to the 54 fractional bits of a state.
 #[must_use]
 pub fn state(of: Int) -> Int {
     of << BELOW_SIGNAL
 }
 
-/// The signal nearest to a state, halves rounded up, limited to the range of signals.
+/// The signal (position or force) nearest to a state, halves rounded up, limited to the range of signals.
 #[must_use]
 pub fn shown(state: Int) -> Int {
     signal((state + (1 << (BELOW_SIGNAL - 1))) >> BELOW_SIGNAL)
@@ -136,7 +136,7 @@ impl Estimator {
             Some(before) => self.corrected(before, memory.commands, e),
             None => None,
         };
-        // Anew: at rest where it was measured.
+        // Restart: at rest at the measured position.
         let motion = corrected.unwrap_or(Motion {
             x: state(e),
             d: 0,

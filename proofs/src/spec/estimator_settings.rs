@@ -17,19 +17,20 @@ const TAU: Int = 452_751_216_129_820_177;
 fn long(x: Int) -> Int {
     x.clamp(-LONG_MOST - 1, LONG_MOST)
 }
-/// The product `a b` of numbers with 56 fractional bits; [`crate::reckoned`] says what replaces it under the checker.
+/// The product `a b` of numbers with 56 fractional bits; [`crate::reckoned`] says what replaces it under the model checker.
 #[must_use]
 pub fn long_times(a: Int, b: Int) -> Int {
     long((a * b) >> 56)
 }
-/// `a / b` with 56 fractional bits, and 0 if the quotient does not fit; [`crate::reckoned`] says what replaces it under the
-/// checker.
+/// The quotient `a / b` with 56 fractional bits, and 0 if it does not fit; [`crate::reckoned`] says what replaces it under the
+/// model checker.
 #[must_use]
 pub fn long_over(a: Int, b: Int) -> Int {
     let exact = if b == 0 { 0 } else { (a << 56) / b };
     if long(exact) == exact { exact } else { 0 }
 }
-/// `a / b` of two positive settings, with 56 fractional bits; [`crate::reckoned`] says what replaces it under the checker.
+/// The quotient `a / b` of two positive settings, with 56 fractional bits; [`crate::reckoned`] says what replaces it under the
+/// model checker.
 #[must_use]
 pub fn ratio(a: Int, b: Int) -> Int {
     if b == 0 {
@@ -39,7 +40,8 @@ pub fn ratio(a: Int, b: Int) -> Int {
     }
 }
 
-/// `V = Σ (-β)^k t^(k+1)/(k+1)!` and `X = Σ (-β)^k t^(k+2)/(k+2)!`; [`crate::reckoned`] says what replaces them under the checker.
+/// How far a device moves in a time `t` from a displacement per tick, `V = Σ (-β)^k t^(k+1)/(k+1)!`, and from a push, `X = Σ (-β)^k
+/// t^(k+2)/(k+2)!`; [`crate::reckoned`] says what replaces them under the model checker.
 #[must_use]
 pub fn integrals(loss: Int, time: Int) -> (Int, Int) {
     let (mut reach, mut drift, mut term) = (0, 0, time);
@@ -79,7 +81,7 @@ fn of_torque(x: Int) -> Option<Int> {
     weight(x, 30)
 }
 
-/// Constants of the device: `β`, `q`, and the delay in ticks.
+/// Constants of the device: loss of velocity `β`, displacement per torque `q`, and the delay in ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Device {
     /// Loss of velocity per tick: `β = b T/J`.
@@ -90,7 +92,7 @@ pub struct Device {
     pub delay: Int,
 }
 
-/// Weights of a flow, each with 56 fractional bits.
+/// Weights of a prediction (state transition over a time), each with 56 fractional bits.
 struct LongFlow<const COMMANDS: usize> {
     reach: Int,
     drift: Int,
@@ -99,8 +101,8 @@ struct LongFlow<const COMMANDS: usize> {
 }
 
 impl Device {
-    /// The flow over a time. The latest command ends `latest` ticks before the end; each earlier command ends one tick before the
-    /// next.
+    /// Prediction of the motion over a time. The latest command ends `latest` ticks before the end; each earlier command ends one
+    /// tick before the next.
     fn flow<const COMMANDS: usize>(&self, time: Int, latest: Int) -> LongFlow<COMMANDS> {
         let at = |t: Int| integrals(self.loss, t.max(0).min(time));
         let taken = |since, until| long_times(long(since - until), self.per_torque);
@@ -123,7 +125,7 @@ impl Device {
     }
 
     /// The correction gains `α = 1 - z³/ρ`, `V γ = (1 - z)³`, `V β = 2 + ρ - 3z - α - X γ`, with `1 - z = 1 - exp(-angle)`. `None`
-    /// if one does not fit a word. [`crate::reckoned`] says what replaces them under the checker.
+    /// if one does not fit a word. [`crate::reckoned`] says what replaces them under the model checker.
     #[must_use]
     pub fn correction(&self, angle: Int) -> Option<[Int; 3]> {
         let fast = long_times(angle, integrals(angle, LONG_ONE).0);
@@ -141,7 +143,7 @@ impl Device {
     }
 }
 
-/// The flow with its weights rounded to words; `None` if a weight does not fit.
+/// A prediction (state transition) with its weights rounded to words; `None` if a weight does not fit.
 fn weighed<const COMMANDS: usize>(long: &LongFlow<COMMANDS>) -> Option<Flow<COMMANDS>> {
     let mut commands = [[0; 2]; COMMANDS];
     let mut i = 0;
@@ -158,13 +160,14 @@ fn weighed<const COMMANDS: usize>(long: &LongFlow<COMMANDS>) -> Option<Flow<COMM
     })
 }
 
-/// The flow over a tick; `None` if a weight does not fit a word. [`crate::reckoned`] says what replaces it under the checker.
+/// Prediction of the motion over a tick; `None` if a weight does not fit a word. [`crate::reckoned`] says what replaces it under
+/// the model checker.
 #[must_use]
 pub fn over_a_tick(device: &Device) -> Option<Flow<3>> {
     weighed(&device.flow(LONG_ONE, -device.delay))
 }
-/// The flow from a sample to the time when the next command begins to act; [`crate::reckoned`] says what replaces it under the
-/// checker.
+/// Prediction of the motion from a sample to the time when the next command begins to act. [`crate::reckoned`] says what replaces
+/// it under the model checker.
 #[must_use]
 pub fn ahead(device: &Device) -> Option<Flow<2>> {
     weighed(&device.flow(device.delay, 0))
@@ -219,8 +222,8 @@ pub fn made(set: &Settings, rate: Int, limit: Int) -> Option<Estimator> {
     (signal_fits(limit) && bounded(&made)).then_some(made)
 }
 
-/// Whether a flow is bounded: commands up to the limit displace by less than 2 rad per tick (with 54 fractional bits), and no other
-/// weight exceeds the time in ticks.
+/// Whether a prediction is bounded: commands up to the limit displace by less than 2 rad per tick (with 54 fractional bits), and no
+/// other weight exceeds the time in ticks.
 #[must_use]
 pub fn flow_bounded<const COMMANDS: usize>(flow: &Flow<COMMANDS>, ticks: Int, limit: Int) -> bool {
     let taken = |which: usize| {

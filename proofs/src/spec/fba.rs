@@ -5,11 +5,11 @@ use super::{BITS, GAIN, HIGHEST, Int, cut, damping_loss, spring, times};
 /// The law's coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fba {
-    /// `k_de`: stiffness that the wall should show, a gain.
+    /// `k_de`: stiffness that the wall should show, in the format of gains.
     pub desired: Int,
-    /// `c_i/T` of the device's damping, a gain.
+    /// `c_i/T`: damping of the device per tick, in the format of gains.
     pub device_damping: Int,
-    /// `sqrt(4 c_i/T)`: factor of the bound on the force, a gain.
+    /// `sqrt(4 c_i/T)`: factor of the bound on the force, in the format of gains.
     pub bound: Int,
     /// Largest force, in quanta.
     pub limit: Int,
@@ -22,14 +22,14 @@ pub struct Fba {
 pub struct Memory {
     /// Force of the last tick.
     pub force: Int,
-    /// Energy that the law has observed.
+    /// Energy that the law's observer has summed, in quanta.
     pub energy: Int,
     /// Whether the HIP was in the wall in the last tick.
     pub inside: bool,
 }
 
-/// `floor(sqrt(x))`, 0 for a negative `x`, at most the highest signal plus 1. It halves an interval, where the code calculates
-/// digit by digit.
+/// `floor(sqrt(x))`, 0 for a negative `x`, at most the highest signal (position or force) plus 1. It halves an interval, where the
+/// code calculates digit by digit.
 #[must_use]
 pub fn root(x: Int) -> Int {
     let (mut low, mut high) = (0, HIGHEST + 2);
@@ -48,7 +48,7 @@ pub fn root(x: Int) -> Int {
 }
 
 impl Fba {
-    /// `sqrt(4 c_i/T)` of the device's damping `c_i/T`, rounded down.
+    /// The force bound's factor `sqrt(4 c_i/T)` for the device's damping per tick, rounded down.
     #[must_use]
     pub fn bound_of(device_damping: Int) -> Int {
         root((4 * device_damping) << GAIN)

@@ -18,11 +18,11 @@ pub struct Settings {
 /// The friction's stiffness as a gain. Also how far it stretches per newton before and while it slides, as ratios.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Friction {
-    /// Stiffness `k`, a gain.
+    /// Stiffness `k`, in the format of gains.
     pub stiffness: Int,
-    /// Static friction: `μ_s/k`, a ratio.
+    /// Static friction: `μ_s/k`, in the format of ratios.
     pub fixed: Int,
-    /// Kinetic friction: `μ_k/k`, a ratio.
+    /// Kinetic friction: `μ_k/k`, in the format of ratios.
     pub kinetic: Int,
 }
 

@@ -9,23 +9,23 @@ pub struct Guard {
     pub capacity: Int,
     /// `P T`: energy added to the account per tick.
     pub refill: Int,
-    /// `c`: trusted damping per tick, a gain.
+    /// `c`: trusted damping per tick, in the format of gains.
     pub damping: Int,
     /// The largest measured displacement in a tick that is not over-speed.
     pub furthest: Int,
     /// `δ`: encoder count, twice the largest error of a measured position.
     pub count: Int,
-    /// `s`: fraction of a tick after which a force acts, a ratio.
+    /// `s`: fraction of a tick after which a force acts, in the format of ratios.
     pub late: Int,
-    /// `κ`: energy charged per squared change of force, a ratio.
+    /// `κ`: energy charged per squared change of force, in the format of ratios.
     pub stray: Int,
     /// Half an encoder count plus a bound of the rounding errors.
     pub slack: Int,
-    /// `1/D`: largest force per free energy, a gain.
+    /// `1/D`: largest force per free energy, in the format of gains.
     pub per_reach: Int,
     /// `s d` plus half an encoder count: displacement for which a force in flight still costs energy.
     pub in_flight: Int,
-    /// `(1 + s)/4c`: energy charged at an over-speed per squared force, a ratio.
+    /// `(1 + s)/4c`: energy charged at an over-speed per squared force, in the format of ratios.
     pub overrun: Int,
 }
 
@@ -40,7 +40,7 @@ pub struct Memory {
     pub older: Int,
 }
 
-/// `x` limited to `-limit..=limit`.
+/// A number limited to the range from `-limit` to `limit`.
 fn within(x: Int, limit: Int) -> Int {
     x.min(limit).max(-limit)
 }

@@ -42,7 +42,7 @@ pub struct Told {
 
 /// A margin that exceeds the rounding error of a sum of products and quotients, in units of 2^-32.
 const UP: Int = 8;
-/// One quantum of a signal, in units of 2^-32.
+/// One quantum of a signal (position or force), in units of 2^-32.
 const STEP: Int = 1 << 8;
 /// The largest force for which the energy account has room, 31.9 N·m in units of 2^-32.
 const ROOM: Int = 137_009_456_742;
@@ -53,7 +53,7 @@ fn quarter_fits(x: Int) -> bool {
 fn signal_plus(a: Int, b: Int) -> Int {
     (a + b).min(HIGHEST)
 }
-/// A position as a signal, rounded up.
+/// A position in the 32-bit format of positions, rounded up.
 fn signal_up(x: Int) -> Int {
     signal_plus(signal_of(x), 1)
 }
@@ -116,17 +116,18 @@ pub fn made(set: &Settings, told: &Told) -> Option<Guard> {
     let refill = over(set.refill, rate);
     let trusted = times(set.share, set.damping);
     let damping = times(trusted, rate);
-    // The way of a tick may be measured a count longer.
+    // The measured displacement of a tick may be a count longer than the true one.
     let distance = plus(plus(measured, told.count), UP);
     let reach = plus(distance, told.count);
     let late = times(plus(set.delay, set.lag), rate);
 
-    // The reserve in flight is rounded up by a quantum and a little, and the positions that both are measured with by one each.
+    // The reserve in flight is rounded up by one quantum and a little. Each position that it is measured with is rounded up by one
+    // more.
     let rounded = plus(plus(plus(STEP, STEP), STEP), UP);
     let per_reach = over(ONE, plus(reach, rounded)).min(over(ROOM, set.capacity));
     let largest_change = (plus(times(set.capacity, per_reach), UP) * 2).min(MOST);
 
-    // Over how much time the old force may have gone on, in the mean, of how much.
+    // `mean`: mean time for which the old force may still act. `span`: the time in which that can be.
     let (span, mean) = if set.measured {
         (tick - set.delay, set.lag)
     } else {
@@ -146,9 +147,9 @@ pub fn made(set: &Settings, told: &Told) -> Option<Guard> {
 
     let half_count = told.count >> 1;
     let left_out = plus(plus(largest_change, distance), set.overspeed >> 8);
-    // Half a count, and what is left out: its units and the rest, a quantum each.
+    // Half a count plus what rounding leaves out: its whole quanta and the rest, one quantum each.
     let half_count_up = plus(half_count, STEP * ((left_out >> 32).min(0xffff) + 1));
-    // The position and the part under the old force are rounded by one each.
+    // The position and the part under the old force are each rounded by one quantum.
     let slack = signal_plus(signal_plus(signal_up(half_count_up), 1), 1);
     let in_flight = if set.delay > 0 || set.lag > 0 {
         plus(plus(times(late, distance), UP), half_count)

@@ -11,7 +11,7 @@ use touchstone_control::{
 /// Generator of seeded random numbers.
 pub struct Random(pub u64);
 impl Random {
-    /// Any 64 bits.
+    /// The next 64 random bits.
     pub fn any(&mut self) -> u64 {
         self.0 = self
             .0
@@ -41,7 +41,7 @@ impl Random {
 /// Random settings of a guard and a device. Not all of them are accepted.
 pub fn any_settings(random: &mut Random) -> (GuardSettings, GuardedDevice) {
     let usual = [5, 20, 100, 500, 1000, 2000, 4000, 10_000][random.below(8) as usize];
-    // At others the digits of a tick leave more out.
+    // At other rates rounding to digits of a tick leaves more out.
     let most = 100_000 >> random.below(12);
     let other = 1 + random.below(most) as u32;
     let rate_hz = [usual, other][random.below(2) as usize];
@@ -90,7 +90,7 @@ pub fn any_settings(random: &mut Random) -> (GuardSettings, GuardedDevice) {
     (settings, device)
 }
 
-/// The signal of this many quanta, limited to the range of signals.
+/// The signal (position or force) of this many quanta, limited to the range of signals.
 #[must_use]
 pub fn bits(x: i64) -> I8F24 {
     I8F24::from_bits(x.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32)
@@ -102,7 +102,7 @@ pub fn moved(random: &mut Random, habit: u64, tick: u64, state: &Memory, furthes
     match habit % 8 {
         0 => random.signed(31),
         1 => random.within(speed + 1),
-        // Out where the force is high, in where it is low.
+        // Moves out where the force is large, and in where it is small.
         2 => {
             if state.force.abs() > state.older.abs() {
                 -speed
@@ -110,7 +110,7 @@ pub fn moved(random: &mut Random, habit: u64, tick: u64, state: &Memory, furthes
                 speed
             }
         }
-        // With the force, against it.
+        // Moves with the force, and in the next habit against it.
         3 => -(state.force.signum() as i64) * speed,
         4 => state.force.signum() as i64 * speed,
         5 => {

@@ -19,9 +19,9 @@ pub const ENERGY_CAP: Int = 1 << (2 * BITS - 2);
 pub enum Regulated {
     /// Force over position of the virtual mass is regulated to `k_de`.
     Mass,
-    /// The virtual mass' stiffness is regulated so that the HIP feels `k_de` (3.5).
+    /// The virtual mass' stiffness is regulated so that the HIP feels `k_de` (thesis 3.5).
     MassCompensated,
-    /// Force over position of the HIP is regulated to `k_de` (3.6).
+    /// Force over position of the HIP is regulated to `k_de` (thesis 3.6).
     Hip,
 }
 
@@ -40,21 +40,21 @@ pub struct Settings {
     pub virtual_damping: Int,
     /// Whether the law counts the port's energy (`f(n-1) Δe`) instead of the thesis' sum (2.1).
     pub exact: bool,
-    /// Whether TDPA counts the energy that the device's damping dissipates (2.6).
+    /// Whether TDPA counts the energy that the device's damping dissipates (thesis 2.6).
     pub counts_damping: bool,
-    /// Whether the force is kept where the first contact phase ends (2.16, 2.17).
+    /// Whether the force is kept where the first contact phase ends (thesis 2.16, 2.17).
     pub keep_force: bool,
     /// The stiffness towards which the offset regulates.
     pub regulated: Regulated,
-    /// The moments at which the offset is changed.
+    /// The moments at which the offset of the wall's surface changes.
     pub update: Update,
     /// Whether the ideal step assumes that the hand's force stays (`c/k_de`) instead of its position (`c/k_v`, 3.7).
     pub force_stays: bool,
-    /// `c`: fraction of the ideal step of the offset (3.8), per millisecond.
+    /// `c`: fraction of the ideal step of the offset (thesis 3.8), per millisecond.
     pub step_of_ideal: Int,
-    /// `b`: bound of the offset's step by the force (3.9), per millisecond.
+    /// `b`: largest step of the offset per force (thesis 3.9), per millisecond.
     pub limit_of_force: Int,
-    /// `a`: bound of the offset's step by the penetration (3.11), per millisecond.
+    /// `a`: largest step of the offset per penetration (thesis 3.11), per millisecond.
     pub limit_of_penetration: Int,
     /// `m`: virtual mass (an inertia), kg·m².
     pub mass: Int,
@@ -73,9 +73,9 @@ pub struct Settings {
 /// A spring with damping: `k_de` and `b/T` as gains, and the largest force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Spring {
-    /// `k_de`: stiffness of the wall, a gain.
+    /// `k_de`: stiffness of the wall, in the format of gains.
     pub desired: Int,
-    /// `b/T`: damping per tick, a gain.
+    /// `b/T`: damping per tick, in the format of gains.
     pub damping: Int,
     /// Largest force, in quanta.
     pub limit: Int,
@@ -84,7 +84,7 @@ pub struct Spring {
 fn gain(x: Int) -> Option<Int> {
     gain_fits(x).then(|| gain_of(x))
 }
-/// A setting as a ratio, a compliance or a signal; `None` if it does not fit.
+/// A setting as a ratio, a compliance or a signal (position or force); `None` if it does not fit.
 fn signal(x: Int) -> Option<Int> {
     signal_fits(x).then(|| signal_of(x))
 }
@@ -106,7 +106,7 @@ pub struct Derived {
     pub virtual_damping: Int,
 }
 
-/// Values that follow from several settings; [`crate::reckoned`] says what replaces them under the checker.
+/// Values that follow from several settings; [`crate::reckoned`] says what replaces them under the model checker.
 #[must_use]
 pub fn derived(of: &Settings) -> Derived {
     let per_tick = |damping| times(damping, (of.rate * ONE).min(MOST));
@@ -123,16 +123,16 @@ pub fn derived(of: &Settings) -> Derived {
 /// Which damping a spring has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Damped {
-    /// No damping.
+    /// The spring has no damping.
     Not,
     /// The configured damping `b`.
     Fully,
-    /// Damping `b k_de/k_v`: that of the enhanced law for `k_de` up to `k_v`.
+    /// Damping `b k_de/k_v`, for the enhanced law with a stiffness `k_de` up to that of its virtual spring, `k_v`.
     InProportion,
 }
 
 impl Settings {
-    /// The spring law `f = k_de e + (b/T) Δe` (1.6); `None` if a coefficient does not fit.
+    /// The spring law `f = k_de e + (b/T) Δe` (thesis 1.6); `None` if a coefficient does not fit.
     #[must_use]
     pub fn spring(&self, damped: Damped) -> Option<Spring> {
         let per_tick = derived(self).virtual_damping;
@@ -148,7 +148,7 @@ impl Settings {
         })
     }
 
-    /// The TDPA law, (2.1) to (2.6); `None` if a coefficient does not fit.
+    /// The TDPA law (thesis 2.1 to 2.6); `None` if a coefficient does not fit.
     #[must_use]
     pub fn tdpa(&self) -> Option<Tdpa> {
         Some(Tdpa {
@@ -164,7 +164,8 @@ impl Settings {
         })
     }
 
-    /// The FBA law, (2.6a) to (2.10), with the force bound of the damping as it is stored. `None` if a coefficient does not fit.
+    /// The FBA law (thesis 2.6a to 2.10), with the force bound of the damping as it is stored. `None` if a coefficient
+    /// does not fit.
     #[must_use]
     pub fn fba(&self) -> Option<Fba> {
         let device_damping = gain(derived(self).device_damping)?;
@@ -177,7 +178,8 @@ impl Settings {
         })
     }
 
-    /// The SFA law (2.14a). The offset's step is `(k_c/k_v - 1) Δe` with `k_c = 2 c_i/T`. `None` for a device with `k_c < k_v`.
+    /// The SFA law (thesis 2.14a). The offset's step is `(k_c/k_v - 1) Δe` with `k_c = 2 c_i/T`, and 0 for a device with
+    /// `k_c < k_v`. `None` if a coefficient does not fit.
     #[must_use]
     pub fn sfa(&self, update: Update) -> Option<Sfa> {
         let critical = derived(self).critical;
@@ -216,9 +218,9 @@ impl Settings {
             plus(plus(derived.inertia, self.coupling), derived.filter_damping),
             derived.ground_damping,
         );
-        // The thesis' observer lends what it needs by itself.
+        // The thesis' observer lends by itself; it needs no credit.
         let lent = if self.exact { self.credit } else { 0 };
-        // Shares per millisecond become shares per tick, at most all of it.
+        // Fractions per millisecond become fractions per tick, at most 1.
         let of_tick = |share| over(times(share, 1000 * ONE), (self.rate * ONE).min(MOST)).min(ONE);
         let compliance = over(ONE, self.soft);
         let of_force = over(of_tick(self.limit_of_force), self.soft);

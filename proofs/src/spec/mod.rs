@@ -34,13 +34,13 @@ pub use rounding::{cut, damping_loss, signal, spring, towards_zero};
 pub type Int = i128;
 /// Number of bits of a signal (position or force).
 pub const BITS: u32 = 32;
-/// Number of fractional bits of a signal.
+/// Number of fractional bits of a signal (position or force).
 pub const SIGNAL: u32 = 24;
 /// Number of fractional bits of a gain.
 pub const GAIN: u32 = 12;
-/// The highest signal, in quanta.
+/// The highest signal (position or force), in quanta.
 pub const HIGHEST: Int = (1 << 31) - 1;
-/// The lowest signal, in quanta.
+/// The lowest signal (position or force), in quanta.
 pub const LOWEST: Int = -(1 << 31);
 /// The lowest energy, in quanta. A deficit below it (32 kJ) is limited to it.
 pub const LOWEST_ENERGY: Int = i64::MIN as Int;

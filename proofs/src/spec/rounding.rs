@@ -2,7 +2,7 @@
 
 use super::{GAIN, HIGHEST, Int, LOWEST, over, times};
 
-/// The quotient rounded towards zero.
+/// The quotient of two integers, rounded towards zero.
 #[must_use]
 pub fn towards_zero(dividend: Int, divisor: Int) -> Int {
     let size = over(dividend.abs(), divisor);
@@ -16,7 +16,7 @@ pub fn cut(dividend: Int, digits: u32) -> Int {
     if dividend < 0 { -size } else { size }
 }
 
-/// A number limited to the range of signals.
+/// A number limited to the range of signals (positions and forces).
 #[must_use]
 pub fn signal(x: Int) -> Int {
     x.clamp(LOWEST, HIGHEST)

@@ -13,12 +13,12 @@ pub const MOST: Int = i64::MAX as Int;
 pub fn plus(a: Int, b: Int) -> Int {
     (a + b).min(MOST)
 }
-/// The product `a b`; [`crate::reckoned`] says what replaces it under the checker.
+/// The product `a b`; [`crate::reckoned`] says what replaces it under the model checker.
 #[must_use]
 pub fn times(a: Int, b: Int) -> Int {
     ((a * b) >> 32).min(MOST)
 }
-/// The quotient `a / b`, and the largest setting for `b = 0`; [`crate::reckoned`] says what replaces it under the checker.
+/// The quotient `a / b`, and the largest setting for `b = 0`; [`crate::reckoned`] says what replaces it under the model checker.
 #[must_use]
 pub fn over(a: Int, b: Int) -> Int {
     if b <= 0 {
@@ -33,7 +33,7 @@ pub fn between(least: Int, x: Int, most: Int) -> bool {
     least <= x && x <= most
 }
 
-/// A setting as a signal or a ratio: 24 of its 32 fractional bits are kept.
+/// A setting as a signal (position or force) or a ratio: 24 of its 32 fractional bits are kept.
 #[must_use]
 pub fn signal_of(x: Int) -> Int {
     x >> 8
@@ -43,12 +43,12 @@ pub fn signal_of(x: Int) -> Int {
 pub fn gain_of(x: Int) -> Int {
     x >> 20
 }
-/// A setting as an energy, with 48 fractional bits.
+/// A setting converted to an energy, with 48 fractional bits.
 #[must_use]
 pub fn energy_of(x: Int) -> Int {
     x << 16
 }
-/// Whether a setting, as a signal, fits a word.
+/// Whether a setting, as a signal (position or force), fits a word.
 #[must_use]
 pub fn signal_fits(x: Int) -> bool {
     signal_of(x) <= HIGHEST

@@ -16,9 +16,9 @@ pub fn spring_tick(desired: Int, damping: Int, limit: Int, e: Int, moved: Int) -
 /// The moments at which the offset of the wall's surface changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Update {
-    /// The offset changes when the motion turns inward (2.14).
+    /// The offset changes when the motion turns inward (thesis 2.14).
     TurnInward,
-    /// The offset changes while the motion goes inward (3.2).
+    /// The offset changes while the motion goes inward (thesis 3.2).
     Inward,
     /// The offset changes at every tick.
     EveryTick,
@@ -27,17 +27,17 @@ pub enum Update {
 /// The law's coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sfa {
-    /// `k_de`: stiffness that the wall should show, a gain.
+    /// `k_de`: stiffness that the wall should show, in the format of gains.
     pub desired: Int,
-    /// `k_v`: stiffness of the virtual spring, a gain.
+    /// `k_v`: stiffness of the virtual spring, in the format of gains.
     pub soft: Int,
-    /// `k_c/k_v - 1`: step of the offset per displacement (2.14a), a ratio.
+    /// `k_c/k_v - 1`: step of the offset per displacement (thesis 2.14a), in the format of ratios.
     pub gain: Int,
-    /// `1/k_v`, a ratio.
+    /// `1/k_v`: compliance of the virtual spring, in the format of ratios.
     pub compliance: Int,
     /// The moments at which the offset of the wall's surface changes.
     pub update: Update,
-    /// Whether the force is kept where the first contact phase ends (2.16, 2.17).
+    /// Whether the force is kept where the first contact phase ends (thesis 2.16, 2.17).
     pub keep_force: bool,
     /// Largest force, in quanta.
     pub limit: Int,
@@ -61,7 +61,7 @@ pub struct Memory {
 }
 
 impl Sfa {
-    /// Step of the offset in a tick: (2.14) and (3.2).
+    /// Step of the offset in a tick (thesis 2.14 and 3.2).
     fn step(&self, m: &Memory, moved: Int) -> Int {
         let due = match self.update {
             Update::TurnInward => moved > 0 && m.last <= m.before_last,
@@ -72,7 +72,7 @@ impl Sfa {
             return 0;
         }
         let step = cut(times(self.gain, moved), SIGNAL).clamp(-HIGHEST, HIGHEST);
-        // What the limit takes away again is no reason for an offset.
+        // A force that the limit cuts off is no reason to move the offset.
         let wanted = spring(self.desired, m.last).min(self.limit);
         match (m.last > 0, m.force.cmp(&wanted)) {
             (true, std::cmp::Ordering::Less) => step,

@@ -5,11 +5,11 @@ use super::{HIGHEST, Int, LOWEST, LOWEST_ENERGY, damping_loss, over, spring, tim
 /// The law's coefficients, in quanta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tdpa {
-    /// `k_de`: stiffness that the wall should show, a gain.
+    /// `k_de`: stiffness that the wall should show, in the format of gains.
     pub desired: Int,
     /// Whether the law counts `f(n-1) Δe`, the port's energy, instead of `f(n) Δe` (thesis 2.1).
     pub exact: bool,
-    /// `c_i/T` of the device's damping (2.6), a gain.
+    /// `c_i/T`: damping of the device per tick (thesis 2.6), in the format of gains.
     pub device_damping: Int,
     /// Largest force, in quanta.
     pub limit: Int,
@@ -22,7 +22,7 @@ pub struct Tdpa {
 pub struct Memory {
     /// Force of the last tick.
     pub force: Int,
-    /// Energy that the law has observed.
+    /// Energy that the law's observer has summed, in quanta.
     pub energy: Int,
     /// Whether the HIP was in the wall in the last tick.
     pub inside: bool,
@@ -74,14 +74,15 @@ impl Tdpa {
     }
 }
 
-/// Energy and force by (2.1) to (2.4): `E(n) = E(n-1) + f(n) Δe`, at most the cap, and `f(n)` such that `E(n)` is not negative.
+/// Energy and force of the passivity controller (thesis 2.1 to 2.4): `E(n) = E(n-1) + f(n) Δe`, at most the cap, and `f(n)` such that `E(n)` is not
+/// negative.
 #[must_use]
 pub fn passive(energy: Int, wanted: Int, moved: Int, cap: Int) -> (Int, Int) {
     let after = energy + times(wanted, moved);
     if after >= 0 {
         return (after.min(cap), wanted);
     }
-    // Outward, and not enough in store: what there is, over the displacement.
+    // Outward, with too little energy: the force is the energy divided by the displacement.
     let force = over(energy, -moved);
     (energy + times(force, moved), force)
 }

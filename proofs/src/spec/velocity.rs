@@ -11,7 +11,8 @@ pub use super::window::{LONGEST, window};
 /// Number of binary digits of a state below its part, the digits that are multiplied.
 const BELOW_PART: u32 = 54 - 28;
 
-/// First-order filter of the velocity: `v = v + a (x - x' - v)`. `None` if the motion is impossible.
+/// First-order filter of the velocity: `v = v + a (x - x' - v)`, with the weight `a`, the position `x` and the last one `x'`.
+/// `None` if the motion is impossible.
 #[must_use]
 pub fn smoothed(share: Int, before: Motion, at: Int) -> Option<Motion> {
     let news = state(at) - before.x - before.d;

@@ -18,7 +18,7 @@ pub fn window(past: &[Int; LONGEST], at: Int, longest: usize, margin: Int) -> In
     for n in 1..=longest.min(LONGEST) {
         let ticks = n as Int;
         let way = signal(at - past[n - 1]);
-        // Of quotients, by products: way/n against bound/m.
+        // Quotients are compared by products: way/n with bound/m.
         let is_below = |x: Int, (bound, m): (Int, Int)| times(x, m) < times(bound, ticks);
         let is_above = |x: Int, (bound, m): (Int, Int)| times(x, m) > times(bound, ticks);
         if least.is_some_and(|bound| is_below(way, bound))
@@ -26,7 +26,8 @@ pub fn window(past: &[Int; LONGEST], at: Int, longest: usize, margin: Int) -> In
         {
             break;
         }
-        // A nth, with the digits of a ratio, towards zero, as is the part of the way, which is not beyond the highest.
+        // The nth part, by a ratio rounded towards zero. Its product with the way is rounded towards zero too, and at most the
+        // highest signal.
         let share = (1 << SIGNAL) / ticks;
         let size = (times(share, way.abs()) >> SIGNAL).min(HIGHEST);
         slope = if way < 0 { -size } else { size };

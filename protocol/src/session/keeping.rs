@@ -1,5 +1,5 @@
-//! What boards with room store beside the settings: the environment, the alignment and the unattended start, the
-//! cogging map.
+//! What boards with enough flash store beside the settings: the environment (walls, end stops, detents), the encoder's alignment,
+//! whether the board starts by itself, and the cogging map.
 
 use super::{Backend, Session};
 use crate::reply::Refusal;
@@ -10,7 +10,7 @@ use crate::settings::kept::{self, KeptAlignment, KeptStart, MeasuredWith, Unkept
 use crate::telemetry::Phase;
 
 impl Session {
-    /// The map of the cogging, and how it is measured; in the states in which no output depends on it.
+    /// Stores or discards the cogging map, or adds a cogging sweep to the next calibration. Not while calibrating or armed.
     #[inline(never)]
     pub(super) fn keep_cogging(
         &mut self,
@@ -43,13 +43,13 @@ impl Session {
         Ok(())
     }
 
-    /// Gives the device the kept alignment for the next calibration, if it was measured with the present settings.
+    /// Hands the stored alignment to the device for the next calibration, if it was measured with the present settings.
     pub(super) fn give_kept(&self, device: &mut impl Backend) {
         let usable = self.kept.usable(&self.settings, device.identity().board);
         device.use_kept(usable.ok());
     }
 
-    /// Keeps something for the next start.
+    /// Stores or discards the encoder's alignment, or switches the automatic start on or off.
     #[inline(never)]
     pub(super) fn keep(
         &mut self,
@@ -94,7 +94,7 @@ impl Session {
         Ok(())
     }
 
-    /// Takes a new environment, in every state but calibration, in which the motor's field turns the shaft.
+    /// Replaces the environment, in every state but the calibration, in which the motor's field turns the shaft.
     #[inline(never)]
     pub(super) fn surround(
         &mut self,

@@ -1,19 +1,19 @@
-//! Reading and writing one setting by its path.
+//! Reading and writing one setting by its path, e.g. `wall.surface_rad`.
 
 use super::DeviceSettings;
 use miniconf::{ConstPathIter, SerdeError, postcard as leaf};
 use postcard::{de_flavors, ser_flavors};
 use serde::{Deserialize, Serialize};
 
-/// No leaf's value takes more bytes on the wire: a varint of 64 bits has ten.
+/// Longest value of a single setting on the wire, in bytes: postcard's encoding of a 64-bit number has up to ten.
 pub const VALUE_MAX: usize = 10;
 
-/// Why a leaf could not be read or written.
+/// Why a setting could not be read or written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum KeyError {
-    /// No leaf has this path.
+    /// No setting has this path.
     NoSuchField,
-    /// The bytes are no value of this leaf's type.
+    /// The bytes are no valid value of this setting's type.
     NotAValue,
 }
 
@@ -29,20 +29,20 @@ fn why(error: SerdeError<postcard::Error>) -> KeyError {
 }
 
 impl DeviceSettings {
-    /// The value of a leaf, as postcard has it; [`VALUE_MAX`] bytes are always enough.
+    /// Writes the setting's value into `buffer` in postcard's encoding; [`VALUE_MAX`] bytes are always enough.
     ///
     /// # Errors
-    /// No such leaf, or no room in the buffer.
+    /// No setting has this path, or the buffer is too small.
     pub fn get<'b>(&self, path: &str, buffer: &'b mut [u8]) -> Result<&'b [u8], KeyError> {
         leaf::get_by_key(self, keys(path), ser_flavors::Slice::new(buffer))
             .map(|bytes| &*bytes)
             .map_err(why)
     }
 
-    /// Sets a leaf to a value as postcard has it. Nothing is validated: that is for the whole.
+    /// Changes one setting to a value in postcard's encoding. Does not validate: the caller validates all settings together.
     ///
     /// # Errors
-    /// No such leaf, or no such value; nothing is changed then.
+    /// No setting has this path, or the value is not valid for it. The settings are then unchanged.
     // Its copy of the settings is gone before anything else is done with them: the stack of a device is small.
     #[inline(never)]
     pub fn set(&mut self, path: &str, value: &[u8]) -> Result<(), KeyError> {

@@ -1,8 +1,10 @@
-//! The map of a motor's cogging that a board keeps: the current that holds it, by the encoder's own angle, as a few harmonics.
+//! The map of a motor's cogging that a board stores: the current that holds the shaft against the cogging torque, as a function of
+//! the encoder's own angle, as a few harmonics of a turn.
 //!
-//! Harmonics, not a table: cogging has few (the least common multiple of slots and poles, and where slots or magnets differ, multiples of
-//! either), a hundred bytes hold them, and their sum is zero over a turn by what they are. Currents, not torques: what was measured as a
-//! current is played as a current, and a wrong torque constant falls out. Kept and bound as an alignment is ([`super::kept`]).
+//! Why harmonics and not a table: cogging has few of them (multiples of the least common multiple of slots and poles; where slots
+//! or magnets differ, also multiples of the number of slots or of poles). They take about a hundred bytes, and their mean over a
+//! turn is zero. Why currents and not torques: the map is measured and applied as a current, so a wrong torque constant does no
+//! harm. Like a stored alignment a map is valid only for the hardware with which it was measured ([`super::kept`]).
 
 use super::DeviceSettings;
 use super::kept::{MeasuredWith, Unkept};
@@ -10,42 +12,43 @@ use crate::Board;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// No map has more harmonics.
+/// Largest number of harmonics in a map.
 pub const HARMONICS: usize = 12;
-/// Fractional bits of a harmonic's current: steps of 0.12 mA, at most 4 A.
+/// Fractional bits of a harmonic's current: the current has steps of 0.12 mA and is at most 4 A.
 pub const CURRENT_BITS: u32 = 13;
-/// No [`KeptCogging`] takes more bytes in flash (a test).
+/// Most bytes that a [`KeptCogging`] takes in flash (a test checks it).
 pub const COGGING_MAX: usize = 120;
 
-/// One harmonic, `cos·cos(n θ) + sin·sin(n θ)`, with `θ` from the encoder's zero in the direction in which it counts.
+/// One harmonic of the current, `cos·cos(n θ) + sin·sin(n θ)`. The angle `θ` is measured from the encoder's own zero in the
+/// direction of rising counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CoggingHarmonic {
-    /// `n`, periods in a turn, from 1.
+    /// Order `n` of the harmonic: its number of periods in a turn, 1 or more.
     pub order: u8,
-    /// A current that pushes along the count, 2^-13 A.
+    /// Factor of the cosine, in units of 2^-13 A; positive pushes in the direction of rising counts.
     pub cos: i16,
-    /// Factor of the sine, in the same unit.
+    /// Factor of the sine, in units of 2^-13 A.
     pub sin: i16,
 }
 
-/// The current that holds the cogging.
+/// The current that holds the shaft against the cogging torque.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct CoggingMap {
-    /// The harmonics.
+    /// The harmonics whose sum is the current.
     pub harmonics: Vec<CoggingHarmonic, HARMONICS>,
 }
 
-/// A map, and what it was measured with.
+/// A cogging map with the hardware with which it was measured.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KeptCogging {
-    /// The hardware with which it was measured.
+    /// The hardware with which the map was measured.
     pub with: MeasuredWith,
-    /// The map.
+    /// The cogging map.
     pub map: CoggingMap,
 }
 
 impl KeptCogging {
-    /// The map, if it was measured with the present settings.
+    /// The cogging map, if it was measured with the present settings.
     ///
     /// # Errors
     /// Why the map cannot be used.
@@ -54,22 +57,22 @@ impl KeptCogging {
     }
 }
 
-/// A measurement that the next calibration goes on with.
+/// The cogging sweep that the next calibration includes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Sweep {
-    /// No measurement is under way.
+    /// The calibration includes no sweep.
     #[default]
     None,
-    /// The shaft is turned slowly, both ways, as if no map were kept.
+    /// The shaft is turned slowly both ways, without compensation even if a map is stored.
     Bare,
-    /// A sweep while the map is played.
+    /// The shaft is turned slowly both ways while the stored map compensates the cogging.
     Compensated,
 }
 
 /// A board's report on its cogging map.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CoggingReport {
-    /// The kept map; `Save` writes it.
+    /// The stored map; `Save` writes it to flash.
     pub kept: Option<KeptCogging>,
     /// Whether the electrical angle falls when the count rises; known once the device is calibrated.
     pub against: Option<bool>,

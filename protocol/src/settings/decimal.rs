@@ -1,4 +1,4 @@
-//! An exact SI value: 64 bits on the wire, a decimal number for people.
+//! An exact fixed-point value in SI units: 64 bits on the wire, a decimal number for people.
 
 use core::fmt;
 use core::str::FromStr;
@@ -7,23 +7,23 @@ use fixed::traits::ToFixed;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error, de::Visitor};
 use touchstone_control::Si;
 
-/// A value in `I32F32`: ±2.1e9 in steps of 2.3e-10.
+/// A value in the fixed-point format `I32F32`: ±2.1e9 in steps of 2.3e-10.
 ///
-/// Formats that people read get its decimal text, which comes back as the same bits; postcard gets the bits.
+/// Formats that people read get it as decimal text, which reads back as the same bits. Postcard gets the bits.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct Decimal(pub Si);
 
 impl Decimal {
-    /// From a literal, at compile time.
+    /// The value of a decimal text, at compile time.
     ///
     /// # Panics
-    /// If the text is no number of this range.
+    /// The text is no number, or it is outside the format's range.
     #[must_use]
     pub const fn lit(text: &str) -> Self {
         Self(Si::lit(text))
     }
 
-    /// The nearest value; at the end of the range for what lies outside.
+    /// The nearest value of the format; the end of its range for values outside.
     #[must_use]
     pub fn from_num(value: impl ToFixed) -> Self {
         Self(Si::saturating_from_num(value))
@@ -85,7 +85,7 @@ impl Visitor<'_> for Text {
     }
 }
 
-/// A number format of the control law as its bits; for `#[serde(with = …)]`.
+/// Serialises a fixed-point number of the control law as its bits; for `#[serde(with = …)]`.
 #[cfg(feature = "wire")]
 pub(crate) mod bits {
     use fixed::types::I8F24;
@@ -104,7 +104,7 @@ pub(crate) mod bits {
 mod tests {
     use super::*;
 
-    /// Every pattern of bits that a 64-bit word can have, by its edges and a walk through the rest.
+    /// Test values of 64 bits: the ends of the range, special patterns of bits, and a walk through the rest.
     fn samples() -> impl Iterator<Item = Si> {
         let edges = [
             0,

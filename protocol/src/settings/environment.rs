@@ -1,7 +1,8 @@
-//! The environment beside the wall of `wall`, on boards with room for it: further walls, endstops, detents, all behind
-//! the law's one guard. It is the simulator's `[environment]`, field by field.
+//! The environment: what the knob renders beside the wall in the device's settings, on boards with room for it. It can have further
+//! walls, end stops and detents; one energy guard limits the sum of their forces. Its fields are those of a scene file's
+//! `[environment]`.
 //!
-//! Not a part of [`DeviceSettings`]: it may be changed while the knob is at work, and boards without room for it have
+//! The environment is not a part of [`DeviceSettings`], because it may change while the knob is armed and because small boards have
 //! none.
 
 use super::{Decimal, DeviceSettings, Reason, SettingsError, fields, refused};
@@ -13,52 +14,52 @@ use touchstone_control::environment::{
 };
 use touchstone_control::{Fixed32, Force, Si};
 
-/// No environment takes more bytes on the wire (a test).
+/// Longest environment on the wire, in bytes (a test checks it).
 pub const ENVIRONMENT_MAX: usize = 160;
 
-/// What there is to touch.
+/// The environment: whether the wall in the device's settings is rendered, and what is rendered beside it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Surround {
-    /// Whether the wall of the settings is there itself.
+    /// Whether the wall of the device's settings is rendered.
     pub first_wall: bool,
-    /// A second to a fourth wall.
+    /// The second, third and fourth wall, as far as there are any.
     pub further: [Option<WallBeside>; 3],
-    /// Both ends of the travel.
+    /// Walls at both ends of the travel.
     pub endstops: Option<TravelEnds>,
-    /// Places that the knob is drawn to.
+    /// Positions to which a torque draws the knob, evenly around a turn.
     pub detents: Option<DetentsBeside>,
-    /// How fast a force may change while the environment is changed under a hand, N·m/s.
+    /// How fast the force changes to that of a new environment while the knob is armed, N·m/s.
     pub change_n_m_per_s: Decimal,
 }
 
-/// A wall beside the first.
+/// A further wall, beside the one in the device's settings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WallBeside {
     /// Position of the wall's surface, rad.
     pub at_rad: Decimal,
-    /// Whether it is solid below its surface, else above.
+    /// Whether the wall is solid below its surface; otherwise it is solid above.
     pub below: bool,
-    /// The wall's stiffness, N·m/rad; none: that of the first wall.
+    /// The wall's stiffness, N·m/rad; `None` means that of the wall in the device's settings.
     pub stiffness_n_m_per_rad: Option<Decimal>,
 }
 
 /// Walls at both ends of the travel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TravelEnds {
-    /// The lower end, rad: solid below it.
+    /// Position of the lower end, rad; the wall is solid below it.
     pub lower_rad: Decimal,
-    /// The upper end, rad: solid above it.
+    /// Position of the upper end, rad; the wall is solid above it.
     pub upper_rad: Decimal,
-    /// Their stiffness, N·m/rad; none: that of the first wall.
+    /// Stiffness of the walls at both ends, N·m/rad; `None` means that of the wall in the device's settings.
     pub stiffness_n_m_per_rad: Option<Decimal>,
 }
 
-/// Detents, evenly around a turn.
+/// Detents: positions, evenly around a turn, to which a torque draws the knob.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DetentsBeside {
-    /// How many in a turn.
+    /// Number of detents in a turn.
     pub per_rev: u16,
-    /// The largest torque, N·m.
+    /// Largest torque of a detent, N·m.
     pub strength_n_m: Decimal,
     /// Position of one of the detents, rad.
     pub centre_rad: Decimal,
@@ -67,15 +68,15 @@ pub struct DetentsBeside {
 /// The time from which an accepted environment applies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CountsFrom {
-    /// The device is armed: from its next tick on.
+    /// The device is armed, so it applies from the next control tick.
     NextTick,
-    /// It applies from the next arming on.
+    /// The environment applies from the next time the device is armed.
     Arming,
-    /// Settings that it was checked with wait for a calibration: from that on.
+    /// The environment applies from the next calibration on. It was checked against changed settings, which apply from then on too.
     Calibration,
 }
 
-/// The paths of the walls' positions and stiffnesses, in the order of [`Surround::walls`] when all are given.
+/// Paths of the settings for position and stiffness of each of the six possible walls, in the order of [`Surround::walls`].
 const PLACES: [[&str; 2]; 6] = [
     ["wall.surface_rad", "wall.k_desired_n_m_per_rad"],
     [
@@ -102,11 +103,11 @@ const PLACES: [[&str; 2]; 6] = [
 
 const STRENGTH: &str = "environment.detents.strength_n_m";
 
-/// How fast a force may change, N·m/s: the slowest lets go of the largest force in some minutes.
+/// Smallest and largest allowed rate of change of the force, N·m/s. At the smallest, the largest force fades within some minutes.
 const CHANGE: (Si, Si) = (Si::lit("0.01"), Si::lit("100"));
 
 impl Default for Surround {
-    /// An environment with one wall and nothing else.
+    /// An environment with the wall in the device's settings and nothing else.
     fn default() -> Self {
         Self {
             first_wall: true,
@@ -119,7 +120,7 @@ impl Default for Surround {
 }
 
 impl Surround {
-    /// Whether there is anything that the wall alone is not.
+    /// Whether the environment differs from the single wall in the device's settings.
     #[must_use]
     pub fn is_more_than_the_wall(&self) -> bool {
         !self.first_wall
@@ -128,7 +129,7 @@ impl Surround {
             || self.further.iter().any(Option::is_some)
     }
 
-    /// The settings' own wall.
+    /// The wall in the device's settings, which is solid above its surface.
     #[must_use]
     pub const fn first(settings: &DeviceSettings) -> WallSettings {
         WallSettings {
@@ -140,7 +141,8 @@ impl Surround {
         }
     }
 
-    /// Every wall, by its place among the six that there can be.
+    /// The six possible walls in a fixed order: the wall in the device's settings, three further ones, lower and upper end. `None`
+    /// for a wall that does not exist.
     fn placed(&self, settings: &DeviceSettings) -> [Option<WallSettings>; MOST_WALLS] {
         let own = &settings.wall;
         let wall = |surface, below, stiffness: Option<Decimal>| WallSettings {
@@ -166,16 +168,16 @@ impl Surround {
         [first, second, third, fourth, end(true), end(false)]
     }
 
-    /// Every wall, the first one first.
+    /// All walls that exist. The wall in the device's settings, if rendered, comes first.
     #[must_use]
     pub fn walls(&self, settings: &DeviceSettings) -> Vec<WallSettings, MOST_WALLS> {
         self.placed(settings).into_iter().flatten().collect()
     }
 
-    /// Checks the environment with the settings that it stands beside, and builds what a control tick runs.
+    /// Checks the environment together with the device's settings and builds the object that a control tick runs.
     ///
     /// # Errors
-    /// The setting that is refused.
+    /// The first setting that is refused.
     #[cold]
     #[inline(never)]
     pub fn built(&self, settings: &DeviceSettings) -> Result<Environment<Fixed32>, SettingsError> {
@@ -219,24 +221,24 @@ impl Surround {
             .map_err(|error| why(&error, &placed))
     }
 
-    /// Checks the environment with the settings that it stands beside.
+    /// Checks the environment together with the device's settings.
     ///
     /// # Errors
-    /// The setting that is refused.
+    /// The first setting that is refused.
     // What is built for it is gone from the stack with it.
     #[inline(never)]
     pub fn check(&self, settings: &DeviceSettings) -> Result<(), SettingsError> {
         self.built(settings).map(drop)
     }
 
-    /// By how much a force may change in a tick while this takes the place of another.
+    /// Largest change of the force in one control tick while this environment replaces another.
     #[must_use]
     pub fn change_per_tick(&self, settings: &DeviceSettings) -> Force<Fixed32> {
         Environment::change_per_tick(self.change_n_m_per_s.0, settings.timing.rate_hz)
     }
 }
 
-/// Names the path of the setting that the law refused.
+/// Converts a refusal by the control law into an error with the path of the refused setting.
 fn why(error: &Refused, placed: &[Option<WallSettings>; MOST_WALLS]) -> SettingsError {
     let limit = |path, value| SettingsError {
         path,

@@ -1,4 +1,4 @@
-//! Every leaf of the tree once more, with its unit, its bounds and what it means: for validation, and for people.
+//! A table of all settings with their units, ranges and meanings, for validation and for people.
 
 use super::{
     Decimal, DeviceSettings, DriveKind, EncoderKind, Reason, SettingsError, device_settings,
@@ -7,31 +7,31 @@ use touchstone_control::choices::*;
 use touchstone_control::table::equal;
 use touchstone_control::{Choice, Si, setting_path};
 
-/// The values that a setting may have.
+/// The type of a setting with its allowed values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// A number from `least` to `most`.
+    /// A decimal number from `least` to `most`.
     Number {
-        /// Smallest allowed.
+        /// Smallest allowed value.
         least: Decimal,
-        /// Largest allowed.
+        /// Largest allowed value.
         most: Decimal,
     },
     /// A whole number from `least` to `most`.
     Whole {
-        /// Smallest allowed.
+        /// Smallest allowed value.
         least: u32,
-        /// Largest allowed.
+        /// Largest allowed value.
         most: u32,
     },
-    /// One of these words.
+    /// One of these texts.
     Choice(&'static [&'static str]),
     /// `true` or `false`.
     Flag,
 }
 
 impl Kind {
-    /// The range as decimals; `None` for a setting without one.
+    /// The smallest and largest allowed value as decimals; `None` for a setting without a range.
     #[must_use]
     pub fn range(&self) -> Option<(Decimal, Decimal)> {
         match *self {
@@ -44,29 +44,30 @@ impl Kind {
     }
 }
 
-/// A leaf of [`DeviceSettings`].
+/// One setting of [`DeviceSettings`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Field {
     /// Path of the setting, e.g. `wall.k_desired_n_m_per_rad`.
     pub path: &'static str,
     /// The values that the setting may hold.
     pub kind: Kind,
-    /// Unit of the setting, empty for a pure number or a word.
+    /// Unit of the setting; empty for a number without a unit or a text.
     pub unit: &'static str,
-    /// The meaning of the setting.
+    /// The meaning of the setting, for people.
     pub about: &'static str,
 }
 
-/// The leaf of a path.
+/// The setting with this path.
 #[must_use]
 pub fn field(path: &str) -> Option<&'static Field> {
     FIELDS.iter().find(|field| field.path == path)
 }
 
-/// The range of a number; for constants, so that the table need not be in a program.
+/// Smallest and largest allowed value of the number setting with this path. For use in constants only, so that firmware need not
+/// contain the table.
 ///
 /// # Panics
-/// If no number has this path.
+/// No number setting has this path.
 #[must_use]
 pub const fn range(path: &str) -> (Si, Si) {
     let mut index = 0;
@@ -88,8 +89,8 @@ pub const fn range(path: &str) -> (Si, Si) {
     panic!("no number has this path")
 }
 
-/// The table for people and the check of the numbers, of the two lists. Firmware has the second only: the texts of a `const` that
-/// nothing uses are not in the program.
+/// Makes the table for people and the check of the numbers from the table of the device's settings and that of the control law.
+/// Firmware contains the check only, because the compiler leaves out the texts of an unused `const`.
 macro_rules! fields {
     (
         own_wall { $($own_wall:tt)* } own { $($(#[$own_doc:meta])* $own:ident $Own:ident { $($own_rows:tt)* })+ }
@@ -110,7 +111,7 @@ macro_rules! fields {
     (@rows $settings:ident: $($table:tt $place:tt {
         $($name:ident: $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+
     })+) => {
-        /// Every leaf, in the order of the tree.
+        /// All settings, in the order of the tree.
         pub const FIELDS: &[Field] = &[$($(Field {
             path: setting_path!($table $name),
             kind: fields!(@kind $kind $range),
@@ -118,7 +119,10 @@ macro_rules! fields {
             about: $about,
         },)+)+];
 
-        /// Every number against its own range; the first that is outside.
+        /// Checks each number setting against its own range.
+        ///
+        /// # Errors
+        /// The first number outside its range.
         pub(super) fn check($settings: &DeviceSettings) -> Result<(), SettingsError> {
             $($(fields!(@check ($table $name) $place $name $kind $range);)+)+
             Ok(())
@@ -147,7 +151,7 @@ macro_rules! fields {
 }
 device_settings!(fields);
 
-/// A number against a range.
+/// Checks a number against a range.
 ///
 /// # Errors
 /// The value is out of range.

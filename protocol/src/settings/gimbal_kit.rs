@@ -1,15 +1,15 @@
-//! What a device with the small gimbal motor GBM2804H-100T starts with: the kit that the X-NUCLEO-IHM16M1 is sold in. Its knob is the
-//! scene `scenes/gimbal-knob.toml`, whose law is this one (tested).
+//! The first settings of a device with the small gimbal motor GBM2804H-100T, which is sold in a kit with the X-NUCLEO-IHM16M1. The
+//! scene `scenes/gimbal-knob.toml` simulates its knob with the same control law (a test compares both).
 //!
-//! | number | from |
+//! | number | source |
 //! |---|---|
 //! | 7 pole pairs, 5.29 Ω, 1.05 mH | NuttX's table of motors |
-//! | 6 Ω in the loop | with half of the driver's 1 Ω, and half of the shunt's 0.33 Ω |
-//! | 0.0565 N·m/A | a flux linkage of 5.38 mWb, which others measured at three of these motors |
+//! | 6 Ω in the loop | the motor's, half of the driver's 1 Ω, and half of the shunt's 0.33 Ω |
+//! | 0.0565 N·m/A | a flux linkage of 5.38 mWb, which others measured on three of these motors |
 //! | 0.8 A | the motor's rated current, in a sample export of the vendor's tools |
-//! | 0.5 A for ever, 20 s | ours: 2 W in the windings; no data sheet was read |
-//! | 10 to 16 V | ours: the kit's 12 V, and what a braked knob may feed back |
-//! | the law | `touchstone tune gimbal-knob`; wall, damper and estimator by `touchstone scorecard --family`: none of 216 devices is lost at 1 and 2 N·m/rad |
+//! | 0.5 A continuous, 20 s | our assumption: 2 W in the windings; no data sheet was read |
+//! | 10 to 16 V | our choice: the kit's 12 V, and what a braked knob may feed back |
+//! | the law | `touchstone tune gimbal-knob`; wall, damper and estimator by `touchstone scorecard --family`: none of 216 simulated device variants loses the wall at 1 and 2 N·m/rad |
 
 use super::DeviceSettings;
 use touchstone_control::Si;
@@ -22,7 +22,7 @@ macro_rules! set {
 
 pub(super) use set;
 
-/// Motor, supply and law of the kit.
+/// Sets motor, supply and control law to those of the kit.
 pub(super) fn fit(settings: &mut DeviceSettings) {
     set! { settings:
         motor.resistance_ohm = "6";

@@ -1,73 +1,73 @@
-//! What a board keeps for its next start: how its encoder is aligned with its motor, and whether it starts by itself.
+//! What a board stores for its next start: the alignment of its encoder with its motor, and whether the board starts by itself.
 //!
-//! Only an absolute encoder's alignment can be kept: an incremental one counts from wherever it was switched on. What is kept is bound to
-//! what it was measured with. Not among the settings: a file of settings that comes from another knob must neither bring that one's
-//! alignment nor make this one start by itself.
+//! Only an absolute encoder's alignment can be stored, because an incremental encoder counts from the position at power-on. The
+//! stored data are valid only for the hardware with which they were measured. They are not among the settings: a settings file of
+//! another knob must neither bring that knob's alignment nor make this knob start by itself.
 
 use super::{DeviceSettings, DriveKind, EncoderKind};
 use crate::Board;
 use serde::{Deserialize, Serialize};
 
-/// No [`KeptStart`] takes more bytes in flash (a test).
+/// Most bytes that a [`KeptStart`] takes in flash (a test checks it).
 pub const KEPT_MAX: usize = 24;
 
-/// The data that are kept for the next start.
+/// The data that a board stores for its next start: the encoder's alignment and whether the board starts by itself.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KeptStart {
-    /// The alignment, if it is kept.
+    /// The alignment, if one is stored.
     pub alignment: Option<KeptAlignment>,
-    /// Whether the board checks it and arms by itself when power comes on.
+    /// Whether the board checks the alignment and arms by itself when power comes on.
     pub autostart: bool,
 }
 
-/// An alignment, and what it was measured with.
+/// An alignment with the hardware with which it was measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KeptAlignment {
-    /// Electrical angle at the encoder's own zero, turns/65,536.
+    /// Electrical angle of the motor at the encoder's own zero, in units of a turn/65,536.
     pub offset: u16,
-    /// The electrical angle falls when the count rises.
+    /// Whether the electrical angle falls when the count rises.
     pub against: bool,
-    /// The hardware with which it was measured.
+    /// The hardware with which the alignment was measured.
     pub with: MeasuredWith,
 }
 
-/// What something that goes by the encoder's own zero was measured with: with anything else it means nothing.
+/// The hardware with which data relative to the encoder's own zero were measured. With other hardware such data are not valid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MeasuredWith {
-    /// The board: another shield may have its phases in another order.
+    /// The board. Another shield may connect the motor's phases in another order.
     pub board: Board,
-    /// The encoder.
+    /// The type of encoder.
     #[serde(with = "super::leaf")]
     pub encoder: EncoderKind,
-    /// Whether it was counted the other way.
+    /// Whether the setting `encoder.reversed` was on, which reverses the direction of counting.
     pub reversed: bool,
-    /// The encoder's counts in a turn.
+    /// Encoder counts per turn of the shaft.
     pub counts_per_rev: u32,
-    /// The motor's pole pairs.
+    /// Number of the motor's pole pairs.
     pub pole_pairs: u8,
 }
 
-/// Why a measurement against the encoder's zero cannot be kept, or a kept one cannot be used.
+/// Why data relative to the encoder's own zero cannot be stored, or why stored data cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Unkept {
-    /// The encoder is an incremental one.
+    /// The encoder is incremental, so it has no zero of its own.
     Incremental,
-    /// The drive is an analogue one: there is nothing to align.
+    /// The drive is an external amplifier with an analogue command, which needs no alignment.
     NothingToAlign,
-    /// Settings that were changed since wait for a calibration.
+    /// The settings were changed after the last calibration, and the changes apply from the next one.
     SettingsWait,
-    /// No data are kept.
+    /// No data are stored.
     None,
-    /// The alignment was measured on another board.
+    /// The data were measured on another board.
     OtherBoard,
-    /// The alignment was measured with another encoder, or with other settings of the same one.
+    /// The data were measured with another encoder, or with other settings of the same one.
     OtherEncoder,
-    /// The alignment was measured with another number of pole pairs.
+    /// The data were measured with another number of pole pairs.
     OtherPolePairs,
 }
 
 impl Unkept {
-    /// Text for people.
+    /// The reason as text for people.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
@@ -86,35 +86,35 @@ impl Unkept {
     }
 }
 
-/// How the unattended start went since the board was switched on. The numbers never change.
+/// How the automatic start went since the board was switched on. The numbers never change.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum SelfStart {
     /// The automatic start is switched off.
     #[default]
     Off = 0,
-    /// The board waits for the supply and for a shaft at rest.
+    /// The board waits until the supply is in its range and the shaft is at rest.
     Waiting = 1,
-    /// The board checks the kept alignment.
+    /// The board checks the stored alignment.
     Checking = 2,
     /// The board has armed.
     Started = 3,
     /// Not started: the reset was not caused by power coming on.
     NoPowerOn = 4,
-    /// Not started: no kept alignment fits the settings, or the settings call for a measurement.
+    /// Not started: the cause of the reset was not power coming on.
     NoAlignment = 5,
-    /// Not started: a desktop spoke first and is in charge.
+    /// Not started: a desktop sent a request first and is in charge.
     DesktopSpoke = 6,
     /// Not started: the supply did not come into its range in time, or the shaft did not come to rest.
     NotReady = 7,
     /// Not started: the stop button was pressed.
     StopPressed = 8,
-    /// Not started: a fault occurred, which is latched.
+    /// Not started: a fault occurred; it stays stored until a command clears it.
     Faulted = 9,
 }
 
 impl SelfStart {
-    /// All states, by their numbers.
+    /// All states of the automatic start, in the order of their numbers.
     pub const ALL: [Self; 10] = [
         Self::Off,
         Self::Waiting,
@@ -128,7 +128,7 @@ impl SelfStart {
         Self::Faulted,
     ];
 
-    /// Text for people.
+    /// The state as text for people.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
@@ -150,18 +150,18 @@ impl SelfStart {
     }
 }
 
-/// A board's report on its unattended start.
+/// A board's report on its automatic start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StartReport {
-    /// The data that are kept for the next start; `Save` writes them.
+    /// The data that are stored for the next start; `Save` writes them to flash.
     pub kept: KeptStart,
-    /// Whether the alignment in use was a kept one that was checked, and not searched for.
+    /// Whether the alignment in use is a stored one that the calibration only checked, instead of searching for it.
     pub was_checked: bool,
-    /// How the unattended start went.
+    /// How the automatic start went.
     pub self_start: SelfStart,
 }
 
-/// Whether these settings allow keeping a measurement against the encoder's zero at all.
+/// Checks whether data relative to the encoder's own zero can be stored with these settings.
 ///
 /// # Errors
 /// The reason for the refusal.
@@ -174,7 +174,7 @@ pub const fn may_keep(settings: &DeviceSettings) -> Result<(), Unkept> {
 }
 
 impl MeasuredWith {
-    /// What these settings say.
+    /// The hardware as these settings and this board describe it.
     #[must_use]
     pub const fn new(settings: &DeviceSettings, board: Board) -> Self {
         Self {
@@ -186,10 +186,10 @@ impl MeasuredWith {
         }
     }
 
-    /// Whether the alignment was measured with the present settings.
+    /// Checks whether the data were measured with the hardware that the present settings describe.
     ///
     /// # Errors
-    /// The part that differs.
+    /// The part of the hardware that differs.
     pub fn fits(&self, settings: &DeviceSettings, board: Board) -> Result<(), Unkept> {
         may_keep(settings)?;
         let now = Self::new(settings, board);
@@ -206,7 +206,7 @@ impl MeasuredWith {
 }
 
 impl KeptAlignment {
-    /// With what these settings say that it was measured with.
+    /// An alignment that was measured with the hardware that these settings describe.
     #[must_use]
     pub const fn new(offset: u16, against: bool, settings: &DeviceSettings, board: Board) -> Self {
         Self {
@@ -218,10 +218,10 @@ impl KeptAlignment {
 }
 
 impl KeptStart {
-    /// The kept alignment, if it was measured with the present settings.
+    /// The stored alignment, if it was measured with the hardware that the present settings describe.
     ///
     /// # Errors
-    /// The reason why there is no alignment.
+    /// The reason why no stored alignment can be used.
     pub fn usable(&self, settings: &DeviceSettings, board: Board) -> Result<KeptAlignment, Unkept> {
         may_keep(settings)?;
         let kept = self.alignment.ok_or(Unkept::None)?;

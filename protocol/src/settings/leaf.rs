@@ -1,4 +1,5 @@
-//! How a leaf stands on the wire, for `#[serde(with)]` and `#[tree(with)]`: an exact number as its bits, a word as its number.
+//! How one setting is encoded on the wire, for `#[serde(with)]` and `#[tree(with)]`: an exact number as its bits, a choice as its
+//! number.
 
 use super::{Decimal, DriveKind, EncoderKind, device_settings};
 use core::any::Any;
@@ -8,13 +9,13 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use touchstone_control::choices::*;
 use touchstone_control::{Choice, Si};
 
-/// The value of one setting, and its form on the wire.
+/// The type of a single setting, with its encoding on the wire.
 pub trait Leaf: Copy + 'static {
-    /// The form on the wire.
+    /// The type that goes over the wire.
     type Wire: Serialize + DeserializeOwned;
-    /// Converts the value for the wire.
+    /// Converts the value to the type that goes over the wire.
     fn to_wire(self) -> Self::Wire;
-    /// Reads it from the wire; `None` if the value is not valid.
+    /// Converts the value back from the wire; `None` if it is not valid.
     fn of_wire(wire: Self::Wire) -> Option<Self>;
 }
 
@@ -37,7 +38,7 @@ impl Leaf for Si {
     }
 }
 
-/// Every word of the table: each is the type of one row.
+/// Implements [`Leaf`] for every setting type in the tables that is a choice between texts.
 macro_rules! words {
     (
         own_wall { $($own_wall:tt)* } own { $($(#[$own_doc:meta])* $own:ident $Own:ident { $($own_rows:tt)* })+ }
@@ -65,7 +66,7 @@ macro_rules! words {
 }
 device_settings!(words);
 
-/// A leaf as serde has it.
+/// A setting's value that serde encodes by [`Leaf`].
 struct OnWire<T>(T);
 
 impl<T: Leaf> Serialize for OnWire<T> {

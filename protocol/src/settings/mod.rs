@@ -1,11 +1,11 @@
-//! All settings of a device, as one tree: each leaf has a path with its unit in its name, and its bounds.
+//! All settings of a device as one tree. Each setting (leaf) has a path whose name ends in its unit, and a range.
 //!
 //! ```text
 //! person's text <-> leaf (path, value) <-> DeviceSettings --validate--> control::Settings, drive
 //! ```
 //!
-//! The same code validates on both sides, so the device accepts what the desktop accepts. All of it follows from two
-//! tables: the law's ([`touchstone_control::law_settings`]) and the device's own, `table.rs`.
+//! Device and desktop validate by the same code, so the device accepts what the desktop accepts. All code here is generated from two
+//! tables: that of the control law's settings ([`touchstone_control::law_settings`]) and that of the device's own, `table.rs`.
 
 #[cfg(feature = "wire")]
 mod access;
@@ -51,11 +51,11 @@ macro_rules! tree {
         })+
     ) => {
         tree! { @table
-            /// The wall: where it is, and how stiff.
+            /// Position and stiffness of the wall.
             WallSettings { $($own_wall)* $($w_name: $w_kind $w_range = $w_default, $w_unit, $w_about;)+ } {}
         }
         tree! { @table
-            /// The wall's law, all but the wall's stiffness and the control rate.
+            /// The wall's control law: all its settings except the wall's stiffness and the control rate.
             LawSettings { $($l_name: $l_kind $l_range = $l_default, $l_unit, $l_about;)+ } { $($(#[$doc])* $group $Group)+ }
         }
         $(tree! { @table $(#[$doc])* $Group { $($name: $kind $range = $default, $unit, $about;)+ } {} })+
@@ -65,15 +65,15 @@ macro_rules! tree {
         #[derive(Debug, Clone, PartialEq, Eq, Default)]
         #[cfg_attr(feature = "wire", derive(Serialize, Deserialize, miniconf::Tree), serde(deny_unknown_fields))]
         pub struct DeviceSettings {
-            /// The wall: where it is, and how stiff.
+            /// Position and stiffness of the wall.
             pub wall: WallSettings,
-            /// The wall's law.
+            /// The wall's control law.
             pub law: LawSettings,
             $($(#[$own_doc])* pub $own: $Own,)+
         }
 
         impl DeviceSettings {
-            /// The control law's settings, not validated.
+            /// The settings of the control law in the form that the control crate takes. They are not validated.
             #[must_use]
             pub fn law(&self) -> law::Settings {
                 law::Settings {
@@ -126,7 +126,7 @@ macro_rules! thesis {
 }
 
 impl LawSettings {
-    /// Same as [`law::Settings::thesis`].
+    /// The settings of the thesis: same as [`law::Settings::thesis`].
     #[must_use]
     pub fn thesis() -> Self {
         let mut law = Self {
@@ -140,9 +140,9 @@ impl LawSettings {
 }
 
 impl DeviceSettings {
-    /// The first settings of a board. Most have the thesis' wall on a gimbal-type motor at 24 V, which is valid but no
-    /// real motor's data sheet. With the X-NUCLEO-IHM16M1: a small wall on the motor of its kit, at 12 V. With the
-    /// SimpleFOC Mini: no motor at all, the user has to name it.
+    /// The first settings of a board. Most boards get the thesis' wall with a gimbal-type motor at 24 V; these values are valid but
+    /// are from no real motor's data sheet. The boards with the X-NUCLEO-IHM16M1 get a soft wall with their kit's motor at 12 V.
+    /// The SimpleFOC Mini gets no motor at all: the user has to enter its values.
     #[must_use]
     pub fn defaults(board: Board) -> Self {
         let mut settings = Self::default();

@@ -1,41 +1,41 @@
-//! The one table of a device's own settings; the wall's law is [`touchstone_control::law_settings`].
+//! The table of a device's own settings. The table of the control law is [`touchstone_control::law_settings`].
 //!
-//! Everything else follows from a row: the leaf of [`DeviceSettings`](super::DeviceSettings), its default, its range, what is written
-//! on the wire and in flash, and what `touchstone config` tells a person. A row reads
+//! A row of the table generates everything else: the field of [`DeviceSettings`](super::DeviceSettings), its default, its range, its
+//! encoding on the wire and in flash, and its text in `touchstone config`. A row reads
 //!
 //! ```text
-//! name: kind(range) = default, "unit", "words";
+//! name: kind(range) = default, "unit", "meaning";
 //! ```
 //!
-//! with the kinds of the law's table, and `u8` and `u16`. A name ends in its unit. What a board can do less is in `touchstone_drive`'s
-//! `Hardware`.
+//! The kinds are those of the control law's table, and `u8` and `u16`. A name ends in its unit. The narrower limits of each board are in
+//! `Hardware` of the crate `touchstone_drive`.
 
 use touchstone_control::choice;
 
 choice! {
-    /// The encoder that is connected.
+    /// The type of the connected encoder.
     EncoderKind {
-        /// A and B into the timer.
+        /// Incremental encoder: its tracks A and B go to a timer that counts edges.
         Incremental = "incremental",
-        /// AS5047P over SPI: 14 bits, parity checked.
+        /// AS5047P, an absolute magnetic encoder over SPI: 14 bits, checked by parity.
         #[default]
         As5047p = "as5047p",
-        /// MT6701 over SPI (SSI frame): 14 bits, CRC checked.
+        /// MT6701, an absolute magnetic encoder over SPI (SSI frame): 14 bits, checked by CRC.
         Mt6701 = "mt6701",
     }
 }
 choice! {
-    /// What moves the shaft.
+    /// The type of drive that turns the shaft.
     DriveKind {
-        /// The board's bridge and its current loop.
+        /// The board's three-phase bridge, with the board's current loop.
         #[default]
         ThreePhase = "three-phase",
-        /// A voltage to an external servo amplifier, which controls the current.
+        /// An external servo amplifier, which controls the current; the board commands it by a voltage.
         Analogue = "analogue",
     }
 }
 
-/// Hands both tables to a macro.
+/// Passes the rows of the control law's table and of the device's own table to the macro `$with`.
 macro_rules! device_settings {
     ($with:ident) => {
         touchstone_control::law_settings! { $with
@@ -45,12 +45,12 @@ macro_rules! device_settings {
                     "where the surface is, from the zero of the calibration (inside is beyond it)";
             }
             own {
-                /// The timing of the control interrupt.
+                /// The rate of the control interrupt.
                 timing TimingSettings {
                     rate_hz: u32(500, 10_000) = 1000, "Hz",
                         "the control rate, a whole fraction of 20000 Hz";
                 }
-                /// The encoder.
+                /// The encoder on the motor's shaft.
                 encoder EncoderSettings {
                     kind: choice(EncoderKind) = As5047p, "",
                         "which encoder is connected";
@@ -61,7 +61,7 @@ macro_rules! device_settings {
                     bad_readings: u8(1, 10) = 3, "",
                         "how many bad readings in a row make a fault (the outputs are off from the first)";
                 }
-                /// What moves the shaft.
+                /// The drive that turns the shaft.
                 drive DriveSettings {
                     kind: choice(DriveKind) = ThreePhase, "",
                         "what moves the shaft";
@@ -91,7 +91,7 @@ macro_rules! device_settings {
                     current_bandwidth_hz: number("50", "1500") = "600", "Hz",
                         "the bandwidth of the current loop";
                 }
-                /// Beyond these the outputs are switched off.
+                /// Limits beyond which the device switches its outputs off.
                 limits LimitSettings {
                     trip_current_a: number("0.05", "25") = "4", "A",
                         "the phase current that switches off (at most 15 on nucleo-g474re, 2.5 with an X-NUCLEO-IHM16M1)";
@@ -112,7 +112,7 @@ macro_rules! device_settings {
                     fade_in_s: number("0", "10") = "0.2", "s",
                         "the time over which the torque fades in after arming";
                 }
-                /// How the encoder is aligned with the motor, and the motor measured.
+                /// How a calibration aligns the encoder with the motor, and whether it measures the motor.
                 calibration CalibrationSettings {
                     current_a: number("0.05", "25") = "1", "A",
                         "the current of the field that turns the shaft, at most the current limit";

@@ -1,16 +1,15 @@
-//! The first settings of a device without current sensors: the supply and the limits of the small gimbal knob, and no
-//! motor.
+//! The first settings of a device without current sensors: supply and limits of the small gimbal knob, but no motor.
 //!
-//! Such a device makes torque by voltage, from resistance and torque constant, which must not be guessed. Both, and
-//! the inductance, are at the low end of their ranges: a calibration refuses these values, and no motor for this board
-//! has them. The wall's law is that of the scene `scenes/voltage-knob.toml` (tested). Its force limit follows from the
-//! torque constant, so it has to be set as well.
+//! Such a device makes torque by voltage, calculated from resistance and torque constant, so these two must not be guessed. They
+//! and the inductance have the smallest values of their ranges, which mean "not set". A calibration refuses these values; no motor
+//! for this board has them. The wall's control law is that of the scene file `scenes/voltage-knob.toml` (a test compares both). The
+//! law's force limit depends on the torque constant, so the user has to set it as well.
 
 use super::gimbal_kit::{self, set};
 use super::{DeviceSettings, fields};
 use touchstone_control::Si;
 
-/// The low end of a setting's range, which means "not set".
+/// The smallest value of a setting's range, which means "not set".
 macro_rules! untold {
     ($path:literal) => {
         const { fields::range($path).0 }
@@ -18,8 +17,8 @@ macro_rules! untold {
 }
 
 impl DeviceSettings {
-    /// The first setting of the motor that is not set. Without current sensors it can neither be measured nor compared
-    /// with anything.
+    /// The path of the first motor setting that the user has not set; `None` if all are set. Without current sensors the device can
+    /// neither measure these settings nor compare them with anything.
     #[must_use]
     pub fn untold_motor(&self) -> Option<&'static str> {
         let motor = &self.motor;
@@ -45,7 +44,7 @@ impl DeviceSettings {
     }
 }
 
-/// Supply, limits and law; no motor.
+/// Sets supply, limits and control law, and marks the motor as not set.
 pub(super) fn fit(settings: &mut DeviceSettings) {
     gimbal_kit::fit(settings);
     settings.motor.resistance_ohm = untold!("motor.resistance_ohm");

@@ -1,5 +1,5 @@
-//! Validation of the whole: each number against its range, the numbers against each other, and the wall by the control law
-//! itself.
+//! Validation of all settings together: each number against its range, the numbers against each other, and the wall by the control
+//! law's own checks.
 
 use super::{Decimal, DeviceSettings, DriveKind, EncoderKind, fields};
 use crate::Board;
@@ -9,26 +9,26 @@ use serde::{Deserialize, Serialize};
 use touchstone_control as law;
 use touchstone_control::{Choice, Controller, Field, Fixed32};
 
-/// Longest path of a leaf, bytes.
+/// Longest path of a setting, in bytes.
 #[cfg(feature = "wire")]
 pub const PATH_MAX: usize = 48;
 
-/// A path that owns its text.
+/// A setting's path as an owned text.
 #[cfg(feature = "wire")]
 pub type PathText = heapless::String<PATH_MAX>;
 
-/// A setting that is refused, and why.
+/// A refused setting with the reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SettingsError {
-    /// The path of the leaf.
+    /// Path of the refused setting.
     pub path: &'static str,
-    /// The refused value, or the coefficient for [`Reason::OutOfFormat`].
+    /// The refused value. With [`Reason::OutOfFormat`]: the control law's coefficient that was calculated from it.
     pub value: Decimal,
     /// Reason for the refusal.
     pub reason: Reason,
 }
 
-/// A [`SettingsError`] on the wire.
+/// A [`SettingsError`] in the form that goes over the wire.
 #[cfg(feature = "wire")]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Invalid {
@@ -44,22 +44,23 @@ pub struct Invalid {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "wire", derive(Serialize, Deserialize))]
 pub enum Reason {
-    /// Outside the range that it has, or that the other settings allow it.
+    /// The value is outside the setting's range, or outside the range that the other settings leave.
     Outside {
-        /// Smallest allowed.
+        /// Smallest allowed value.
         least: Decimal,
-        /// Largest allowed.
+        /// Largest allowed value.
         most: Decimal,
     },
-    /// The law's coefficient for this value does not fit the number format.
+    /// The control law's coefficient for this value does not fit the number format.
     OutOfFormat,
-    /// No whole fraction of this rate, Hz.
+    /// The rate is no whole fraction of this one, Hz.
     NoFractionOf(u32),
-    /// The board has nothing to connect it to; the value is the number of the word.
+    /// The board has no connection for the chosen encoder or drive. The error's value is the number of the choice.
     NotOnThisBoard,
-    /// The position is not measured when the force changes; the value is the number of the word.
+    /// The choice needs the position at the moment when the force changes, which the device does not measure. The error's value is
+    /// the number of the choice.
     NotMeasured,
-    /// The board does not measure its currents, and can measure no motor.
+    /// The board has no current sensors, so it cannot measure a motor.
     NoCurrentSensors,
 }
 
@@ -76,7 +77,7 @@ impl From<SettingsError> for Invalid {
 }
 
 impl SettingsError {
-    /// Writes an error in words for people.
+    /// Writes an error as text for people.
     fn tell(
         f: &mut fmt::Formatter<'_>,
         path: &str,
@@ -140,10 +141,10 @@ impl fmt::Display for Invalid {
 impl core::error::Error for Invalid {}
 
 impl DeviceSettings {
-    /// Checks everything that depends on the board and the law; returns the wall's law.
+    /// Checks all that depends on the board and on the control law. Returns the wall's control law.
     ///
-    /// `touchstone_drive::wire::checked` also checks the limits of the power stage (its largest current and voltage).
-    /// It calls this first, and is what firmware and desktop use.
+    /// Firmware and desktop call `touchstone_drive::wire::checked` instead. It calls this function first and then also checks the
+    /// power stage's limits of current and voltage.
     ///
     /// # Errors
     /// The first setting that is refused.
@@ -154,10 +155,10 @@ impl DeviceSettings {
         Controller::new(&self.law()).map_err(|error| refused(&error))
     }
 
-    /// Every number against its own range.
+    /// Checks each number setting against its own range.
     ///
     /// # Errors
-    /// The first that is outside.
+    /// The first setting outside its range.
     pub fn check_ranges(&self) -> Result<(), SettingsError> {
         fields::check(self)
     }
@@ -188,7 +189,8 @@ impl DeviceSettings {
         })
     }
 
-    /// A torque that the drive cannot give would be taken for given by the law's energy observer.
+    /// Checks that the drive can give the control law's largest torque. Otherwise the law's energy observer would count energy that
+    /// was not given.
     fn check_force_limit(&self) -> Result<(), SettingsError> {
         const PATH: &str = "law.force_limit_n_m";
         let most = match self.drive.kind {
@@ -205,7 +207,7 @@ impl DeviceSettings {
     }
 }
 
-/// The law's refusal.
+/// Converts a refusal by the control law into a [`SettingsError`] with the setting's path.
 #[must_use]
 pub fn refused(error: &law::SettingsError) -> SettingsError {
     let outside = |field: Field, value, min, max| SettingsError {

@@ -1,5 +1,5 @@
-//! The vectors of `tests/vectors` on a Cortex-M4F, and what each tick costs there. `cargo xtask thumb` builds it, runs it in
-//! QEMU and reads what it prints.
+//! Runs the test vectors of `tests/vectors` on a Cortex-M4F, and counts the instructions of each tick. `cargo xtask thumb` builds
+//! it, runs it in QEMU and reads its output.
 #![no_std]
 #![no_main]
 
@@ -17,8 +17,8 @@ use touchstone_control::{Controller, CountScale, Fixed16, Fixed32, Force, Number
 use touchstone_vectors::space::{SPACE_CASES, Wall, play_space};
 use touchstone_vectors::{Bits, Case, Machine, Segment, cases, play};
 
-// What firmware would call. Not inlined, so that a tick is counted with its call and return, and so that `cargo xtask thumb`
-// finds them, and all that they call, in the program by their names.
+// Functions as firmware would call them. They are not inlined, so that a tick is counted with its call and return, and so that
+// `cargo xtask thumb` finds them by name, with all that they call.
 
 #[inline(never)]
 fn tick_fixed32(wall: &mut Controller<Fixed32>, e: Position<Fixed32>) -> Force<Fixed32> {
@@ -40,7 +40,7 @@ fn penetration_fixed16(scale: &CountScale, count: i64) -> Position<Fixed16> {
     scale.penetration(count)
 }
 
-/// The enhanced law without the choice of the others, for its size.
+/// The enhanced law alone, without `AnyLaw`, so that its code size can be read from the program.
 #[inline(never)]
 fn enhanced_fixed32(
     law: &EnhancedSfa<Fixed32>,
@@ -55,13 +55,13 @@ type Enhanced =
 #[used]
 static FOR_ITS_SIZE: Enhanced = enhanced_fixed32;
 
-/// A whole tick of three axes: surface point, shell, friction, guard.
+/// A whole tick on three axes: surface point, laws, friction and guard.
 #[inline(never)]
 fn tick_space(wall: &mut Wall, at: Vector<Position<Fixed32>>) -> Vector<Force<Fixed32>> {
     wall.tick(at).unwrap_or_default()
 }
 
-/// The functions above in one format.
+/// Runs ticks and conversions in one number format, with the counted instructions of each.
 struct Microcontroller<N: Bits> {
     ruler: Ruler,
     tick: fn(&mut Controller<N>, Position<N>) -> Force<N>,
@@ -118,7 +118,7 @@ fn in_format<N: Bits>(
     hprintln!("penetration {} {}", N::NAME, machine.penetrations);
 }
 
-/// The cases of three axes.
+/// Runs the three-axis cases.
 fn in_space(
     ruler: Ruler,
     tick: fn(&mut Wall, Vector<Position<Fixed32>>) -> Vector<Force<Fixed32>>,
@@ -144,7 +144,7 @@ fn in_space(
     }
 }
 
-/// Ends QEMU.
+/// Ends the emulator QEMU with an exit status.
 fn stop(status: debug::ExitStatus) -> ! {
     debug::exit(status);
     loop {

@@ -1,8 +1,8 @@
-//! Counts instructions with a clock.
+//! Counts instructions by a clock.
 //!
-//! QEMU's `-icount shift=10` lets every instruction take 1024 ns, and the board's SysTick counts 40 ns: 25.6 counts to an
-//! instruction, so the difference of two readings gives their number exactly. A real microcontroller's clock counts cycles,
-//! which is something else.
+//! QEMU's `-icount shift=10` lets every instruction take 1024 ns, and the board's SysTick counts steps of 40 ns. That is 25.6 steps
+//! per instruction, so the difference of two readings gives the number of instructions exactly. A real microcontroller's clock
+//! counts cycles instead.
 
 use core::arch::asm;
 use core::fmt;
@@ -16,7 +16,7 @@ const FULL: u32 = 0x00ff_ffff;
 const NS_PER_COUNT: u32 = 40;
 const NS_PER_INSTRUCTION: u32 = 1024;
 
-/// The clock, running.
+/// The running clock.
 #[derive(Clone, Copy)]
 pub struct Ruler;
 
@@ -31,12 +31,12 @@ impl Ruler {
         // SAFETY: `nop` does nothing.
         let nops = || unsafe { asm!(".rept 1000", "nop", ".endr") };
         let (_, counted) = Self.count(nops);
-        // The compiler may put an instruction or two of its own between the readings; it must not take any away.
+        // The compiler may add an instruction or two between the readings, but must not remove any.
         (1000..=1003).contains(&counted).then_some(Self)
     }
 
-    /// What something returns, and the instructions from one reading of the clock to the other: up to 650,000. With a call,
-    /// that is its arguments, the jump there, all that it does and the way back.
+    /// Runs a function; returns its result and the instructions between the two readings of the clock, at most 650,000. They
+    /// include passing the arguments, the call and the return.
     #[inline(always)]
     pub fn count<T>(self, something: impl FnOnce() -> T) -> (T, u32) {
         let before = SYST::get_current();
@@ -45,12 +45,12 @@ impl Ruler {
         // SysTick counts down, in 24 bits.
         let ns = (before.wrapping_sub(after) & FULL) * NS_PER_COUNT;
         let instructions = (ns + NS_PER_INSTRUCTION / 2) / NS_PER_INSTRUCTION;
-        // One of them reads the clock.
+        // One of the counted instructions reads the clock.
         (result, instructions.saturating_sub(1))
     }
 }
 
-/// Mean and worst of many.
+/// Mean and largest number of instructions of many measurements.
 #[derive(Default)]
 pub struct Tally {
     runs: u32,
@@ -59,7 +59,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Adds one measurement.
+    /// Adds one measurement, in instructions.
     pub fn add(&mut self, instructions: u32) {
         self.runs += 1;
         self.sum += u64::from(instructions);
@@ -68,7 +68,7 @@ impl Tally {
 }
 
 impl fmt::Display for Tally {
-    /// Runs, instructions of all, instructions of the worst.
+    /// Writes the number of measurements, the sum of their instructions, and the largest.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {} {}", self.runs, self.sum, self.worst)
     }

@@ -1,5 +1,5 @@
-//! Prints the digest of every case, format and segment on this machine: one line each, its words as the
-//! microcontroller's program prints them.
+//! Prints the digest of every case, number format and segment, calculated on this machine: one line each, in the format that the
+//! microcontroller's program prints.
 
 use touchstone_control::{Controller, CountScale, Fixed16, Fixed32, Force, Number, Position};
 use touchstone_vectors::space::{SPACE_CASES, play_space};

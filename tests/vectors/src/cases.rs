@@ -1,4 +1,4 @@
-//! Every law, with the choices that take other paths through its code.
+//! The cases of the test vectors: every law, with the options that take other paths through its code.
 
 use touchstone_control::settings::{FilterSettings, VelocitySettings};
 use touchstone_control::{
@@ -6,7 +6,7 @@ use touchstone_control::{
     VelocityKind,
 };
 
-/// A law with its settings.
+/// A test case: a law with its settings.
 #[derive(Debug, Clone, Copy)]
 pub struct Case {
     /// Short name without spaces.
@@ -15,7 +15,7 @@ pub struct Case {
     pub settings: Settings,
 }
 
-/// All cases.
+/// All cases of the test vectors.
 #[must_use]
 pub fn cases() -> [Case; 19] {
     let base = Settings::thesis();
@@ -103,7 +103,7 @@ pub fn cases() -> [Case; 19] {
                 ..base
             },
         ),
-        // The default filter's coefficients are whole numbers, whose products need no rounding; these have fractions.
+        // The default filter's coefficients are whole numbers, whose products need no rounding. These have fractions.
         enhanced(
             "enhanced-fractions",
             Settings {

@@ -1,9 +1,9 @@
-//! FNV-1a (Fowler, Noll, Vo) with 64 bits, over every bit that a tick shows.
+//! FNV-1a digest (Fowler, Noll, Vo) with 64 bits, over every bit of the results of a tick.
 
 use touchstone_control::law::{Contact, View};
 use touchstone_control::{Energy, Fixed16, Fixed32, Force, Number, Position};
 
-/// The bits of a number format's values, sign-extended.
+/// A number format whose values can be read as sign-extended bits.
 pub trait Bits: Number {
     /// Bits of a position or force.
     fn signal_bits(x: Self::Signal) -> i32;
@@ -26,7 +26,7 @@ macro_rules! bits {
 bits!(Fixed32);
 bits!(Fixed16);
 
-/// A running digest.
+/// A digest that grows with each tick.
 #[derive(Debug, Clone, Copy)]
 pub struct Digest(u64);
 
@@ -37,20 +37,20 @@ impl Default for Digest {
 }
 
 impl Digest {
-    /// The digest of everything so far.
+    /// The digest of everything that was added so far.
     #[must_use]
     pub fn value(&self) -> u64 {
         self.0
     }
 
-    /// Takes bytes.
+    /// Adds bytes to the digest.
     pub fn bytes(&mut self, bytes: &[u8]) {
         for byte in bytes {
             self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
         }
     }
 
-    /// Takes one tick: penetration, force, and all of the law's inside that it shows.
+    /// Adds one tick to the digest: penetration, force, and the law's internal values in its view.
     pub fn tick<N: Bits>(&mut self, e: Position<N>, force: Force<N>, view: &View<N>) {
         self.signal::<N>(e.0);
         self.signal::<N>(force.0);

@@ -1,7 +1,7 @@
-//! One motion with all the hard cases, played through every law in a fixed-point format, and a digest of all results.
+//! One motion with all the hard cases, run through every law in a fixed-point format, and a digest of all results.
 //!
-//! Integers only, no allocation, no operating system: the microcontroller's program (`tests/thumb`) and the desktop's
-//! (`examples/golden.rs`) run the same code, and `cargo xtask thumb` compares what they print.
+//! The code uses integers only, no allocation and no operating system. The microcontroller's program (`tests/thumb`) and the
+//! desktop's (`examples/golden.rs`) run the same code, and `cargo xtask thumb` compares what they print.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -16,25 +16,25 @@ pub use motion::{Motion, SEGMENTS, Segment};
 
 use touchstone_control::{Controller, CountScale, Force, Number, Position, SettingsError, Si};
 
-/// Counts of the encoder in one turn: the knob of the thesis.
+/// Encoder counts in one turn, as on the thesis' knob.
 pub const COUNTS_PER_TURN: u32 = 40_000;
-/// Where the wall begins, rad; not a whole number of counts.
+/// Position of the wall's surface, rad; not a whole number of encoder counts.
 pub const SURFACE: Si = Si::lit("0.5");
 
-/// Runs the ticks: it may look at a clock around each, and gets the results.
+/// What runs the ticks of a case. It may read a clock around each tick, and gets the digests.
 pub trait Machine<N: Number> {
-    /// Encoder count to penetration.
+    /// Converts an encoder count to a penetration.
     fn penetration(&mut self, scale: &CountScale, count: i64) -> Position<N>;
-    /// Runs one tick.
+    /// Runs one tick of the wall's controller at a penetration; returns the force.
     fn tick(&mut self, wall: &mut Controller<N>, e: Position<N>) -> Force<N>;
-    /// A segment of the motion is over; the digest is of all that came out since the start of the case.
+    /// Called at the end of a segment of the motion. The digest covers all results since the start of the case.
     fn segment_done(&mut self, case: &Case, segment: &Segment, digest: u64);
 }
 
-/// Plays the whole motion through the law of a case.
+/// Runs the whole motion through the law of a case.
 ///
 /// # Errors
-/// Settings that the format cannot hold.
+/// The format cannot hold the settings.
 pub fn play<N: Bits>(case: &Case, machine: &mut impl Machine<N>) -> Result<(), SettingsError> {
     let mut wall = Controller::<N>::new(&case.settings)?;
     let Some(scale) = CountScale::new(COUNTS_PER_TURN, SURFACE) else {

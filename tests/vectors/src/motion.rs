@@ -1,14 +1,14 @@
-//! The motion, in encoder counts: of a hand, of an encoder at its worst, and of faults.
+//! The motion of the test vectors in encoder counts: a hand's motion, an encoder's worst readings, and faults.
 
-/// The last count outside the wall: its surface is at 0.5 rad, 3183.1 counts.
+/// The last encoder count outside the wall, whose surface is at 0.5 rad or 3183.1 counts.
 const OUTSIDE: i64 = 3183;
 
-/// A part of the motion.
+/// A segment of the motion.
 #[derive(Debug)]
 pub struct Segment {
     /// Short name without spaces.
     pub name: &'static str,
-    /// Duration, ticks.
+    /// Duration in ticks.
     pub ticks: u32,
     count: fn(&mut Motion, u32) -> i64,
 }
@@ -30,7 +30,7 @@ const fn segment(name: &'static str, ticks: u32, count: fn(&mut Motion, u32) -> 
     Segment { name, ticks, count }
 }
 
-/// State of the motion: its place, and its random numbers.
+/// State of the motion: its position and its random number generator.
 #[derive(Debug)]
 pub struct Motion {
     random: u64,
@@ -48,7 +48,7 @@ impl Default for Motion {
     }
 }
 
-/// A triangle wave, up for half of the period and down for the other: `0..=height`.
+/// A triangle wave from 0 to `height`: up in the first half of the period, down in the second.
 fn triangle(tick: u32, period: u32, height: i64) -> i64 {
     let phase = i64::from(tick % period);
     let half = i64::from(period / 2);
@@ -56,12 +56,12 @@ fn triangle(tick: u32, period: u32, height: i64) -> i64 {
 }
 
 impl Motion {
-    /// The encoder's count at a tick of a segment.
+    /// The encoder count at a tick of a segment.
     pub fn count(&mut self, segment: &Segment, tick: u32) -> i64 {
         (segment.count)(self, tick)
     }
 
-    /// A whole number of `-size..=size`. Knuth's 64-bit congruence, of which the upper half is good.
+    /// A random integer from `-size` to `size`, from the upper half of Knuth's 64-bit linear congruential generator.
     fn whole(&mut self, size: i64) -> i64 {
         let Self { random, .. } = self;
         *random = random
@@ -70,7 +70,8 @@ impl Motion {
         (*random >> 33) as i64 % (2 * size + 1) - size
     }
 
-    /// Presses of 1 to 1000 counts (157 mrad: beyond the force limit) with two counts of noise, from 50 outside.
+    /// Presses to depths of 1 to 1000 counts from 50 counts outside, with two counts of noise. 1000 counts are 157 mrad, where the
+    /// force is at its limit.
     fn presses(&mut self, tick: u32) -> i64 {
         if tick.is_multiple_of(500) {
             self.height = 501 + self.whole(500);
@@ -78,35 +79,35 @@ impl Motion {
         OUTSIDE - 50 + triangle(tick, 500, 50 + self.height) + self.whole(2)
     }
 
-    /// Moves in to 300 counts, holds there with one count of jitter, and moves out.
+    /// Moves in to a depth of 300 counts, holds there with one count of jitter, and moves out.
     fn hold(&mut self, tick: u32) -> i64 {
         let way_in = i64::from(tick.min(2499 - tick)).min(300);
         OUTSIDE + way_in + self.whole(1)
     }
 
-    /// One count in 16 ticks, in and out: most ticks do not move.
+    /// Moves by one count in 16 ticks, in and out; in most ticks the position does not change.
     fn creep(&mut self, tick: u32) -> i64 {
         OUTSIDE + triangle(tick, 2000, 1000) / 16
     }
 
-    /// One count to and fro over the surface.
+    /// Moves by one count to and fro over the surface.
     fn surface(&mut self, _: u32) -> i64 {
         OUTSIDE + (1 + self.whole(1)) / 2 + self.whole(1).max(0)
     }
 
-    /// Touches of a few ticks and a few counts.
+    /// Touches of a few ticks, a few counts deep.
     fn grazing(&mut self, tick: u32) -> i64 {
         let period = 20 + tick / 100;
         OUTSIDE - 8 + triangle(tick, 2 * period, 10) + self.whole(1)
     }
 
-    /// A random walk with steps of up to 60 counts, pushed back to the surface.
+    /// A random walk with steps of up to 60 counts, pushed back towards the surface.
     fn wander(&mut self, _: u32) -> i64 {
         self.depth += self.whole(60) - self.depth / 16;
         OUTSIDE + 100 + self.depth
     }
 
-    /// In by up to 3000 counts at one tick and out at another, as a hammer would.
+    /// Moves in by up to 3000 counts in one tick and out in another, as if hit by a hammer.
     fn taps(&mut self, tick: u32) -> i64 {
         if tick.is_multiple_of(7) {
             self.height = self.whole(3000);
@@ -114,31 +115,31 @@ impl Motion {
         OUTSIDE + self.height - self.height * i64::from(tick % 7) / 5
     }
 
-    /// Anywhere within ±1.3 turns.
+    /// Random positions within ±1.3 turns.
     fn jumps(&mut self, _: u32) -> i64 {
         self.whole(52_000)
     }
 
-    /// The ends of the count, of the angle and of both formats, two counts to either side, and the surface in between.
+    /// The ends of the ranges of counts, angles and both number formats, two counts to either side, and the surface in between.
     fn extremes(&mut self, tick: u32) -> i64 {
         const ENDS: [i64; 12] = [
             i64::MAX,
             i64::MIN,
             OUTSIDE,
-            // 128 rad and 2 rad: where the formats end.
+            // The ends of the formats at 128 rad and 2 rad.
             818_057,
             -811_691,
             15_915,
             -9_549,
             OUTSIDE + 1,
-            // 32,767 rad: where the angle ends.
+            // The end of angles at 32,767 rad.
             208_606_000,
             -208_606_000,
             1 << 40,
             0,
         ];
         let near = self.whole(2);
-        // First each after each, then at random.
+        // First each end after each other, then at random.
         let index = if tick < 500 {
             i64::from(tick) * 5
         } else {

@@ -1,4 +1,5 @@
-//! Three axes: a hand of integers at a ball of 30 mm and at a corner, with friction and guard, and a digest of every force.
+//! Three axes: a hand in integer coordinates at a ball of 30 mm radius and at a corner, with friction and guard, and a digest of
+//! every force.
 
 use crate::digest::{Bits, Digest};
 use touchstone_control::settings::FilterSettings;
@@ -12,10 +13,10 @@ use touchstone_control::{
     Settings, Si,
 };
 
-/// A wall of three axes.
+/// The wall of the three-axis cases.
 pub type Wall = SpaceWall<Fixed32, Shape<Fixed32>, AnyLaw<Fixed32>>;
 
-/// Names of the cases.
+/// Names of the three-axis cases.
 pub const SPACE_CASES: [&str; 7] = [
     "space-ball",
     "space-frictionless",
@@ -25,10 +26,10 @@ pub const SPACE_CASES: [&str; 7] = [
     "space-estimated",
     "space-estimated-frictionless",
 ];
-/// Ticks of each.
+/// Duration of each three-axis case in ticks.
 pub const SPACE_TICKS: u32 = 4000;
 
-/// Lengths in centimetres.
+/// A length in centimetres as a setting.
 const fn cm(text: &str) -> Si {
     Si::lit(text)
 }
@@ -37,7 +38,7 @@ fn place(x: Si, y: Si, z: Si) -> Vector<Position<Fixed32>> {
     Vector([x, y, z].map(|x| Position::from_si(x).unwrap_or_default()))
 }
 
-/// The settings of an omega.3: `k_de` 25 N/mm, the thesis' law.
+/// Settings of an omega.3 haptic device with the thesis' law: `k_de` 25 N/mm.
 fn settings() -> Settings {
     Settings {
         law: LawKind::EnhancedSfa,
@@ -56,7 +57,7 @@ fn settings() -> Settings {
     }
 }
 
-/// The wall of a case; `None` for settings that are none.
+/// The wall of a case; `None` if its settings are refused.
 #[must_use]
 pub fn space_wall(case: &str) -> Option<Wall> {
     let unit = LengthUnit::Centimetre;
@@ -122,26 +123,26 @@ pub fn space_wall(case: &str) -> Option<Wall> {
     Some(wall)
 }
 
-/// The hand: a press that comes and goes, and a walk around, in counts of 10 um.
+/// The hand: a press that grows and shrinks, and a walk around, in counts of 10 µm.
 struct Hand {
     seed: u32,
     at: [i32; 3],
 }
 
 impl Hand {
-    /// Positions in hundredths of a millimetre, around the place (2, -1, 2) cm of the ball's surface.
+    /// The hand's position in hundredths of a millimetre, around the point (2, -1, 2) cm of the ball's surface.
     fn go(&mut self, tick: u32) -> Vector<Position<Fixed32>> {
         for axis in &mut self.at {
             self.seed = self
                 .seed
                 .wrapping_mul(1_664_525)
                 .wrapping_add(1_013_904_223);
-            // Up to two counts a tick, drawn back to the middle.
+            // Up to two counts per tick, drawn back to the middle.
             let step = ((self.seed >> 24) as i32 - 128) / 43;
             *axis = axis.wrapping_add(step).wrapping_sub(*axis / 256);
         }
         let beat = (tick % 1000) as i32;
-        // In over 100 counts, rest, out, rest: at most a count or so a tick.
+        // In over 100 counts, rest, out, rest: about one count per tick at most.
         let press = match beat {
             0..200 => beat / 4,
             200..700 => 50,
@@ -159,7 +160,8 @@ impl Hand {
     }
 }
 
-/// Plays a case with a tick of the caller's; the digest of all forces, `None` where it is refused or hardly ever pushes.
+/// Runs a case, with the caller's function for each tick; returns the digest of all forces. `None` if the wall is refused or hardly
+/// ever pushes.
 pub fn play_space(
     case: &str,
     mut tick: impl FnMut(&mut Wall, Vector<Position<Fixed32>>) -> Vector<Force<Fixed32>>,

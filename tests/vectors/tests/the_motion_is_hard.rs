@@ -1,4 +1,4 @@
-//! The vectors reach the cases that they are meant for, in both formats.
+//! The motion of the test vectors reaches the special cases for which it was made, in both number formats.
 
 use std::collections::BTreeSet;
 
@@ -6,7 +6,7 @@ use touchstone_control::law::Contact;
 use touchstone_control::{Controller, CountScale, Fixed16, Fixed32, Force, Position};
 use touchstone_vectors::{Bits, COUNTS_PER_TURN, Case, Machine, SEGMENTS, Segment, cases, play};
 
-/// The outcome of one case.
+/// What occurred in one case.
 #[derive(Default)]
 struct Seen {
     last: Option<i32>,
@@ -72,7 +72,7 @@ fn check<N: Bits>(lowest: i32, highest: i32) {
         assert_eq!(seen.digests.len(), SEGMENTS.len(), "{name}");
         last.extend(seen.digests.last());
     }
-    // What differs in its settings differs in its forces.
+    // Cases with different settings give different forces.
     assert_eq!(last.len(), cases().len());
 }
 

@@ -1,4 +1,4 @@
-"""A haptic device with the guard between it and whatever wants a force: a teleoperator's follower, a simulator, a network."""
+"""A haptic device with the guard between it and a source of forces: a teleoperator's follower, a simulator or a network."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from ._native import Guard
 
 
 class GuardedDevice:
-    """Plays forces on a device through the guard, and none that is too old.
+    """Commands requested forces on a device through the guard; a force that is too old counts as 0.
 
     ``read()`` gives the device's position, rad (m); ``write(force)`` commands its motor along the position, N·m (N). ``guard`` takes the keywords of
-    ``Guard``. Call ``step`` once every ``1 / rate_hz``, from one thread; a force from elsewhere (another thread, a network) comes with its
-    age, and beyond ``stale_after_s`` counts as none.
+    ``Guard``. Call ``step`` once every ``1 / rate_hz`` seconds, from one thread. Give the age of a force that comes from another thread or a
+    network; a force older than ``stale_after_s`` counts as 0.
 
         >>> device = GuardedDevice(read, write, rate_hz=1000, force_limit_n_m=0.5, count_rad=2e-4, damping_n_m_s_per_rad=4e-4)
         >>> device.step(wanted=-0.2, age_s=0.003)
@@ -34,10 +34,10 @@ class GuardedDevice:
         self._last: float | None = None
 
     def step(self, wanted: float, age_s: float = 0.0) -> float:
-        """One control period: reads, bounds, writes; the force that was written, along the position.
+        """Runs one control period: reads the position, bounds the force and writes it; returns the written force, along the position.
 
-        After overspeed it writes 0 until ``resume``. Where reading or writing fails, the motor is written 0, the account is empty, and the
-        error goes on.
+        After an over-speed it writes 0 until ``resume``. If reading or writing fails, it writes 0 to the motor, empties the energy account
+        and raises the error again.
         """
         try:
             position = self._read()
@@ -58,12 +58,12 @@ class GuardedDevice:
             raise
 
     def off(self) -> None:
-        """Switches the force off, after a last step that accounts for it. ``resume`` before the next ``step``."""
+        """Runs a last step, which counts the energy of the last force, and switches the force off. Call ``resume`` before the next ``step``."""
         self.step(0.0)
         self._end()
 
     def _end(self) -> None:
-        """Switches the force off at once. Nobody knows how long the last one acted, so the guard empties the account for it."""
+        """Switches the force off at once. How long the last force acted is unknown, so the guard empties its energy account."""
         try:
             self._write(0.0)
         finally:
@@ -71,7 +71,7 @@ class GuardedDevice:
             self._last = None
 
     def resume(self) -> None:
-        """Goes on after ``off`` or overspeed, with the account that there was."""
+        """Resumes after ``off`` or an over-speed; the energy account keeps its level."""
         self.guard.resume()
         self._last = None
 

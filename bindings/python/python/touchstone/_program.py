@@ -30,11 +30,11 @@ class Failed(RuntimeError):
 
 
 class Mistake(Failed, ValueError):
-    """A mistake in what was asked: option, scene, file. The message names place, problem and remedy."""
+    """The call has a mistake in an option, a scene or a file. The message names place, problem and remedy."""
 
 
 class NotMet(Failed):
-    """The run is done, but a demand on it does not hold. ``results`` has what came."""
+    """The run ended, but a requirement on it (such as ``expect=``) does not hold. ``results`` has the run's results."""
 
     def __init__(self, message: str, code: int, results: dict[str, Any]) -> None:
         super().__init__(message, code)
@@ -42,7 +42,7 @@ class NotMet(Failed):
 
 
 def program() -> str:
-    """The path of the program: ``TOUCHSTONE_PROGRAM``, that of this package, or one on the PATH."""
+    """The path of the program: from ``TOUCHSTONE_PROGRAM``, in this package, or on the PATH, in this order."""
     given = os.environ.get("TOUCHSTONE_PROGRAM")
     if given:
         return given
@@ -58,7 +58,7 @@ def program() -> str:
 
 
 def _ask(*words: str) -> dict[str, Any]:
-    """What the program prints as JSON."""
+    """Runs the program with these words; returns the JSON that it prints."""
     done = subprocess.run([program(), *words, "--json"], capture_output=True, stdin=subprocess.DEVNULL, encoding="utf-8", check=False)
     said = done.stderr.strip()
     if done.returncode in (0, 3) and done.stdout:
@@ -71,7 +71,7 @@ def _ask(*words: str) -> dict[str, Any]:
 
 
 def _options(options: Mapping[str, Any]) -> list[str]:
-    """Keywords as options: ``k_desired=5`` is ``--k-desired 5``, ``quick=True`` is ``--quick``."""
+    """Keywords as options of the program: ``k_desired=5`` becomes ``--k-desired 5``, ``quick=True`` becomes ``--quick``."""
     words: list[str] = []
     for name, value in options.items():
         option = "--" + name.replace("_", "-")
@@ -106,7 +106,7 @@ def _toml(table: Mapping[str, Any], prefix: str = "") -> str:
 
 
 class _Scene:
-    """A scene as the program takes it: a shipped name, a file, or a dict written to one."""
+    """A scene as the program takes it: a shipped name, a file, or a dict, which is written to a file."""
 
     def __init__(self, scene: Scene) -> None:
         self.file: str | None = None
@@ -127,7 +127,7 @@ class _Scene:
 
 
 class Run(dict[str, Any]):
-    """The results of ``run``: a dict as ``results.json`` has it, with its measures and traces at hand."""
+    """The results of ``run``: a dict with the content of ``results.json``; properties give its measures and traces."""
 
     _columns: tuple[list[str], numpy.ndarray] | None = None
 
@@ -139,11 +139,11 @@ class Run(dict[str, Any]):
 
     @property
     def verdict(self) -> str:
-        """passive, active, limit-cycle, unstable, not-judged or no-contact."""
+        """The verdict of the run: passive, active, limit-cycle, unstable, not-judged or no-contact."""
         return str(self.summary["verdict"])
 
     def trace(self) -> dict[str, numpy.ndarray]:
-        """Every tick as a dict of numpy arrays, by column (with its unit in its name)."""
+        """The values of every tick: a dict of numpy arrays by column name, which contains the unit."""
         if self._columns is None:
             raise Failed("no trace was kept: run with trace=True", 2)
         names, values = self._columns
@@ -153,9 +153,9 @@ class Run(dict[str, Any]):
 def run(scene: Scene = "thesis-knob", changes: Changes = None, *, trace: bool = False, **options: Any) -> Run:
     """Runs a scene: a shipped name, a path, or a dict. ``changes`` maps fields to values; other keywords are the program's options.
 
-    A trace is there for one axis; a scene of three has its results alone.
+    Only scenes of one axis have a trace.
     ``run("tap", {"device.inertia_kg_m2": 2e-4}, expect="passive", trace=True)``. Raises ``Mistake`` with place, problem and remedy, and
-    ``NotMet`` where a demand (``expect=``, ``max_penetration=`` …) does not hold.
+    ``NotMet`` if a requirement (``expect=``, ``max_penetration=`` …) does not hold.
     """
     with _Scene(scene) as name, tempfile.TemporaryDirectory(prefix="touchstone-") as folder:
         words = ["run", name, *_changes(changes), *_options(options)]
@@ -173,7 +173,7 @@ def run(scene: Scene = "thesis-knob", changes: Changes = None, *, trace: bool = 
 
 
 def scorecard(scene: Scene = "thesis-knob", changes: Changes = None, **options: Any) -> dict[str, Any]:
-    """Compares laws by what a hand feels: ``scorecard("thesis-knob", law=["enhanced", "spring"], k_desired=14)``."""
+    """Compares laws by what a hand feels of a wall: ``scorecard("thesis-knob", law=["enhanced", "spring"], k_desired=14)``."""
     with _Scene(scene) as name:
         return _ask("scorecard", name, *_changes(changes), *_options(options))
 
@@ -185,11 +185,11 @@ def tune(device: Scene = "thesis-knob", changes: Changes = None, **options: Any)
 
 
 def certify(scene: Scene = "thesis-knob", changes: Changes = None, **options: Any) -> dict[str, Any]:
-    """Says whether a wall is stable, for which hands, and by which margins, without a run."""
+    """Calculates, without a run, whether a wall is stable, for which hands, and with which margins."""
     with _Scene(scene) as name:
         return _ask("certify", name, *_changes(changes), *_options(options))
 
 
 def scenes() -> dict[str, Any]:
-    """The scenes that come with the program."""
+    """The scenes that are shipped with the program."""
     return _ask("scenes")

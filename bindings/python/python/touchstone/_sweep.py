@@ -1,4 +1,4 @@
-"""A map of two settings, its parts on any executor: threads, processes, or the workers of a Dask cluster."""
+"""Sweeps over two settings. The parts of a sweep run on any executor: threads, processes, or the workers of a Dask cluster."""
 
 from __future__ import annotations
 
@@ -27,14 +27,15 @@ def sweep(
     progress: Callable[[int, int], object] | None = None,
     **options: Any,
 ) -> dict[str, Any]:
-    """Runs a scene once for every pair of two settings; the results of ``touchstone sweep``, with files and maps in the folder ``out``.
+    """Runs a scene once for every pair of values of two settings; returns the results of ``touchstone sweep``, and writes files and maps to ``out``.
 
-    ``x`` and ``y`` are axes as the program takes them: ``"wall.k_desired_n_m_per_rad=0.5..10:100"``. ``executor`` computes the parts: any
-    executor of ``concurrent.futures``, a Dask ``Client`` or its executor, or a function that makes one, which is called again after a worker
-    was killed. Without one, this machine's cores compute. The files are the same to the byte for every executor and every number of ``parts``.
+    ``x`` and ``y`` are axes in the program's format: ``"wall.k_desired_n_m_per_rad=0.5..10:100"``. ``executor`` computes the parts. It is any
+    executor of ``concurrent.futures``, a Dask ``Client`` or its executor, or a function that makes an executor. The function is called again after
+    a worker was killed. Without an executor, this machine's cores compute. The files are byte for byte the same for every executor and every
+    number of ``parts``.
 
-    ``progress(done, parts)`` is called after each part. Finished parts stay in ``out + ".parts"`` until the map is whole, so that the same call
-    goes on where it ended. Another map needs another ``out``.
+    ``progress(done, parts)`` is called after each part. Finished parts stay in ``out + ".parts"`` until the sweep is complete, so that the
+    same call continues after an interruption. Another sweep needs another ``out``.
 
         >>> from distributed import Client
         >>> sweep("tap", "wall.k_desired_n_m_per_rad=1..20:1000", "timing.rate_hz=500..4000:1000", out="map", measure="k_displayed", executor=Client("host:8786"))
@@ -67,7 +68,7 @@ def sweep(
 def _compute(
     executor: Any, text: str | bytes, asked: list[str], folders: list[Path], progress: Callable[[int, int], object] | None
 ) -> None:
-    """Has every part computed that no folder holds yet."""
+    """Has the executor compute every part whose folder does not exist yet."""
     makes = callable(executor) and not hasattr(executor, "submit")
     for attempt in range(ATTEMPTS):
         missing = [part for part, folder in enumerate(folders) if not folder.exists()]
@@ -97,7 +98,7 @@ def _compute(
 
 
 def _part(text: str | bytes, asked: list[str], part: int, parts: int) -> dict[str, bytes]:
-    """Computes one part, wherever this runs; its files by name."""
+    """Computes one part on the worker that calls it; returns the part's files by name."""
     with tempfile.TemporaryDirectory(prefix="touchstone-") as folder:
         if isinstance(text, str):
             scene = text
@@ -118,7 +119,7 @@ def _part(text: str | bytes, asked: list[str], part: int, parts: int) -> dict[st
 
 
 def _keep(folder: Path, files: dict[str, bytes]) -> None:
-    """Writes a part's files, so that the folder is there whole or not at all."""
+    """Writes a part's files. The folder appears with all files or not at all."""
     written = Path(tempfile.mkdtemp(prefix="part-", dir=folder.parent))
     for name, content in files.items():
         (written / name).write_bytes(content)
@@ -126,6 +127,6 @@ def _keep(folder: Path, files: dict[str, bytes]) -> None:
 
 
 def _text_of(scene: Scene) -> str | bytes:
-    """A shipped scene's name, or the bytes of a file: a worker may be on another machine."""
+    """A shipped scene's name, or the content of a scene file, as a worker may run on another machine."""
     with _Scene(scene) as name:
         return Path(name).read_bytes() if Path(name).is_file() else name

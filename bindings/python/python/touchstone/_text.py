@@ -1,10 +1,10 @@
-"""Values of Python as settings have them: exact decimals, words, true and false."""
+"""Python values as the text of settings: exact decimals, words, true and false."""
 
 from decimal import Decimal
 
 
 def text(value: object) -> str:
-    """A setting's text. A float is its shortest decimal, without an exponent, as scenes and firmware read it."""
+    """The text of a setting's value. A float becomes its shortest decimal without an exponent, which scenes and firmware read."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (int, str)):

@@ -1,4 +1,4 @@
-"""The wall with its settings as a dict."""
+"""A wall whose settings are given as a dict."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from ._text import text
 
 
 class Wall(_native.Wall):
-    """A whole wall: estimator, law and guard, in the fixed point of the firmware and to its bits.
+    """A whole wall: estimator, law and guard, in the firmware's fixed-point arithmetic, with results equal to the last bit.
 
     ``settings`` maps paths of scenes to values: ``{"wall.k_desired_n_m_per_rad": 5, "law.kind": "tdpa"}``; ``touchstone config schema``
-    lists them. What is left out is as in the simulated knob that ships: tell the wall your own rate, inertia, damping, delay and encoder.
+    lists them. Settings that are left out are those of the shipped simulated knob: give your own rate, inertia, damping, delay and encoder.
     ``preset="thesis"`` starts from the settings of the thesis. Raises ``ValueError`` that names the setting and its range.
     """
 

@@ -1,7 +1,7 @@
-"""Gymnasium environments at a simulated knob: press a wall, find a detent, hold an angle against noise.
+"""Gymnasium environments with a simulated knob: press a wall, find a detent, hold an angle against noise.
 
-An agent is the hand: its action is a torque on the knob. The knob's own motor plays Touchstone's wall, or a force behind its guard, at 1 kHz; a step of
-an environment is ten of these ticks. Importing this module registers ``touchstone/Press-v0``, ``touchstone/FindDetent-v0`` and
+The agent is the hand: its action is a torque on the knob. The knob's motor renders Touchstone's wall, or a torque that the guard bounds, at 1 kHz. A
+step of an environment is ten of these ticks. Importing this module registers ``touchstone/Press-v0``, ``touchstone/FindDetent-v0`` and
 ``touchstone/Hold-v0``.
 
     >>> import gymnasium, touchstone.gym
@@ -34,13 +34,13 @@ HAND_TORQUE_N_M = 0.2
 MOTOR_TORQUE_N_M = 0.5
 COUNTS_PER_REV = 40_000
 COUNT_RAD = 2 * math.pi / COUNTS_PER_REV
-#: Beyond it an episode ends.
+#: Largest distance of the knob from angle 0; an episode ends beyond it.
 RANGE_RAD = math.pi
 FASTEST_RAD_PER_S = 100.0
 
 
 class Knob:
-    """An inertia with a damper, crossed exactly over a tick of constant torque."""
+    """A knob with inertia and damping; a tick with constant torque is integrated exactly."""
 
     def __init__(self, angle_rad: float = 0.0) -> None:
         self.angle_rad, self.speed_rad_per_s = angle_rad, 0.0
@@ -48,18 +48,18 @@ class Knob:
         self._decay = math.exp(-DAMPING_N_M_S_PER_RAD / INERTIA_KG_M2 / RATE_HZ)
 
     def advance(self, torque_n_m: float) -> None:
-        """One tick."""
+        """Moves the knob by one tick under a constant torque, N·m."""
         final = torque_n_m / DAMPING_N_M_S_PER_RAD
         before, self.speed_rad_per_s = self.speed_rad_per_s, final + (self.speed_rad_per_s - final) * self._decay
         self.angle_rad += final / RATE_HZ + (before - self.speed_rad_per_s) * INERTIA_KG_M2 / DAMPING_N_M_S_PER_RAD
 
     @property
     def count(self) -> int:
-        """What the encoder reads."""
+        """The encoder count at the knob's angle."""
         return math.floor(self.angle_rad / COUNT_RAD + 0.5)
 
     def moved_rad(self) -> float:
-        """How far the encoder moved since this was last called."""
+        """Measured displacement since the last call, rad."""
         before, self._count = self._count, self.count
         return (self._count - before) * COUNT_RAD
 
@@ -75,7 +75,7 @@ def _guard() -> Guard:
 
 
 class _AtTheKnob(gymnasium.Env[Observation, numpy.typing.ArrayLike], abc.ABC):
-    """What the environments share. Observed: angle (rad), speed (rad/s), the motor's torque (N·m), and the goal."""
+    """Base of the environments. An observation is angle (rad), speed (rad/s), the motor's torque (N·m), and the goal."""
 
     metadata = {"render_modes": []}
 
@@ -83,7 +83,7 @@ class _AtTheKnob(gymnasium.Env[Observation, numpy.typing.ArrayLike], abc.ABC):
         most = numpy.array([2 * RANGE_RAD, 10 * FASTEST_RAD_PER_S, MOTOR_TORQUE_N_M, 2 * RANGE_RAD], dtype=numpy.float32)
         self._most = most
         self.observation_space = gymnasium.spaces.Box(-most, most)
-        #: A share of HAND_TORQUE_N_M.
+        #: The hand's torque as a fraction (-1 to 1) of HAND_TORQUE_N_M.
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (1,), dtype=numpy.float32)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
@@ -115,7 +115,7 @@ class _AtTheKnob(gymnasium.Env[Observation, numpy.typing.ArrayLike], abc.ABC):
 
     @abc.abstractmethod
     def _begin(self) -> float:
-        """Draws an episode; where the knob stands then, rad."""
+        """Draws a random episode; returns the knob's first angle, rad."""
 
     @abc.abstractmethod
     def _motor(self) -> float:
@@ -123,19 +123,19 @@ class _AtTheKnob(gymnasium.Env[Observation, numpy.typing.ArrayLike], abc.ABC):
 
     @abc.abstractmethod
     def _goal(self) -> float:
-        """What the agent is told of its task."""
+        """The goal that the agent observes: a torque in N·m or an angle in rad."""
 
     @abc.abstractmethod
     def _error(self) -> float:
-        """How far from the goal; 1 is one tolerance away."""
+        """Distance from the goal, in tolerances of the task."""
 
     @abc.abstractmethod
     def _account_j(self) -> float | None:
-        """What the guard would still let out, J; None without a guard."""
+        """Energy that the hand may still get out, J; None without a guard."""
 
 
 class Press(_AtTheKnob):
-    """Press a virtual wall with a given torque: the error is what the motor resists beside it, in tenths of it."""
+    """Press a virtual wall with a given torque. The error is the motor's resisting torque minus the given one, in tenths of the given one."""
 
     def __init__(self, stiffness_n_m_per_rad: float = 1.0) -> None:
         super().__init__()
@@ -165,7 +165,7 @@ class Press(_AtTheKnob):
 
 
 class _Guarded(_AtTheKnob):
-    """A motor whose wanted torque goes through the guard."""
+    """Base of the environments in which the guard bounds the motor's requested torque."""
 
     def _begin(self) -> float:
         self._behind = _guard()
@@ -173,7 +173,7 @@ class _Guarded(_AtTheKnob):
 
     @abc.abstractmethod
     def _wanted(self) -> float:
-        """The torque before the guard, N·m."""
+        """The torque that is requested before the guard, N·m."""
 
     def _motor(self) -> float:
         wanted = self._wanted()
@@ -185,7 +185,7 @@ class _Guarded(_AtTheKnob):
 
 
 class FindDetent(_Guarded):
-    """Come to rest in the one deep detent among shallow ones, which is felt and not seen: the goal tells the torque of a deep one alone."""
+    """Come to rest in the one deep detent among shallow ones. The goal gives only its torque: where it is, the agent must feel."""
 
     WIDTH_RAD = 0.2
     DEEP_N_M, SHALLOW_N_M = 0.1, 0.02
@@ -208,7 +208,7 @@ class FindDetent(_Guarded):
 
 
 class Hold(_Guarded):
-    """Hold an angle while the motor plays noise of 30 mN·m through the guard: the error is in hundredths of a radian."""
+    """Hold an angle while the motor gives random torques of 30 mN·m rms through the guard. The error is in hundredths of a radian."""
 
     NOISE_N_M = 0.03
 

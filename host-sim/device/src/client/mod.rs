@@ -1,4 +1,4 @@
-//! Requests and their answers, and the telemetry between them.
+//! A client that sends requests to a board, receives their answers, and queues the telemetry between them.
 
 mod switch_off;
 
@@ -16,12 +16,12 @@ use touchstone_protocol::{
 };
 use touchstone_sim::error::{Error, Result};
 
-/// An answer takes some milliseconds, the erase of a flash page 25.
+/// Longest wait for an answer. An answer takes some milliseconds, the erase of a flash page 25.
 const ANSWER_LIMIT: Duration = Duration::from_millis(500);
-/// Once more where the answer was lost or damaged.
+/// Number of attempts for a request whose answer was lost or damaged.
 const TRIES: u32 = 3;
 
-/// A connection to a device that was identified.
+/// A connection to a device that has identified itself.
 pub struct Client {
     transport: Box<dyn Transport>,
     place: String,
@@ -33,10 +33,10 @@ pub struct Client {
 }
 
 impl Client {
-    /// Connects, and asks who is there.
+    /// Connects to a device and requests its identity.
     ///
     /// # Errors
-    /// No connection, no answer, or a device of another version.
+    /// No connection, no answer, or a device with another protocol version.
     pub fn connect(address: &Address) -> Result<Self> {
         let mut client = Client {
             transport: open(address)?,
@@ -62,22 +62,22 @@ impl Client {
         &self.identity
     }
 
-    /// The address, for messages.
+    /// The device's address as text, for messages.
     #[must_use]
     pub fn place(&self) -> &str {
         &self.place
     }
 
-    /// Frames that this side could not decode.
+    /// Number of received frames that the client could not decode.
     #[must_use]
     pub const fn decode_errors(&self) -> u32 {
         self.decoder.errors()
     }
 
-    /// Asks, and waits for the answer. A request without a lasting effect is repeated if its answer is lost.
+    /// Sends a request and waits for its answer. If the answer is lost, the request is repeated, except commands and `Save`.
     ///
     /// # Errors
-    /// No connection, no answer, or a refusal.
+    /// No connection, no answer, or a refusal by the device.
     pub fn ask(&mut self, request: &Request<'_>) -> Result<Reply> {
         // A command that is carried out twice is another command; a second `Save` wears the flash.
         let tries = match request {
@@ -92,7 +92,7 @@ impl Client {
         Err(self.silent(request))
     }
 
-    /// Sends a request once; `None` where no answer came.
+    /// Sends a request once and waits for its answer; `None` if no answer arrived in time.
     fn exchange(
         &mut self,
         request: &Request<'_>,
@@ -101,7 +101,7 @@ impl Client {
         self.answer(id)
     }
 
-    /// Sends, and waits for nothing; the number that an answer will have.
+    /// Sends a request without waiting. Returns the number that its answer will have.
     fn post(&mut self, request: &Request<'_>) -> Result<u8> {
         let id = self.next_id;
         self.next_id = id.wrapping_add(1);
@@ -116,7 +116,7 @@ impl Client {
         Ok(id)
     }
 
-    /// The same, of a request whose answer is `Done`.
+    /// Same as [`Self::ask`], for a request whose answer is `Done`.
     ///
     /// # Errors
     /// Same as [`Self::ask`].
@@ -127,7 +127,7 @@ impl Client {
         }
     }
 
-    /// The next telemetry record; `None` if none came for a while.
+    /// The next telemetry record; `None` if none arrived within some 20 ms.
     ///
     /// # Errors
     /// No connection.
@@ -138,12 +138,12 @@ impl Client {
         Ok(self.telemetry.pop_front())
     }
 
-    /// Drops the records that came in and were not taken: those from before a change of the decimation.
+    /// Drops the telemetry records in the queue, e.g. those from before a change of the decimation.
     pub fn forget_telemetry(&mut self) {
         self.telemetry.clear();
     }
 
-    /// Waits for the answer with this number.
+    /// Waits for the answer to the request with this number; `None` if it does not arrive in time.
     fn answer(&mut self, id: u8) -> Result<Option<std::result::Result<Reply, Refusal>>> {
         let until = Instant::now() + self.answer_limit;
         let mut wanted = Some((id, None));
@@ -156,7 +156,8 @@ impl Client {
         Ok(None)
     }
 
-    /// Takes what came in: telemetry into the queue, the wanted answer into its place. Answers that came too late are dropped.
+    /// Handles the received bytes: queues telemetry, and stores the answer with the number in `wanted`. Answers with other numbers
+    /// came too late and are dropped.
     fn receive(&mut self, wanted: &mut Wanted) -> Result<()> {
         let mut bytes = [0; 4096];
         let Received::Bytes(count) = self.transport.receive(&mut bytes)? else {
@@ -212,7 +213,7 @@ impl Client {
         }
     }
 
-    /// All settings of the device.
+    /// Requests all settings of the device.
     ///
     /// # Errors
     /// Same as [`Client::ask`].
@@ -223,7 +224,7 @@ impl Client {
         }
     }
 
-    /// An answer to another question.
+    /// The error for an answer of another type than the request needs.
     pub fn odd(&self, reply: &Reply) -> Error {
         let (problem, fix) = words::odd(reply);
         self.wrong(problem, fix)
@@ -235,10 +236,10 @@ impl Client {
     }
 }
 
-/// The number of the answer that is waited for, and its place.
+/// Number of the answer that is awaited, and the answer once it has arrived.
 type Wanted = Option<(u8, Option<std::result::Result<Reply, Refusal>>)>;
 
-/// An identity for the time before a device has answered.
+/// A placeholder identity, used until the device has answered.
 fn nobody() -> Identity {
     Identity {
         protocol_version: 0,

@@ -1,19 +1,20 @@
-//! Switching a device off over a link that loses frames: the command is sent until the device says that it is off.
+//! Switches a device off over a link that loses frames: sends the command until the device reports that it is off.
 
 use super::Client;
 use touchstone_link::told;
 use touchstone_protocol::{DeviceCommand, Reply, Request};
 use touchstone_sim::error::{Error, Result};
 
-/// How often the device is asked and told before it counts as out of reach: some ten seconds of silence.
+/// Number of attempts before the device counts as out of reach: some ten seconds of silence.
 const ROUNDS: u32 = 20;
-/// What an error says first where nobody knows whether the device is off.
+/// First words of an error message when it is unknown whether the device is off.
 pub const MAY_BE_ON: &str = "THE DEVICE MAY STILL BE ON";
 
 impl Client {
-    /// Switches the device off if it moves or may move something, and makes sure of it; what was done, in words.
+    /// Switches the device off if it moves or may move the shaft, and checks that it is off. Returns what was done, in words;
+    /// `None` if the device was off already.
     ///
-    /// Where no answer comes the command to stop goes out all the same: it is the answer that may be lost.
+    /// If no answer arrives, the command to stop is sent nevertheless, because only the answer may be lost.
     ///
     /// # Errors
     /// The device did not confirm. It may still be on.
@@ -38,10 +39,10 @@ impl Client {
         Err(self.may_be_on("it does not answer"))
     }
 
-    /// A command that switches off: sent again until it is answered, or the device says that it is off.
+    /// Sends a command that switches the device off. If its answer is lost, continues as [`Self::switch_off`].
     ///
     /// # Errors
-    /// A refusal, or the device did not confirm. It may still be on.
+    /// The device refused the command, or did not confirm. It may still be on.
     pub fn stop_by(&mut self, command: DeviceCommand) -> Result<()> {
         match self.exchange(&Request::Command(command)) {
             Ok(Some(Ok(_))) => Ok(()),
@@ -72,11 +73,11 @@ mod tests {
     };
     use touchstone_sim::error::Result;
 
-    /// A device behind a link that loses, damages or doubles frames by a seed.
+    /// A simulated device behind a link that loses, damages or doubles frames at random, by a seed.
     struct Link {
         phase: Arc<Mutex<Phase>>,
         chance: u64,
-        /// Of a hundred frames, so many are lost, each way.
+        /// Percentage of frames that are lost, in each direction.
         lost: [u64; 2],
         decoder: Decoder,
         answers: VecDeque<u8>,

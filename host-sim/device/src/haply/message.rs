@@ -1,14 +1,14 @@
-//! The JSON messages to and from the service of an Inverse3.
+//! The JSON messages to and from the maker's service for an Inverse3.
 
 use crate::haptic::DeviceStanding;
 use serde_json::{Value, json};
 
-/// The two generations of messages, which name a force's vector differently.
+/// The two generations of messages, which differ in the name of a force's vector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Generation {
-    /// Up to 3.4: `values`.
+    /// Service versions up to 3.4: the vector is called `values`.
     Values,
-    /// From 3.5 on: `vector`.
+    /// Service versions from 3.5 on: the vector is called `vector`.
     Vector,
 }
 
@@ -34,7 +34,7 @@ impl Generation {
         Some((parts.next()?.ok()?, parts.next()?.ok()?))
     }
 
-    /// The command of a force, N.
+    /// The message that commands a force, N.
     #[must_use]
     pub fn force(self, device: &str, [x, y, z]: [f64; 3]) -> String {
         let key = match self {
@@ -49,22 +49,22 @@ impl Generation {
     }
 }
 
-/// A device's state, of a message.
+/// A device's state, as a message of the service reports it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CursorState {
     /// The name of the device.
     pub device: String,
-    /// Where it is in its own frame, m.
+    /// Position of the handle in the device's own frame, m.
     pub position_m: [f64; 3],
-    /// State of the device.
+    /// Whether the device has its supply, is calibrated and has its motors on.
     pub standing: DeviceStanding,
 }
 
 impl CursorState {
-    /// Of a device by its name, or of the first there is.
+    /// Reads a state from a message: that of the device with this name, or of the first device in the message.
     ///
     /// # Errors
-    /// The problem of the message.
+    /// What is wrong with the message, in words.
     pub fn of(text: &str, device: Option<&str>) -> Result<Self, String> {
         let message: Value = serde_json::from_str(text).map_err(|why| why.to_string())?;
         let all = message["inverse3"]

@@ -1,7 +1,8 @@
-//! Haply's Inverse3, through the maker's service on this machine: a WebSocket, a state in, a force out.
+//! Haply's Inverse3, through the maker's service on this machine: a WebSocket that sends states and receives force commands.
 //!
-//! The service wants a command for every state, so its pace is the loop's. Its origin is moved to where the handle is at the
-//! beginning, as its own lies at the base. Nothing of its limits was to be had: force and workspace are chosen.
+//! The service expects a command after every state, so the service sets the loop's rate. The program moves the origin from the
+//! device's base to the position of the handle at the start. The device's limits are not published, so force and workspace are
+//! assumed.
 
 mod message;
 mod timed;
@@ -19,13 +20,14 @@ use timed::Timed;
 use touchstone_sim::harmless::one_line;
 use tungstenite::{Message, WebSocket, client::client};
 
-/// Default address of the service.
+/// Default TCP address of the maker's service.
 pub const SERVICE: &str = "localhost:10001";
-/// How long a connection may take, and a state may be missing.
+/// Longest time for a connection, and longest wait for a state.
 const PATIENCE: Duration = Duration::from_millis(300);
-/// States by which the pace is measured.
+/// Number of states over which the service's rate is measured.
 const MEASURED: u32 = 100;
-/// Longest force, N; radius and half height of the workspace, m; step of a position, m: chosen, not its maker's.
+/// Largest force (N) that the program commands. The next lines have radius and half height of the workspace and the position's
+/// resolution (m). All are assumed, not published by the maker.
 const FORCE_N: f64 = 3.0;
 const REACH_M: f64 = 0.1;
 const COUNT_M: f64 = 5e-5;
@@ -54,7 +56,7 @@ fn absent(service: &str, why: &std::io::Error) -> HapticFault {
     )
 }
 
-/// A connection that does not wait without end.
+/// Opens a TCP connection to the service whose reads and writes have a time limit.
 fn connected(service: &str) -> Result<Timed, HapticFault> {
     let wrong = |why: std::io::Error| absent(service, &why);
     let mut last = std::io::Error::from(ErrorKind::NotFound);
@@ -70,7 +72,7 @@ fn connected(service: &str) -> Result<Timed, HapticFault> {
     Err(wrong(last))
 }
 
-/// What `GET /version` says.
+/// The service's version text, the answer to `GET /version`.
 fn version(service: &str) -> Result<String, HapticFault> {
     let mut stream = connected(service)?;
     let wrong = |why: std::io::Error| absent(service, &why);
@@ -86,10 +88,10 @@ fn version(service: &str) -> Result<String, HapticFault> {
 }
 
 impl Inverse3 {
-    /// Connects to the service's first Inverse3, and measures its pace at no force.
+    /// Connects to the service's first Inverse3 and measures the service's rate while commanding no force.
     ///
     /// # Errors
-    /// No service, no device, or one that is not calibrated.
+    /// No service, no device, or a device that is not calibrated.
     pub fn connect(service: &str) -> Result<Self, HapticFault> {
         let version = version(service)?;
         let generation = Generation::of(&version).map_err(|why| {
@@ -134,7 +136,7 @@ impl Inverse3 {
         Ok(inverse)
     }
 
-    /// The first states: who it is, how it stands, and how fast it goes.
+    /// Reads the first states: which device it is, whether it is calibrated, and at which rate states arrive.
     fn meet(&mut self, version: &str) -> Result<(), HapticFault> {
         let first = self.state()?;
         if !first.standing.calibrated {
@@ -159,7 +161,7 @@ impl Inverse3 {
         Ok(())
     }
 
-    /// The next state. It has to be here, whole, by one deadline: neither pings nor single bytes put it off.
+    /// Waits for the next state. The whole state must arrive before one deadline, which neither pings nor single bytes extend.
     fn state(&mut self) -> Result<CursorState, HapticFault> {
         let wrong = lost("reading its state");
         let known = (!self.device.is_empty()).then(|| self.device.clone());
@@ -190,7 +192,7 @@ impl Inverse3 {
             .map_err(|why| lost("commanding the force")(why.to_string()))
     }
 
-    /// Discards states that came while none was requested, because they are old.
+    /// Discards states that arrived while none was read, because they are old.
     fn catch_up(&mut self) -> Result<(), HapticFault> {
         let until = Instant::now() + PATIENCE;
         loop {
@@ -238,7 +240,7 @@ impl HapticDevice for Inverse3 {
         })
     }
 
-    /// The state from its last message; the service sends no other.
+    /// The device's standing from the last message. The service sends no separate one.
     fn standing(&mut self) -> Result<DeviceStanding, HapticFault> {
         Ok(self.standing)
     }

@@ -1,10 +1,10 @@
-//! A connection on which one wait has one deadline, however many bytes it comes in.
+//! A TCP connection on which a whole wait has one deadline, no matter in how many pieces its bytes arrive.
 
 use std::io::{Error, ErrorKind, Read, Result, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-/// The socket's own time-outs begin anew with every byte; these do not.
+/// A TCP connection with a deadline for a whole wait. The socket's own time limit begins again with every byte.
 #[derive(Debug)]
 pub(super) struct Timed {
     stream: TcpStream,
@@ -21,13 +21,13 @@ impl Timed {
         }
     }
 
-    /// A new wait begins, of this length.
+    /// Begins a new wait of this length.
     pub fn begin(&mut self, patience: Duration) {
         self.patience = patience;
         self.until = Instant::now() + patience;
     }
 
-    /// Whether the wait is over.
+    /// Whether the deadline has passed.
     pub fn is_over(&self) -> bool {
         Instant::now() >= self.until
     }
@@ -40,7 +40,7 @@ impl Timed {
         )
     }
 
-    /// Waits for the socket no longer than to the deadline.
+    /// Reads or writes by `work`, for no longer than until the deadline.
     fn within(
         &mut self,
         set: fn(&TcpStream, Option<Duration>) -> Result<()>,

@@ -1,4 +1,4 @@
-//! What can be wrong with a haptic device, and what to do about it.
+//! Faults of a haptic device, each with advice what to do.
 
 use std::fmt;
 use touchstone_sim::error::Error;
@@ -6,19 +6,19 @@ use touchstone_sim::error::Error;
 /// Why a device switched its own motors off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SwitchOff {
-    /// The button was pressed or released.
+    /// The device's button was pressed or released.
     Button,
     /// The device was moved faster than its own limit.
     Velocity,
-    /// No command came in time.
+    /// The device's watchdog received no command in time.
     Watchdog,
-    /// A program.
+    /// A program switched the motors off.
     Software,
-    /// The USB was lost.
+    /// The USB connection was lost.
     Usb,
-    /// The handle was not held.
+    /// The handle was not held (dead-man switch).
     DeadMan,
-    /// Something that this program does not know, by the device's number.
+    /// A cause that this program does not know, with the device's number for it.
     Other(i32),
 }
 
@@ -36,28 +36,28 @@ impl fmt::Display for SwitchOff {
     }
 }
 
-/// A reason for which no force may act any more.
+/// A fault after which no force may act.
 #[derive(Debug, Clone, PartialEq)]
 pub enum HapticFault {
-    /// The device does not answer; holds the call and the message.
+    /// The device does not answer. Holds the name of the call and the error message.
     Lost(&'static str, String),
     /// The device is in use by another program.
     HeldElsewhere,
-    /// The device is present and cannot be used; holds the reason and how to mend it.
+    /// The device is present but cannot be used. Holds the reason and the advice.
     Unusable(String, String),
     /// The device switched its motors off by itself.
     SwitchedOff(SwitchOff),
-    /// No new position came for this time, s.
+    /// No new position arrived for this time, s.
     Stale(f64),
     /// A position or a force is not a finite number.
     NotFinite(&'static str),
     /// The motors gave less force than commanded for this time, s.
     Saturated(f64),
-    /// A tick came so late, s.
+    /// A tick was late by this time, s.
     Late(f64),
-    /// A jump of the position that no hand makes: speed, m/s.
+    /// The position jumped faster than a hand moves. Holds the speed, m/s.
     Jumped(f64),
-    /// Faster than the guard answers for.
+    /// The device moved faster than the speed up to which the energy guard's bound holds.
     Overspeed,
     /// The position is this far outside the workspace, m.
     Outside(f64),
@@ -84,7 +84,7 @@ impl fmt::Display for HapticFault {
 }
 
 impl HapticFault {
-    /// How to mend it.
+    /// The advice how to remove the fault.
     #[must_use]
     pub fn fix(&self) -> &str {
         match self {
@@ -107,7 +107,7 @@ impl HapticFault {
         }
     }
 
-    /// Converts the fault to the program's error.
+    /// Converts the fault to the program's error, which names the device by `place`.
     #[must_use]
     pub fn at(&self, place: &str) -> Error {
         Error::device(place, self.to_string(), self.fix())

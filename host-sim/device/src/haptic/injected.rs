@@ -1,58 +1,58 @@
-//! Faults around any device: at a call of one's choice, and seen from outside as the device's own.
+//! Injects faults into any device at a chosen call. To the caller they look like the device's own faults.
 
 use super::{Applied, DataSheet, DeviceStanding, HapticDevice, HapticFault, Sensed};
 use std::time::Duration;
 
-/// A call of a device.
+/// The calls of a device into which a fault can be injected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DeviceCall {
-    /// [`HapticDevice::engage`].
+    /// The call [`HapticDevice::engage`], which switches the motors on.
     Engage,
-    /// [`HapticDevice::sense`].
+    /// The call [`HapticDevice::sense`], which reads the position.
     Sense,
-    /// [`HapticDevice::command`].
+    /// The call [`HapticDevice::command`], which commands a force.
     Command,
-    /// [`HapticDevice::standing`].
+    /// The call [`HapticDevice::standing`], which requests the device's state.
     Standing,
-    /// [`HapticDevice::release`].
+    /// The call [`HapticDevice::release`], which switches the motors off and closes the device.
     Release,
 }
 
-/// The kind of fault.
+/// The fault that is injected into a call.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FaultKind {
-    /// The device is gone: this call and every later one fail, and no force acts.
+    /// The device is disconnected: this call and every later one fail, and no force acts.
     Unplugged,
-    /// Only this call fails; the commanded force stays.
+    /// Only this call fails; the last commanded force still acts.
     Fails,
     /// The device is in use by another program.
     Held,
-    /// From here on positions are the last one again.
+    /// From this call on the device returns the last position again.
     Stale,
-    /// From here on the motors give half.
+    /// From this call on the motors give half of the commanded force.
     Saturated,
-    /// The call takes this time.
+    /// The call takes this much longer.
     Slow(Duration),
-    /// From here on a coordinate is 20 mm off.
+    /// From this call on one coordinate is wrong by 20 mm.
     Jumps,
-    /// A coordinate is no number.
+    /// One coordinate is NaN.
     NotANumber,
-    /// The device's own safety switches it off.
+    /// The device's own safety switches its motors off.
     SwitchedOff(super::SwitchOff),
 }
 
-/// A fault at the `at`-th call, from 0, of a kind of call.
+/// A fault to inject at one call.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FaultInjection {
-    /// The call that fails.
+    /// The function whose call gets the fault.
     pub call: DeviceCall,
-    /// Which of these calls.
+    /// Number of the call of that function, from 0.
     pub at: u64,
-    /// What happens.
+    /// The fault to inject.
     pub kind: FaultKind,
 }
 
-/// A device at which something goes wrong.
+/// A device with an injected fault.
 #[derive(Debug)]
 pub struct Injected<D> {
     inner: D,
@@ -67,7 +67,7 @@ pub struct Injected<D> {
 }
 
 impl<D: HapticDevice> Injected<D> {
-    /// Around a device; without an injection it is that device, bit for bit.
+    /// Wraps a device. Without an injection it behaves as that device, bit for bit.
     pub fn new(inner: D, injection: Option<FaultInjection>) -> Self {
         Self {
             inner,
@@ -82,12 +82,15 @@ impl<D: HapticDevice> Injected<D> {
         }
     }
 
-    /// The device inside.
+    /// The wrapped device.
     pub fn inner(&mut self) -> &mut D {
         &mut self.inner
     }
 
-    /// The injected fault of this call, or the error that it returns.
+    /// Counts a call. Returns the fault to inject into it, if any.
+    ///
+    /// # Errors
+    /// The injected fault makes this call fail.
     fn hit(&mut self, call: DeviceCall) -> Result<Option<FaultKind>, HapticFault> {
         let count = &mut self.calls[call as usize];
         let number = *count;

@@ -1,9 +1,8 @@
-//! A haptic device: position in, force out, state, faults.
+//! A haptic device: reads positions, commands forces, reports its state and faults.
 //!
-//! One small trait for everything that a wall can be displayed on. Positions and forces have three axes in the device's own
-//! frame. A device of one degree of freedom uses the first and leaves the others at 0, and one axis of three is a device of
-//! one as well, [`OneAxis`]. What a device may do wrong is a [`HapticFault`], and can be made to happen around any of them:
-//! [`Injected`].
+//! The trait [`HapticDevice`] covers everything on which a wall can be rendered. Positions and forces have three axes in the
+//! device's own frame. A device with one degree of freedom uses the first axis and leaves the others at 0. [`OneAxis`] makes such a
+//! device from one axis of any device. A [`HapticFault`] is a device's fault; [`Injected`] makes any device have one.
 
 mod fault;
 mod injected;
@@ -19,42 +18,42 @@ pub use simulated_delta::{FALCON_RATE_HZ, SimulatedDelta};
 
 use touchstone_world::plant::Device;
 
-/// Data of a device that are known before it moves.
+/// A device's data that are known before it moves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DataSheet {
     /// Description for people: model, serial number, version.
     pub name: String,
     /// Degrees of freedom in which a force acts: 1 or 3.
     pub degrees: usize,
-    /// The longest force that it gives, N.
+    /// Largest force of the device, N.
     pub force_n: f64,
-    /// Where it may be held, m from the origin of its frame.
+    /// Where the effector may be, relative to the origin of the device's frame.
     pub workspace: Workspace,
-    /// Step of a measured position, m.
+    /// Resolution of the measured position, m.
     pub count_m: f64,
     /// Slowest and fastest control rate, Hz.
     pub rates_hz: (u32, u32),
-    /// Time from a position until its force acts, s; assumed where it was not measured.
+    /// Time from measuring a position until the force calculated from it acts, s; assumed where it was not measured.
     pub delay_s: f64,
     /// Mass and damping of each axis, where published or measured.
     pub axes: Option<[Device; 3]>,
     /// Least damping in the workspace in any direction, N·s/m, where published or measured.
     pub least_damping_n_s_per_m: Option<f64>,
-    /// Whether [`HapticDevice::sense`] waits for the device: its pace is then the loop's.
+    /// Whether [`HapticDevice::sense`] waits for the device, so that the device sets the rate of the loop.
     pub sets_the_pace: bool,
 }
 
-/// An upright cylinder around the origin.
+/// The workspace: a cylinder around the origin with a vertical axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Workspace {
     /// Radius of the workspace, m.
     pub radius_m: f64,
-    /// Half of its height, m.
+    /// Half of the workspace's height, m.
     pub half_height_m: f64,
 }
 
 impl Workspace {
-    /// How far a place is outside, m; 0 inside.
+    /// Distance of a position outside the workspace, m; 0 inside.
     #[must_use]
     pub fn outside_m(&self, [x, y, z]: [f64; 3]) -> f64 {
         let across = (x.hypot(y) - self.radius_m).max(0.0);
@@ -63,73 +62,73 @@ impl Workspace {
     }
 }
 
-/// A position that was read.
+/// A position that the device returned.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensed {
-    /// Place of the end effector, m.
+    /// Position of the end effector, m.
     pub position_m: [f64; 3],
-    /// Whether it was measured for this call; otherwise it is the last one again.
+    /// Whether the position was measured for this call; if not, it is the last one again.
     pub fresh: bool,
 }
 
-/// What became of a force.
+/// How much of a commanded force acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Applied {
-    /// The whole force acts.
+    /// The whole commanded force acts.
     Whole,
-    /// The motors give less, in the same direction; holds the acting force, N, if the device reports it.
+    /// The motors give less force in the same direction. Holds the acting force, N, if the device reports it.
     Saturated(Option<[f64; 3]>),
 }
 
-/// Where a device stands.
+/// The state of a device: supply, calibration, motors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DeviceStanding {
-    /// The device has its supply.
+    /// Whether the device has its supply.
     pub powered: bool,
-    /// The device is calibrated.
+    /// Whether the device is calibrated.
     pub calibrated: bool,
-    /// The motors are on.
+    /// Whether the motors are on.
     pub motors_on: bool,
-    /// Why they do not, where the device itself switched them off.
+    /// Why the device switched its motors off by itself; `None` if it did not.
     pub switched_off: Option<SwitchOff>,
 }
 
-/// A device with a force.
+/// A device that can give a force.
 ///
-/// Every call returns: none waits without end. After a fault only [`HapticDevice::release`] may follow.
+/// Every call returns within a bounded time. After a fault only [`HapticDevice::release`] may be called.
 pub trait HapticDevice {
-    /// The known data of the device.
+    /// The device's known data.
     fn sheet(&self) -> &DataSheet;
 
-    /// Motors on, at no force.
+    /// Switches the motors on, with no force.
     ///
     /// # Errors
-    /// The device cannot be used, or not now.
+    /// The device cannot be used, or not at present.
     fn engage(&mut self) -> Result<(), HapticFault>;
 
-    /// The position now; a device that sets the pace waits for its next one.
+    /// Reads the present position. A device that sets the loop's rate waits for its next one.
     ///
     /// # Errors
     /// No position could be read.
     fn sense(&mut self) -> Result<Sensed, HapticFault>;
 
-    /// The force on the hand from now on, N.
+    /// Commands the force on the hand, N, which acts from now on.
     ///
     /// # Errors
     /// The force does not act.
     fn command(&mut self, force_n: [f64; 3]) -> Result<Applied, HapticFault>;
 
-    /// Where it stands; asks the device.
+    /// Requests the device's state.
     ///
     /// # Errors
     /// The device does not answer.
     fn standing(&mut self) -> Result<DeviceStanding, HapticFault>;
 
-    /// No force, motors off, and the device free for others. Tries everything a bounded number of times whatever fails, and does nothing
-    /// the second time.
+    /// Sets the force to zero, switches the motors off and closes the device. Tries every step a bounded number of times, even if
+    /// another step failed. A second call does nothing.
     ///
     /// # Errors
-    /// A part of the release failed in every try; the rest was done.
+    /// A step failed in every attempt; the other steps were done.
     fn release(&mut self) -> Result<(), HapticFault>;
 }
 

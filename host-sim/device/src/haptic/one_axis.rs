@@ -1,8 +1,8 @@
-//! One axis of a device, with scalar position and force.
+//! One axis of a device, with its position and force as single numbers.
 
 use super::{Applied, HapticDevice, HapticFault};
 
-/// A device of one degree of freedom, along an axis of another; the other axes are free.
+/// A device with one degree of freedom: one axis of another device. The force on the other axes is zero.
 #[derive(Debug)]
 pub struct OneAxis<D> {
     device: D,
@@ -10,7 +10,7 @@ pub struct OneAxis<D> {
 }
 
 impl<D: HapticDevice> OneAxis<D> {
-    /// Along axis 0 to 2 of a device; of a device of one degree of freedom, 0.
+    /// Uses axis 0, 1 or 2 of a device; only 0 for a device with one degree of freedom.
     ///
     /// # Errors
     /// The device has no such axis.
@@ -24,12 +24,12 @@ impl<D: HapticDevice> OneAxis<D> {
         ))
     }
 
-    /// The device, e.g. to engage and release it.
+    /// The whole device, e.g. to engage and release it.
     pub fn device(&mut self) -> &mut D {
         &mut self.device
     }
 
-    /// The coordinate now, m.
+    /// The present position along the axis, m.
     ///
     /// # Errors
     /// Same as [`HapticDevice::sense`].
@@ -37,7 +37,7 @@ impl<D: HapticDevice> OneAxis<D> {
         Ok(self.device.sense()?.position_m[self.axis])
     }
 
-    /// The force along the axis from now on, N.
+    /// Commands the force along the axis, N, which acts from now on.
     ///
     /// # Errors
     /// Same as [`HapticDevice::command`].

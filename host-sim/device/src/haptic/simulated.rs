@@ -1,4 +1,4 @@
-//! A simulated device: the Cartesian plant, in a hand whose rest point moves.
+//! A simulated device: a mass with damping on each axis, in a simulated hand whose rest point moves.
 
 use super::{
     Applied, DataSheet, DeviceStanding, HapticDevice, HapticFault, Sensed, Workspace, length,
@@ -8,19 +8,19 @@ use touchstone_world::plant::{
     OMEGA3_AXIS, State,
 };
 
-/// The simulated part of a device, with or without a hand.
+/// The parameters of a simulated device, with or without a hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeviceTwin {
-    /// Limits.
+    /// Limits of force, workspace, resolution and rate.
     pub limits: Limits,
-    /// Each axis, in kg and N·s/m.
+    /// Mass (kg) and damping (N·s/m) of each axis.
     pub axes: [Device; 3],
-    /// The hand that holds it; without one the hand's rest point is only used at the start.
+    /// The hand that holds the device. Without one, the hand's rest point is used only as the start position.
     pub hand: Option<Hand>,
 }
 
 impl Default for DeviceTwin {
-    /// The omega.3 by its published limits, in a firm hand.
+    /// The omega.3 with its published limits, in a firm hand.
     fn default() -> Self {
         Self {
             limits: OMEGA3,
@@ -30,7 +30,7 @@ impl Default for DeviceTwin {
     }
 }
 
-/// A plant with its state.
+/// The equations of motion and their state: with a hand, or of the device alone.
 #[derive(Debug, Clone)]
 #[expect(
     clippy::large_enum_variant,
@@ -42,7 +42,7 @@ enum Simulated {
 }
 
 impl DeviceTwin {
-    /// Whether it can be: its plant over an interval.
+    /// Checks that the device can be simulated.
     ///
     /// # Errors
     /// [`Invalid`] for settings that no device or hand can have.
@@ -83,10 +83,10 @@ impl Simulated {
     }
 }
 
-/// The hand's intended position after this many seconds, m.
+/// The rest point of the hand, m (where the hand intends to be), as a function of time, s.
 pub type Rest = Box<dyn FnMut(f64) -> [f64; 3] + Send>;
 
-/// A device that is simulated one control interval further at every command, under the force commanded.
+/// A simulated device. Every commanded force advances the simulation by one control interval under that force.
 pub struct SimulatedArm {
     sheet: DataSheet,
     twin: DeviceTwin,
@@ -98,7 +98,7 @@ pub struct SimulatedArm {
 }
 
 impl SimulatedArm {
-    /// At rest where the hand means to be.
+    /// A device at rest at the hand's rest point at time 0.
     ///
     /// # Errors
     /// [`HapticFault::Unusable`] for settings that no device or hand can have.
@@ -138,7 +138,7 @@ impl SimulatedArm {
         })
     }
 
-    /// The name that it shows.
+    /// The device with another name in its data sheet.
     #[must_use]
     pub fn named(mut self, name: impl Into<String>) -> Self {
         self.sheet.name = name.into();

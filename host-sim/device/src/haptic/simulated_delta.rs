@@ -1,4 +1,4 @@
-//! A simulated delta: torques of three motors, joints in counts, in a hand whose rest point moves.
+//! A simulated delta mechanism with three motors and three joint encoders, in a hand whose rest point moves.
 
 use super::simulated::Rest;
 use super::{
@@ -8,13 +8,14 @@ use touchstone_world::plant::{
     DeltaDevice, DeltaPlant, DeltaPose, DeltaState, Device, FALCON, Hand, Unreachable,
 };
 
-/// A delta that is simulated one control interval further at every command, under the torques of the force commanded.
+/// A simulated delta mechanism. Every commanded force advances the simulation by one control interval under the motor torques of
+/// that force.
 pub struct SimulatedDelta {
     sheet: DataSheet,
     device: DeltaDevice,
     plant: DeltaPlant,
     state: DeltaState,
-    /// Where its encoders say that it is.
+    /// The pose by the joint encoders.
     measured: DeltaPose,
     rest: Rest,
     interval_s: f64,
@@ -22,14 +23,14 @@ pub struct SimulatedDelta {
     engaged: bool,
 }
 
-/// Of the Falcon, as CHAI3D has it: 8 N within 40 mm around the centre; its loop is one of 1 kHz.
+/// Largest force of the Novint Falcon, N. This and the workspace of 40 mm around the centre are the values in CHAI3D.
 const FALCON_FORCE_N: f64 = 8.0;
 const FALCON_REACH_M: f64 = 0.04;
 const FALCON_WORKSPACE: Workspace = Workspace {
     radius_m: FALCON_REACH_M,
     half_height_m: FALCON_REACH_M,
 };
-/// The fastest rate of its loop, Hz.
+/// Fastest control rate of the Falcon, Hz.
 pub const FALCON_RATE_HZ: u32 = 1000;
 
 /// The fault for a position that the mechanism cannot reach.
@@ -40,7 +41,7 @@ fn left(why: Unreachable) -> HapticFault {
     )
 }
 
-/// Least damping over all directions and reachable positions of the workspace.
+/// Least damping over all directions at a grid of reachable positions of the workspace, N·s/m.
 fn least_damping(device: &DeltaDevice) -> f64 {
     let steps = || (-4_i32..=4).map(|step| FALCON_REACH_M * f64::from(step) / 4.0);
     let places = steps().flat_map(|x| steps().flat_map(move |y| steps().map(move |z| [x, y, z])));
@@ -55,7 +56,7 @@ fn least_damping(device: &DeltaDevice) -> f64 {
 }
 
 impl SimulatedDelta {
-    /// The Falcon's geometry, at rest where the hand means to be, or would be if there were one.
+    /// A mechanism with the Falcon's geometry, at rest at the hand's rest point at time 0 (also if there is no hand).
     ///
     /// # Errors
     /// [`HapticFault::Unusable`] for settings that no hand can have, or a position out of reach.
@@ -230,7 +231,8 @@ mod tests {
         );
     }
 
-    /// The guard counts on it, so no place may have less; a place between those that were examined has some more or less.
+    /// Checks that no position has less damping than the guard trusts, which is 80 % of the least damping on the grid. Between the
+    /// grid's positions the damping differs a little.
     #[test]
     fn nowhere_in_the_workspace_has_less_damping_than_is_told() {
         let told = least_damping(&FALCON);

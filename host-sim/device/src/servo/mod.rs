@@ -1,11 +1,11 @@
-//! The loop of a device that has no law of its own: a position, a law, a force, at every tick.
+//! The servo loop of a device without a control law of its own: in every tick it reads a position, calculates a force and commands it.
 //!
 //! ```text
 //! pace -> position (stale? a number? a jump? outside?) -> law and guard -> ramp -> workspace -> limit -> force
 //! ```
 //!
-//! Whatever goes wrong ends the loop with the device released, before anything else is done: each fault, a panic of the law, and the
-//! stop that was asked for. What the device does by itself when this program is killed is the device's matter.
+//! Every end of the loop releases the device before anything else is done: a fault, a panic of the force law, a requested stop. If this
+//! program is killed, only the device itself can switch its motors off.
 
 mod lateness;
 mod pace;
@@ -19,43 +19,43 @@ pub use speed::SpeedEstimate;
 
 use crate::haptic::{Applied, DataSheet, HapticDevice, HapticFault, Workspace, length};
 
-/// What makes a force of a position, once a tick.
+/// A force law: calculates a force from a position once in every tick.
 pub trait ForceLaw {
-    /// The force on the hand, N, for the end effector here, m.
+    /// Returns the force on the hand, N, for this position of the end effector, m.
     ///
     /// # Errors
-    /// No tick may act any more.
+    /// A fault after which no force may act.
     fn tick(&mut self, position_m: [f64; 3]) -> Result<[f64; 3], HapticFault>;
 
-    /// The force that acts in the end, where something made that of [`ForceLaw::tick`] smaller.
+    /// Receives the force that acts in the end, N. Limits may have made it smaller than that of [`ForceLaw::tick`].
     fn commanded(&mut self, _force_n: [f64; 3]) {}
 }
 
-/// The limits that apply whatever the law commands.
+/// The loop's limits, which apply whatever the force law commands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoLimits {
-    /// Longest force, N; never more than the device's own.
+    /// Largest force, N; never more than the device's own largest force.
     pub force_n: f64,
     /// Time in which the force fades in after the start, s.
     pub ramp_s: f64,
-    /// Where a force may act; it fades out over [`ServoLimits::margin_m`] outside.
+    /// The workspace in which a force may act. Outside it the force fades out over [`ServoLimits::margin_m`].
     pub workspace: Workspace,
-    /// Over how much the force fades out outside, m.
+    /// Distance outside the workspace at which the force has faded to zero, m.
     pub margin_m: f64,
     /// Distance outside the workspace that ends the loop, m.
     pub outside_m: f64,
-    /// Faster than this is no hand, m/s, over a tick.
+    /// Largest speed between two ticks, m/s. A higher one counts as a jump of the position and ends the loop.
     pub jump_m_per_s: f64,
-    /// A force that is held for longer, by a late tick or a slow call, ends the loop, s.
+    /// Longest lateness of a tick or of a call's return, s. A force that is held for longer ends the loop.
     pub late_s: f64,
-    /// Age of a position that ends the loop, s.
+    /// Age of the last new position that ends the loop, s.
     pub stale_s: f64,
-    /// Time of too little force from the motors that ends the loop, s.
+    /// Time of saturated motors that ends the loop, s.
     pub saturated_s: f64,
 }
 
 impl ServoLimits {
-    /// Limits for a device, from its own data sheet.
+    /// The limits for a device, from its data sheet.
     #[must_use]
     pub fn of(sheet: &DataSheet) -> Self {
         Self {
@@ -75,51 +75,51 @@ impl ServoLimits {
 /// How a loop ended.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ending {
-    /// A stop was requested.
+    /// The caller requested a stop.
     Asked,
-    /// A fault.
+    /// A fault ended the loop.
     Fault(HapticFault),
 }
 
-/// The outcome of a loop.
+/// The result of a servo loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServoReport {
-    /// Control ticks that were played.
+    /// Number of control ticks that ran.
     pub ticks: u64,
-    /// Ticks that should have been and were not: a force was held for longer.
+    /// Number of ticks that were left out because the loop was late; the force was held for longer.
     pub missed_ticks: u64,
-    /// How late ticks began.
+    /// Histogram of the lateness of ticks.
     pub lateness: TickLateness,
-    /// Ticks with an old position.
+    /// Number of ticks in which the device returned an old position.
     pub stale_ticks: u64,
-    /// Ticks at which the motors gave less.
+    /// Number of ticks in which the motors were saturated.
     pub saturated_ticks: u64,
-    /// Ticks outside the workspace.
+    /// Number of ticks outside the workspace.
     pub outside_ticks: u64,
-    /// Longest force commanded, N.
+    /// Largest force that acted, N.
     pub force_max_n: f64,
-    /// Highest speed, by the loop's own estimate, m/s.
+    /// Highest speed of the end effector by the loop's own estimate, m/s.
     pub speed_max_m_per_s: f64,
-    /// How the run ended.
+    /// How the loop ended.
     pub ending: Ending,
-    /// The part of the release that failed, if any.
+    /// The fault of the release, if a step of it failed.
     pub release: Result<(), HapticFault>,
 }
 
-/// The record of a tick, after its force was commanded.
+/// The data of a tick, after its force was commanded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoTick {
     /// Number of the tick, from 0.
     pub number: u64,
-    /// Intervals since the first, those of missed ticks among them.
+    /// Number of control intervals since the first tick, including those of missed ticks.
     pub due: u64,
-    /// The place, m.
+    /// Position of the end effector, m.
     pub position_m: [f64; 3],
     /// The force that acts, N.
     pub force_n: [f64; 3],
 }
 
-/// A device whose motors are on; off again, and the device free, when it goes out of scope for whatever reason.
+/// A device whose motors are on. When this value goes out of scope for any reason, the device is released.
 struct Engaged<'d, D: HapticDevice>(&'d mut D);
 
 impl<D: HapticDevice> Drop for Engaged<'_, D> {
@@ -129,10 +129,10 @@ impl<D: HapticDevice> Drop for Engaged<'_, D> {
     }
 }
 
-/// Time between requests of the device's state, s.
+/// Time between two requests of the device's state, s.
 const STANDING_S: f64 = 1e-3;
 
-/// Plays a law on a device until `more` says no, or something is wrong. The device is released in every case.
+/// Runs a force law on a device until `more` returns false or a fault occurs. The device is released in every case.
 pub fn play<D: HapticDevice>(
     device: &mut D,
     law: &mut impl ForceLaw,
@@ -271,7 +271,7 @@ fn looped<D: HapticDevice>(
     Ok(())
 }
 
-/// A force that acts for too long is no control any more.
+/// Checks the lateness. A force that acts for much longer than its tick is not controlled.
 fn in_time(late_s: f64, limits: &ServoLimits) -> Result<(), HapticFault> {
     match late_s > limits.late_s {
         true => Err(HapticFault::Late(late_s)),

@@ -1,27 +1,27 @@
-//! What ticks wait for.
+//! The pace of the servo loop: decides when its ticks begin.
 
 use std::time::{Duration, Instant};
 
-/// What became of a wait.
+/// The result of a wait for a tick.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Waited {
-    /// How late the tick begins, s.
+    /// Lateness of the tick that begins, s.
     pub late_s: f64,
-    /// How many ticks were left out before it.
+    /// Number of ticks that were left out before it.
     pub missed_ticks: u64,
 }
 
-/// Decides when ticks begin.
+/// Decides when the ticks of the servo loop begin.
 pub trait Pace {
-    /// The first tick is due now.
+    /// Starts the pace: the first tick is due now.
     fn start(&mut self);
-    /// Waits until a tick is due.
+    /// Waits until the next tick is due.
     fn wait(&mut self) -> Waited;
-    /// How much longer than its interval the tick that runs takes already, s.
+    /// Time by which the present tick has already exceeded its interval, s.
     fn late_s(&self) -> f64;
 }
 
-/// The machine's clock. A tick that is late by whole intervals leaves these out, so that no burst of ticks makes up for them.
+/// The pace of the machine's clock. A tick that is late by whole intervals leaves these out, so that no burst of ticks follows.
 #[derive(Debug, Clone)]
 pub struct RealTime {
     interval: Duration,
@@ -30,11 +30,11 @@ pub struct RealTime {
     first: bool,
 }
 
-/// Typical lateness of a thread's waking; the rest of a wait is spent polling.
+/// Typical lateness with which the operating system wakes a thread, ns. The last part of a wait, of this length, polls the clock.
 const WAKING_NS: u32 = 100_000;
 
 impl RealTime {
-    /// A pace at this rate.
+    /// A pace with this rate.
     #[must_use]
     pub fn new(rate_hz: u32) -> Self {
         Self {
@@ -74,7 +74,7 @@ impl Pace for RealTime {
     }
 }
 
-/// Simulated time: every tick is due immediately and none is late.
+/// The pace of simulated time: every tick is due at once and none is late.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct SimulatedPace;
 
@@ -88,7 +88,8 @@ impl Pace for SimulatedPace {
     }
 }
 
-/// The device's: its positions come when they come. A tick is late by what it came later than an interval after the last.
+/// The pace of a device that sets the loop's rate. A tick is late by the time by which it began more than an interval after the
+/// last tick.
 #[derive(Debug, Clone)]
 pub struct DevicePace {
     interval: Duration,
@@ -97,7 +98,7 @@ pub struct DevicePace {
 }
 
 impl DevicePace {
-    /// The pace of a device that is expected to send at this rate.
+    /// The pace of a device that is expected to send positions at this rate.
     #[must_use]
     pub fn new(rate_hz: u32) -> Self {
         Self {

@@ -1,15 +1,15 @@
-//! Real-time priority and locked memory, where the system permits them.
+//! Real-time priority and locked memory for the servo loop, if the operating system permits them.
 
-/// The priority that was obtained, or why not.
+/// The priority that the loop's thread obtained, or why it did not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Priority {
-    /// Whether the thread goes before all others (`SCHED_FIFO`); otherwise why not.
+    /// Whether the thread runs before all ordinary threads (`SCHED_FIFO`); otherwise the reason.
     pub first: Result<(), String>,
-    /// Whether no page of memory can be swapped out (`mlockall`); otherwise why not.
+    /// Whether the memory is locked, so that no page can be swapped out (`mlockall`); otherwise the reason.
     pub locked: Result<(), String>,
 }
 
-/// Requests both for the calling thread. A refusal is not an error, since missed ticks are counted.
+/// Requests real-time priority and locked memory for the calling thread. A refusal is no error, because missed ticks are counted.
 #[must_use]
 pub fn real_time() -> Priority {
     Priority {
@@ -18,7 +18,7 @@ pub fn real_time() -> Priority {
     }
 }
 
-/// A priority within the real-time range, in hundredths: before all ordinary threads, after the kernel's own interrupts.
+/// The thread's priority in % of the real-time range: before all ordinary threads, after the kernel's own interrupts.
 const SHARE: u8 = 80;
 
 #[cfg(unix)]

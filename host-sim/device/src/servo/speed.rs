@@ -1,9 +1,10 @@
-//! The loop's own speed: the vendor's is by default a mean over 20 ms, and some devices have none.
+//! The speed as the loop itself estimates it. The omega.3 library's speed is by default a mean over 20 ms, and some devices report
+//! none.
 
-/// The window of the slope, s.
+/// Length of the window over which the speed is estimated, s.
 const WINDOW_S: f64 = 4e-3;
 
-/// Speed by the least-squares slope of the last positions.
+/// An estimate of the speed: the least-squares slope of the last positions.
 #[derive(Debug, Clone)]
 pub struct SpeedEstimate {
     interval_s: f64,
@@ -13,7 +14,7 @@ pub struct SpeedEstimate {
 }
 
 impl SpeedEstimate {
-    /// A pace at this rate.
+    /// An estimate for positions that come at this rate.
     #[must_use]
     pub fn new(rate_hz: u32) -> Self {
         let ticks = (WINDOW_S * f64::from(rate_hz)).ceil().max(2.0) as usize;
@@ -25,7 +26,7 @@ impl SpeedEstimate {
         }
     }
 
-    /// The speed with this position, m/s; 0 until the window is full.
+    /// Adds a position and returns the speed, m/s; 0 until the window is full.
     pub fn take(&mut self, position_m: [f64; 3]) -> f64 {
         let size = self.window.len();
         self.window[self.next] = position_m;

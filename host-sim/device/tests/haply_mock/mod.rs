@@ -1,4 +1,4 @@
-//! Haply's service for tests: both generations of its messages, around the simulated plant.
+//! A simulated service of Haply for tests: speaks both generations of messages and simulates the device.
 
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -8,17 +8,17 @@ use std::time::{Duration, Instant};
 use touchstone_device::haptic::{self, DeviceTwin, HapticDevice, SimulatedArm};
 use tungstenite::{Message, WebSocket, accept};
 
-/// The fault of a state message.
+/// A fault of the simulated service's messages.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Wrong {
     Nothing,
     Gone,
     Silent,
-    /// Pings, and no state any more.
+    /// Sends pings instead of states.
     Pings,
-    /// The state, a byte every 200 ms.
+    /// Sends the state byte by byte, one byte every 200 ms.
     Drip,
-    /// The state as bytes, not as text.
+    /// Sends the state as a binary message instead of text.
     Binary,
     Unlisted,
     NoNumber,
@@ -26,14 +26,14 @@ pub enum Wrong {
     Uncalibrated,
 }
 
-/// The messages that a service received until its end.
+/// What the service had received by its end.
 #[derive(Debug, Default, Clone)]
 pub struct Saw {
     pub longest_n: f64,
     pub last_n: f64,
     pub commands: u32,
     pub refused: u32,
-    /// Time for which a service that stopped sending states still had a client.
+    /// Time for which the client stayed connected after the service stopped sending states, s.
     pub held_s: f64,
 }
 
@@ -73,7 +73,7 @@ impl Service {
     }
 }
 
-/// Keeps the connection busy without a state, until the client is gone or ten seconds are over; gives the time.
+/// Sends other data than states until the client disconnects or ten seconds are over. Returns the time that passed, s.
 fn other_than_states(socket: &mut WebSocket<TcpStream>, wrong: Wrong, state: &str) -> f64 {
     let begun = Instant::now();
     let stream = socket.get_ref().try_clone().unwrap();

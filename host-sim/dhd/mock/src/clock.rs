@@ -1,13 +1,13 @@
-//! The device's time: the machine's, or one that a test moves.
+//! The mock device's clock: the machine's clock, or one that a test advances.
 
 use std::time::Instant;
 
-/// Seconds since the library was loaded.
+/// A clock of seconds since the library was loaded.
 #[derive(Debug, Clone, Copy)]
 pub enum MockClock {
-    /// Real time.
+    /// The machine's clock.
     Real(Instant),
-    /// Moved by every call by what it costs, and by waits.
+    /// A test's clock, s. Each call advances it by the time that the call takes, and a test can wait.
     Own(f64),
 }
 
@@ -19,7 +19,7 @@ impl MockClock {
         }
     }
 
-    /// Lets time pass; in real time it passes anyway, unless a call is to be slow.
+    /// Lets time pass. On the machine's clock time passes by itself, so this function sleeps only if `slow` is true.
     pub fn pass(&mut self, seconds: f64, slow: bool) {
         match self {
             Self::Own(now) => *now += seconds,

@@ -1,4 +1,4 @@
-//! The tests' access to a library that the program loaded: sets faults, and reads what was noted.
+//! A test's access to the mock library that the program has loaded: plans faults and reads what the mock recorded.
 #![allow(unsafe_code)] // To load the library a second time, which gives the same one.
 
 use crate::machine::machine;
@@ -6,12 +6,13 @@ use libloading::Library;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Longest text.
+/// Longest text to the mock, bytes.
 pub const TEXT: usize = 96;
 
-/// Answers a question, or takes a line of a plan and gives 1.
+/// Answers a question by a number, or accepts a line of a plan and returns 1. NaN for an unknown text.
 ///
-/// `wrong`, `zero`, `released`: times of [`crate::machine::Noted`]; `now`, `wait S`; `force`, `longest`, `late`, `max`; `count CALL`; `open`.
+/// `wrong`, `zero`, `released`: times of [`crate::machine::Noted`]; `now`, `wait S`; `force`, `longest`, `late`, `max`; `count
+/// CALL`; `open`.
 pub(crate) fn answer(text: &[u8; TEXT]) -> f64 {
     let end = text.iter().position(|byte| *byte == 0).unwrap_or(TEXT);
     let Ok(text) = std::str::from_utf8(&text[..end]) else {
@@ -40,7 +41,7 @@ pub(crate) fn answer(text: &[u8; TEXT]) -> f64 {
     }
 }
 
-/// A library of one's own: a copy of the file, so that tests side by side do not share a device.
+/// A test's own copy of the mock library. Tests that run at the same time do not share a device.
 #[derive(Debug)]
 pub struct Door {
     library: Library,
@@ -50,7 +51,7 @@ pub struct Door {
 /// Path of the mock library, which cargo builds into the folder of the running test.
 ///
 /// # Panics
-/// It does not exist.
+/// The library is not there.
 #[must_use]
 pub fn built() -> PathBuf {
     let name = libloading::library_filename("touchstone_mock_dhd");
@@ -63,7 +64,7 @@ pub fn built() -> PathBuf {
 }
 
 impl Door {
-    /// A copy in a folder, with a plan.
+    /// Copies the mock library into a folder, loads it and gives it a plan of faults.
     ///
     /// # Panics
     /// The library cannot be copied, or the plan is not understood.
@@ -94,13 +95,13 @@ impl Door {
         door
     }
 
-    /// Position, m.
+    /// Path of the copied library.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Sends a text, returns a number.
+    /// Sends a text to the mock and returns its answer.
     ///
     /// # Panics
     /// The text is too long or not understood.

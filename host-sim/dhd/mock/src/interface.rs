@@ -1,4 +1,4 @@
-//! The functions, by the names and types of `dhdc.h` and `drdc.h`.
+//! The mock's functions, with the names and types of `dhdc.h` and `drdc.h`.
 #![allow(unsafe_code)] // `no_mangle` alone: no block in here is unsafe.
 #![allow(non_snake_case)] // The vendor's names.
 
@@ -8,7 +8,7 @@ use std::ffi::{c_char, c_int, c_uchar, c_ushort};
 use std::ptr;
 use touchstone_world::plant::OMEGA3;
 
-/// A call to the open device: runs `does` unless a fault is set.
+/// A call that needs the open device: runs `does`, unless the plan makes the call fail.
 fn of_device(call: &'static str, does: impl FnOnce(&mut Machine, u64) -> c_int) -> c_int {
     let mut machine = machine();
     let entered = machine.enter(call);
@@ -130,7 +130,7 @@ extern "system" fn dhdGetSerialNumber(serial: Option<&mut c_ushort>, _id: c_char
     })
 }
 
-/// Writes as many words as the vendor's header of this version has, into room of unknown size.
+/// Writes as many status words as the maker's header of this version has. The library does not know how much room the caller has.
 #[unsafe(no_mangle)]
 extern "system" fn dhdGetStatus(status: Option<&mut [c_int; 32]>, _id: c_char) -> c_int {
     of_device("dhdGetStatus", |machine, number| {
@@ -259,7 +259,7 @@ extern "system" fn dhdGetEffectorMass(mass_kg: Option<&mut f64>, _id: c_char) ->
     })
 }
 
-/// Succeeds without a device, and leaves the last error: so the vendor's was measured.
+/// Succeeds without a device and keeps the last error, as the maker's library was measured to do.
 #[unsafe(no_mangle)]
 extern "system" fn dhdEnableExpertMode() -> c_int {
     machine().expert = true;
@@ -272,7 +272,7 @@ extern "system" fn dhdDisableExpertMode() -> c_int {
     0
 }
 
-/// Made up, as are those below: no geometry of an omega.3 is public. An angle a centimetre.
+/// An invented geometry, like the functions below: that of an omega.3 is not public. A joint's radian moves the effector by 0.1 m.
 const METRES_PER_RADIAN: f64 = 0.1;
 
 #[unsafe(no_mangle)]
@@ -341,7 +341,7 @@ extern "system" fn dhdGetJointAngleRange(
     })
 }
 
-/// The tests' own access: takes a text, filled up with zeros, returns a number; NaN for an unknown text.
+/// The function for tests: takes a text, padded with zeros, and returns a number; NaN for an unknown text.
 #[unsafe(no_mangle)]
 extern "system" fn touchstone_mock(text: &[u8; crate::door::TEXT]) -> f64 {
     crate::door::answer(text)

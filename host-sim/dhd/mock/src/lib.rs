@@ -1,9 +1,10 @@
-//! A library with the C interface of Force Dimension's `libdhd` and no device: for tests, and for trying the program without one.
+//! A mock of Force Dimension's `libdhd`: the same C interface, with a simulated device. For tests, and to try the program without a
+//! device.
 //!
-//! It behaves as the vendor's library was measured to behave without a device, and as its documentation says with one: -1 and an error's number of
-//! the calling thread after a failure, arguments untouched then, an old error that a success does not clear, a NULL for the
-//! name of nothing. Behind it stands the simulated plant, in real time or on a clock of the test's own. What goes
-//! wrong is said by a plan, in words: [`door`].
+//! Without a device it behaves as the maker's library was measured; with one, as the maker's documentation says. After a failure a
+//! call returns -1, leaves its arguments unchanged and sets the calling thread's error number, which a success does not clear. The
+//! name of an unknown device is NULL. The simulated device runs in real time or on a test's own clock. A plan in words makes calls
+//! fail: [`door`].
 
 mod clock;
 pub mod door;

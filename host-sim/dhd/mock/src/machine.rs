@@ -1,4 +1,4 @@
-//! The device behind the interface: its state, its plant, and notes on every call.
+//! The mock's device: its state, its simulated mechanics, and records of every call.
 
 use crate::clock::MockClock;
 use crate::plan::{Planned, among};
@@ -11,9 +11,9 @@ use touchstone_world::plant::{
     Cartesian, FIRM_TRANSLATION, HeldLinear, Kinematics, OMEGA3, OMEGA3_AXIS, State,
 };
 
-/// A microframe of the USB: the plant goes on in these.
+/// Step of the simulation, s: one USB microframe.
 const STEP_S: f64 = 125e-6;
-/// Times of a call on the test's clock: over USB, and answered by the library alone.
+/// Time that a call over USB takes on a test's clock, s. The next line has that of a call which the library answers alone.
 const USB_S: f64 = 60e-6;
 const LOCAL_S: f64 = 5e-6;
 
@@ -23,7 +23,7 @@ pub const EXPERT_DISABLED: i32 = 9;
 pub const IN_USE: i32 = 20;
 
 thread_local! {
-    /// The last error, one a thread as in the vendor's library; a success does not clear it.
+    /// The last error, one for each thread as in the maker's library. A success does not clear it.
     static LAST_ERROR: Cell<i32> = const { Cell::new(0) };
 }
 
@@ -31,22 +31,22 @@ pub fn last_error() -> i32 {
     LAST_ERROR.get()
 }
 
-/// Notes an error, and gives the call's return value.
+/// Stores an error and returns -1, the result of the failed call.
 pub fn failed(error: i32) -> i32 {
     LAST_ERROR.set(error);
     -1
 }
 
-/// Notes for the tests, s on the device's clock.
+/// What the mock has recorded for a test. Times are on the device's clock, s.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Noted {
-    /// Return of the first call that something was wrong with.
+    /// Time at which the first failing call returned.
     pub wrong_s: Option<f64>,
-    /// Time since which no force is commanded; `None` while one is.
+    /// Time since which no force acts; `None` while one acts.
     pub zero_s: Option<f64>,
-    /// The close of the device, tried or done.
+    /// Time at which the program closed the device, or first tried to.
     pub released_s: Option<f64>,
-    /// Forces after the close.
+    /// Number of forces commanded after the device was closed.
     pub late_forces: u64,
     pub longest_n: f64,
 }
@@ -58,7 +58,7 @@ pub struct Machine {
     stepped_s: f64,
     pub plans: Vec<Planned>,
     calls: HashMap<&'static str, u64>,
-    /// The place that the last read gave.
+    /// The position that the last read returned, m.
     pub read_m: [f64; 3],
     pub open: bool,
     pub gone: bool,
@@ -72,16 +72,16 @@ pub struct Machine {
     pub noted: Noted,
 }
 
-/// A call that begins.
+/// The planned result of a call that begins.
 pub struct Entered {
     pub number: u64,
-    /// The error with which it fails.
+    /// The error with which the call fails, if it does.
     pub error: Option<i32>,
 }
 
 static MACHINE: OnceLock<Mutex<Machine>> = OnceLock::new();
 
-/// The one device.
+/// Access to the mock's only device.
 pub fn machine() -> MutexGuard<'static, Machine> {
     MACHINE
         .get_or_init(|| Mutex::new(Machine::new()))
@@ -89,7 +89,8 @@ pub fn machine() -> MutexGuard<'static, Machine> {
         .unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Where the hand means to be: from above the centre down to where its spring gives 5 N, then 4 mm up and down and around.
+/// The hand's rest point (where the hand intends to be), m. It moves from above the centre down until the hand's spring gives 5 N,
+/// then up, down and sideways.
 fn rest_m(time_s: f64) -> [f64; 3] {
     let down = (time_s / 0.3).min(1.0);
     let swing = 0.004 * (6.0 * time_s).sin();
@@ -128,7 +129,7 @@ impl Machine {
         machine
     }
 
-    /// Takes a line of a plan.
+    /// Accepts a line of a plan; false if it is not understood.
     pub fn plan(&mut self, line: &str) -> bool {
         match crate::plan::parse(line) {
             Some(Planned::OwnClock) => self.clock = MockClock::Own(self.clock.now_s()),
@@ -142,12 +143,12 @@ impl Machine {
         self.plans.contains(planned)
     }
 
-    /// Records that the call which returns now failed.
+    /// Records the present time as that of the first failure, unless there was one before.
     pub fn wrong(&mut self) {
         self.noted.wrong_s.get_or_insert(self.clock.now_s());
     }
 
-    /// Begins a call: time goes by, and the plan is examined.
+    /// Begins a call: counts it, lets its time pass and looks into the plan for a fault.
     pub fn enter(&mut self, call: &'static str) -> Entered {
         let count = self.calls.entry(call).or_default();
         let number = *count;
@@ -184,12 +185,12 @@ impl Machine {
         Entered { number, error }
     }
 
-    /// How often a call was made.
+    /// Number of times that a call was made.
     pub fn count(&self, call: &str) -> u64 {
         self.calls.get(call).copied().unwrap_or(0)
     }
 
-    /// The force that acts.
+    /// The acting force, N; zero while the motors are off or braked.
     pub fn acting_n(&self) -> [f64; 3] {
         match self.motors_on && !self.brake {
             true => self.force_n,
@@ -206,13 +207,13 @@ impl Machine {
         }
     }
 
-    /// Where the effector is, to its encoders' steps.
+    /// Position of the effector, rounded to the encoders' resolution, m.
     pub fn place_m(&self) -> [f64; 3] {
         let counts = OMEGA3.counts(self.state.map(|axis| axis.position()));
         counts.map(|n| f64::from(n) * OMEGA3.count_m)
     }
 
-    /// A force from now on.
+    /// Commands a force, N, which acts from now on.
     pub fn force(&mut self, force_n: [f64; 3]) {
         if !self.open {
             self.noted.late_forces += 1;
@@ -221,14 +222,14 @@ impl Machine {
         self.note_zero();
     }
 
-    /// The device's own decision, or a program's.
+    /// Switches the motors off, for a cause by the library's numbers: the device's own decision or a program's.
     pub fn motors_off(&mut self, cause: i32) {
         self.motors_on = false;
         self.off_cause = cause;
         self.note_zero();
     }
 
-    /// Notes since when no force acts.
+    /// Records since when no force acts, and the largest force.
     pub fn note_zero(&mut self) {
         let acting = self.acting_n();
         let length = acting.iter().map(|f| f * f).sum::<f64>().sqrt();
@@ -240,7 +241,8 @@ impl Machine {
         }
     }
 
-    /// Takes the device for this program: with `TOUCHSTONE_MOCK_LOCK`, a file that only one can lock.
+    /// Opens the device for this program; false if another program holds it. With the variable `TOUCHSTONE_MOCK_LOCK` the programs
+    /// share a lock file.
     pub fn take(&mut self) -> bool {
         if self.has(&Planned::Held) {
             return false;
@@ -261,7 +263,8 @@ impl Machine {
         true
     }
 
-    /// Returns the result; with `TOUCHSTONE_MOCK_LOG`, also writes it to a file.
+    /// Records that the program closed the device, or failed to. With the variable `TOUCHSTONE_MOCK_LOG`, writes the outcome to a
+    /// file.
     pub fn give_back(&mut self, closed: bool) {
         self.noted.released_s.get_or_insert(self.clock.now_s());
         if closed {

@@ -1,18 +1,18 @@
-//! What is to go wrong, in words.
+//! The plan of faults, one in each line:
 //!
 //! ```text
 //! fail CALL AT TIMES ERROR   these calls return -1 with this error; AT counts from 0
 //! unplug CALL AT             from this call on the device is gone
-//! stale AT TIMES             the position is not read again: 1
-//! freeze AT TIMES            the same, and the library does not say so: 0
-//! nan AT                     a coordinate is no number
-//! saturate AT TIMES          the motors give half: 2
-//! slow CALL AT MS            the call takes so long
+//! stale AT TIMES             the position is not read again: the call returns 1
+//! freeze AT TIMES            the same, but the call returns 0 as for a new position
+//! nan AT                     a coordinate is NaN
+//! saturate AT TIMES          the motors give half the force: the call returns 2
+//! slow CALL AT MS            the call takes this time
 //! off AT CAUSE               at this dhdGetStatus the device has switched itself off
 //! held | absent | uncalibrated
-//! type N                     what dhdGetSystemType says
+//! type N                     the number that dhdGetSystemType returns
 //! status N                   how many words dhdGetStatus writes (17)
-//! own-clock                  time goes by only in calls and waits
+//! own-clock                  time passes only in calls and waits
 //! ```
 
 /// One planned fault.
@@ -59,7 +59,7 @@ pub fn parse(line: &str) -> Option<Planned> {
     })
 }
 
-/// Whether call `number` is one of `times` from `at` on.
+/// Whether the call with this number is one of `times` calls from number `at` on.
 pub fn among(number: u64, at: u64, times: u64) -> bool {
     number >= at && number - at < times
 }

@@ -1,13 +1,13 @@
-//! Made-up runs for tests of the report: they look like runs and prove nothing.
+//! Made-up runs for tests of the report. They look like runs of the simulator but are not valid results.
 //!
-//! A knob and a hand, coarsely stepped, with rough sketches of the laws: enough for every kind of picture (a clean press, a
-//! growing oscillation, a negative force, a stiffness that climbs). The laws themselves are in the control crate, the plant in
-//! `plant`; nothing here stands for either.
+//! A knob and a hand are simulated in coarse steps with rough sketches of the control laws. They give data for every type of
+//! picture: a clean press, a growing oscillation, a negative force, a stiffness that climbs. The real laws are in the control
+//! crate, the real plant in the module `plant`.
 
 use touchstone_control::LawKind;
 use touchstone_sim::run::record::{Run, Summary, Trace, Verdict};
 
-/// Every law, simplest first.
+/// Every control law, simplest first.
 #[allow(dead_code, reason = "each user of this file needs another part of it")]
 pub const ALL_LAWS: [LawKind; 7] = [
     LawKind::Spring,
@@ -25,7 +25,7 @@ const COUNTS: f64 = 16_384.0;
 const K_V: f64 = 0.8;
 const DAMPING: f64 = 5e-4;
 
-/// Memory of a law.
+/// State of a control law between ticks.
 #[derive(Default)]
 struct Memory {
     offset: f64,
@@ -36,7 +36,7 @@ struct Memory {
     turned: bool,
 }
 
-/// Where the hand wants to be: moves in, holds, wiggles, holds, leaves.
+/// Angle in radians that the hand pulls the knob to, at time `t` in seconds: it moves in, holds, oscillates, holds and moves out.
 fn rest(t: f64) -> f64 {
     let smooth = |from: f64, to: f64| {
         let s = ((t - from) / (to - from)).clamp(0.0, 1.0);
@@ -50,7 +50,7 @@ fn rest(t: f64) -> f64 {
     0.42 + 0.20 * smooth(0.1, 0.5) - 0.24 * smooth(2.6, 2.9) + wiggle
 }
 
-/// A sketch of `law` for penetration `e`: force, and the point that its spring hangs on.
+/// Imitation of `law` at penetration `e` in radians and stiffness `k`: force in N·m, and the anchor point of the wall's spring.
 fn force(law: LawKind, k: f64, e: f64, velocity: f64, m: &mut Memory) -> f64 {
     let de = e - m.e;
     m.observed += m.force * de;
@@ -99,7 +99,7 @@ fn force(law: LawKind, k: f64, e: f64, velocity: f64, m: &mut Memory) -> f64 {
     m.force
 }
 
-/// A run of `seconds` at 1 kHz.
+/// Made-up run of `seconds` at 1 kHz of the given law at the requested stiffness in N·m/rad.
 pub fn run(law: LawKind, k_desired: f64, seconds: f64) -> Run {
     const SUBSTEPS: u32 = 20;
     let (inertia, friction, pad, pad_damping, hand, hand_damping, grip) =
@@ -153,7 +153,7 @@ pub fn run(law: LawKind, k_desired: f64, seconds: f64) -> Run {
     }
 }
 
-/// A rough summary; the real one is the simulator's.
+/// A roughly estimated summary of a made-up run; real summaries are calculated by the simulator.
 fn summarise(law: LawKind, k: f64, trace: &Trace) -> Summary {
     let ticks = trace.time_s.len();
     let hold: Vec<usize> = (0..ticks)

@@ -1,29 +1,31 @@
-//! Costs of the same laws on the board, a Cortex-M4F at 170 MHz: counted in the emulator, noted here.
+//! Instruction counts of the control laws on the board, a Cortex-M4F at 170 MHz. The counts come from an emulator and are stored in
+//! `board.txt`.
 
-// Of the one list of budgets, those of the laws are for the tests here.
+// The shared list of budgets also has those of the laws, which only the tests here use.
 #[allow(dead_code)]
 #[path = "../../../../firmware/budgets.rs"]
 mod budgets;
 
-/// The counts written by `cargo xtask thumb` and `cargo xtask cycles`.
+/// Instruction counts, written by `cargo xtask thumb` and `cargo xtask cycles`.
 const COUNTED: &str = include_str!("board.txt");
 /// The board's clock, Hz.
 const CLOCK_HZ: f64 = 170e6;
-/// Runs of the current loop, Hz.
+/// How often per second the current loop runs, Hz.
 const CURRENT_LOOP_HZ: f64 = 20_000.0;
-/// The fastest control rate that a board takes, Hz.
+/// Fastest control rate that a board accepts, Hz.
 const FASTEST_HZ: u32 = 10_000;
 
-/// Instructions of one tick.
+/// Instructions that one control period (tick) takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instructions {
-    /// Mean over hostile motions, if it was measured.
+    /// Mean number of instructions per tick over the test vectors of `cargo xtask thumb`; `None` if it was not measured.
     pub mean: Option<f64>,
-    /// Largest count.
+    /// Largest number of instructions in any tick.
     pub worst: u32,
 }
 
-/// Instructions of a law in a format, where they were counted: floats are not built for the board.
+/// Instruction counts of a control law in a number format. `None` where they were not counted: the board has no laws in floating
+/// point.
 #[must_use]
 pub fn instructions(law: &str, number: &str) -> Option<Instructions> {
     COUNTED.lines().find_map(|line| {
@@ -36,8 +38,8 @@ pub fn instructions(law: &str, number: &str) -> Option<Instructions> {
     })
 }
 
-/// The share of the processor that control interrupt and current loop take at most, at one instruction a cycle, by the budgets that
-/// the firmware is held to; `None` at a rate that no board takes.
+/// Largest fraction (0 to 1) of the processor's time that control interrupt and current loop take, at one instruction per cycle. It
+/// is calculated from the instruction budgets that the firmware is tested against. `None` at a rate that no board accepts.
 #[must_use]
 pub fn load_at_most(rate_hz: u32) -> Option<f64> {
     let each_s =
@@ -70,7 +72,7 @@ mod tests {
 
     #[test]
     fn the_load_grows_with_the_rate_and_ends_with_the_board() {
-        // 3,500 instructions a thousand times and 900 twenty thousand times, of 170 million.
+        // 3,500 instructions 1,000 times per second and 900 instructions 20,000 times per second, of 170 million.
         assert!((load_at_most(1_000).unwrap() - 0.1265).abs() < 1e-4);
         assert!(load_at_most(10_000).unwrap() < 0.8);
         assert_eq!(load_at_most(20_000), None);

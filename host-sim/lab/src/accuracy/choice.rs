@@ -1,38 +1,39 @@
-//! "To be within one encoder count choose …, it costs …"
+//! Which integration method keeps the error within one encoder count at the least computing time.
 
 use serde::Serialize;
 
 use super::COUNT_RAD;
 use super::plant::{Diagram, Point};
 
-/// The cheapest that is within a count.
+/// The fastest method whose error is within one encoder count.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cheapest {
-    /// The integration method.
+    /// Name of the integration method.
     pub method: &'static str,
-    /// Substeps a tick; absent for the exact step.
+    /// Substeps per tick (control period); absent for the exact step.
     pub substeps: Option<u32>,
-    /// The method's error, rad.
+    /// Largest error of the method's angle, rad.
     pub error_rad: f64,
-    /// The method's least time per simulated millisecond, ns.
+    /// Least measured time per simulated millisecond, ns.
     pub least_ns: f64,
 }
 
-/// The recommended choice for one problem.
+/// The recommended method for one problem.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Chosen {
-    /// The name of the problem.
+    /// Name of the test problem.
     pub problem: &'static str,
-    /// Cheapest of all; absent: nothing is within a count.
+    /// The fastest of all integration methods; absent if the error of each exceeds one encoder count.
     pub of_all: Option<Cheapest>,
-    /// Cheapest without the exact step; it and every finer number of its substeps are within a count.
+    /// The fastest integration method other than the exact step, with its number of substeps. Its error is within one encoder count
+    /// at this number of substeps and at every larger one.
     pub without_exact: Option<Cheapest>,
-    /// How many times the exact step's time that takes.
+    /// Time of the method in `without_exact`, divided by the time of the exact step.
     pub times_the_exact: Option<f64>,
 }
 
 impl Chosen {
-    /// The choice from a diagram.
+    /// Picks the fastest methods from the measurements of one problem.
     #[must_use]
     pub fn of(diagram: &Diagram) -> Self {
         let exact = diagram.points.iter().find(|point| point.substeps.is_none());
@@ -60,7 +61,8 @@ fn within(point: &Point) -> bool {
     point.error_rad.is_some_and(|error| error <= COUNT_RAD)
 }
 
-/// With events an error does not fall evenly: one that is small by chance is no choice.
+/// Whether a method is within one encoder count at this number of substeps and at every larger one. With stops and starts an error
+/// does not fall steadily with the substeps, so a single small error may be chance.
 fn holds_from_here(point: &Point, diagram: &Diagram) -> bool {
     diagram
         .points

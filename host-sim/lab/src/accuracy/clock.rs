@@ -1,32 +1,33 @@
-//! Times of small pieces of work on a shared machine: many repeats in turn; the result is the least time and the
-//! spread.
+//! Measures the time of small pieces of work on a machine that also runs other programs. Pieces are repeated in turn; the results
+//! are the least time and the quartiles.
 
 use std::hint::black_box;
 use std::time::Instant;
 
 use serde::Serialize;
 
-/// Shortest stretch that is timed at once, s: long against the clock's own cost.
+/// Shortest time that is measured in one go, s. It is long compared with the time that reading the clock takes.
 const STRETCH_S: f64 = 2e-4;
 
-/// Nanoseconds of one unit of work, over the repeats.
+/// Measured computing times in nanoseconds per unit of work: least, quartiles and median over the repeats.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spread {
-    /// Least time: that of an undisturbed repeat, ns.
+    /// Least time per unit of work, which is that of a repeat without disturbance, ns.
     pub least_ns: f64,
-    /// Lower quartile.
+    /// Lower quartile of the times per unit of work, ns.
     pub lower_quartile_ns: f64,
-    /// Median.
+    /// Median of the times per unit of work, ns.
     pub median_ns: f64,
-    /// Upper quartile.
+    /// Upper quartile of the times per unit of work, ns.
     pub upper_quartile_ns: f64,
 }
 
-/// Work to be timed: does everything once.
+/// A piece of work to be timed. A call does all of it and returns a number, so that the compiler does not remove the work.
 pub type Work<'a> = Box<dyn FnMut() -> f64 + 'a>;
 
-/// Times every piece of work `repeats` times, in a new order each time, so that what disturbs disturbs all alike. `units` is how
-/// much each piece does in one call.
+/// Times every piece of work `repeats` times. Each round has a new order, so that a disturbance affects all pieces alike.
+///
+/// `units` is the number of units of work in one call. Returns the times per unit, one entry per piece.
 pub fn race(
     work: &mut [Work<'_>],
     units: f64,

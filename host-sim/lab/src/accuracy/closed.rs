@@ -1,4 +1,5 @@
-//! The closed loop, judged by its measures. Its path is no measure: below a count, rounding alone changes it.
+//! The error of each integration method in a closed loop of wall, knob and hand. The results of a run are compared, not its path:
+//! even below one encoder count, rounding alone changes the path.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -14,36 +15,36 @@ use touchstone_world::plant::{
     spectral_radius,
 };
 
-/// Displacement of the start that shows how much the loop amplifies, rad.
+/// Small change of the start angle, rad. The difference that it makes shows how much the loop amplifies errors.
 pub const NUDGE_RAD: f64 = 1e-12;
 
-/// One run of the loop.
+/// Results of one closed-loop run.
 #[derive(Debug, Clone, Serialize)]
 pub struct ClosedPoint {
     /// The name of the scene.
     pub scene: &'static str,
-    /// Method, or `exact` with the start moved.
+    /// Name of the integration method, or `exact, start moved by 1e-12 rad`.
     pub method: String,
-    /// Substeps a tick; absent for the exact step.
+    /// Substeps per tick (control period); absent for the exact step.
     pub substeps: Option<u32>,
-    /// How the run ended.
+    /// Verdict on the run, for example `passive` or `unstable`.
     pub verdict: &'static str,
-    /// Displayed stiffness at rest, N·m/rad.
+    /// Displayed stiffness (force over penetration at the end of the hold), N·m/rad.
     pub k_displayed_n_m_per_rad: Option<f64>,
-    /// Most energy that the hand got in any window of time, J.
+    /// Most energy that the hand got out of the device in any window of time, J.
     pub energy_out_worst_window_j: f64,
-    /// Deepest penetration, rad.
+    /// Deepest penetration of the wall, rad.
     pub penetration_max_rad: f64,
-    /// Largest difference of the path from the exact run's, rad.
+    /// Largest difference of the angle from that of the exact run in the same tick, rad.
     pub path_difference_rad: f64,
-    /// Least unstable stiffness of the sampled loop of the bare device under this method, N·m/rad; `None`: the method
-    /// is stable at no stiffness.
+    /// Largest stiffness at which the sampled loop of wall and bare device is stable when this method simulates the device,
+    /// N·m/rad. `None`: the loop is stable at no stiffness.
     pub k_max_n_m_per_rad: Option<f64>,
-    /// Largest stable stiffness divided by that of the exact step, less 1.
+    /// Largest stable stiffness with this integration method, divided by that with the exact step, less 1.
     pub k_max_error: Option<f64>,
 }
 
-/// Name, scene, preset, changes.
+/// A closed-loop case: its name in the results, scene, preset, and overrides of the scene's keys.
 type Closed = (&'static str, &'static str, Preset, &'static [&'static str]);
 
 const SCENES: [Closed; 3] = [
@@ -61,7 +62,7 @@ const SCENES: [Closed; 3] = [
     ),
 ];
 
-/// A substepped plant without friction: its steps are linear.
+/// A plant that is simulated in substeps and has no friction, so that its steps are linear in state and force.
 struct Linear<S>(S);
 
 impl<S: Stepper> Stepper for Linear<S> {
@@ -82,7 +83,9 @@ impl<S: Stepper> Stepper for Linear<S> {
 
 impl<S: Stepper> LinearStepper for Linear<S> {}
 
-/// Least unstable stiffness of the loop of a bare device under a method, without delay.
+/// Largest stable stiffness in N·m/rad of the sampled loop of wall and bare device, without delay.
+///
+/// `by` is the integration method with its substeps per tick; `None` is the exact step. Returns `None` if no stiffness is stable.
 ///
 /// # Errors
 /// The plant's parameters are not valid.
@@ -108,7 +111,7 @@ pub fn k_max(
         if !stable(1e-3 * expected) {
             return Ok(None);
         }
-        // From below in steps of a tenth, then halved.
+        // Raised from below in steps of a tenth, then bisected.
         let mut low = 1e-3 * expected;
         while stable(1.1 * low) && low < 1e6 * expected {
             low *= 1.1;
@@ -137,10 +140,11 @@ pub fn k_max(
     }
 }
 
-/// Every scene by every method, and by the exact step with its start moved.
+/// Simulates each of the three closed-loop scenes with every integration method and number of substeps, and with the exact step
+/// from a start angle moved by [`NUDGE_RAD`].
 ///
 /// # Errors
-/// A scene that cannot be run.
+/// A scene cannot be run.
 pub fn points(substeps: &[u32]) -> Result<Vec<ClosedPoint>> {
     let mut points = Vec::new();
     for (name, shipped, preset, sets) in SCENES {
@@ -212,7 +216,7 @@ pub fn points(substeps: &[u32]) -> Result<Vec<ClosedPoint>> {
     Ok(points)
 }
 
-/// The scene with its device moved by next to nothing.
+/// The scene with its start angle moved by [`NUDGE_RAD`].
 fn nudged(scene: &Scene) -> Result<Scene> {
     let motion = touchstone_sim::scene::RestPath::from_scene(scene)?;
     let start = scene.start_rad(&motion) + NUDGE_RAD;

@@ -1,30 +1,31 @@
-//! Numbers of twice the digits: an unevaluated sum of two `f64`, some 31 decimals (Dekker, Numerische Mathematik 18, 224, 1971).
+//! Numbers with twice the digits of an `f64`: an unevaluated sum of two `f64`, some 31 decimal digits (Dekker, Numerische
+//! Mathematik 18, 224, 1971).
 //!
-//! Plain IEEE operations alone, so that the same numbers come out on every machine.
+//! Only plain IEEE operations are used, so results are the same on every machine.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// `high + low`, with `low` at most half a step of `high`.
+/// The number `high + low`; `low` is at most half a unit in the last place of `high`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Double {
     high: f64,
     low: f64,
 }
 
-/// Sum and its rounding error.
+/// Sum of two numbers and the rounding error of that sum.
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let part = sum - a;
     (sum, (a - (sum - part)) + (b - part))
 }
 
-/// Sum and its rounding error, for `|a| >= |b|`.
+/// Sum of two numbers and the rounding error of that sum, for `|a| >= |b|`.
 fn quick_two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     (sum, b - (sum - a))
 }
 
-/// Product and its rounding error.
+/// Product of two numbers and the rounding error of that product.
 fn two_product(a: f64, b: f64) -> (f64, f64) {
     let split = |x: f64| {
         let shifted = 134_217_729.0 * x;
@@ -38,19 +39,19 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
 }
 
 impl Double {
-    /// Zero.
+    /// The number 0.
     pub const ZERO: Double = Double {
         high: 0.0,
         low: 0.0,
     };
 
-    /// The nearest `f64`.
+    /// The `f64` that is nearest to the number.
     #[must_use]
     pub fn to_f64(self) -> f64 {
         self.high
     }
 
-    /// `1 / self`.
+    /// The reciprocal, `1 / self`.
     #[must_use]
     pub fn reciprocal(self) -> Double {
         // Newton's step doubles the digits of the quotient.
@@ -116,7 +117,7 @@ mod tests {
         let tenth = Double::from(10.0).reciprocal();
         let sum = (0..10).fold(Double::ZERO, |sum, _| sum + tenth);
         assert!((sum - Double::from(1.0)).to_f64().abs() < 1e-31);
-        // What a plain sum loses is kept.
+        // A small part that a plain sum loses is kept.
         let kept = Double::from(1.0) + Double::from(1e-25) - Double::from(1.0);
         assert_eq!(kept.to_f64(), 1e-25);
     }

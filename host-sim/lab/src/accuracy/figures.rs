@@ -1,4 +1,4 @@
-//! The diagrams: error across, time up, both in powers of ten.
+//! Diagrams of work against precision: error on the horizontal axis, time on the vertical one, both logarithmic.
 
 use super::plant::{Diagram, Point};
 use super::sampling::SamplingPoint;
@@ -6,9 +6,9 @@ use super::{Accuracy, COUNT_RAD, FORCE_QUANTUM_N_M};
 use crate::report::figure::{Axis, Figure, Range, Shape, Sign};
 use crate::report::standalone;
 
-/// A wall that converts a step of force into an angle, N·m/rad.
+/// Stiffness of the wall that is assumed to convert an error of the force into an error of the angle, N·m/rad.
 const WALL_N_M_PER_RAD: f64 = 1.0;
-/// Errors below this are drawn here: rounding has no curve.
+/// Least error in a diagram. Smaller errors are drawn at this value, because rounding errors do not follow a curve.
 const LEAST: f64 = 1e-17;
 
 const CLASSES: [&str; 7] = [
@@ -19,7 +19,7 @@ fn log(value: f64) -> f64 {
     value.max(LEAST).log10()
 }
 
-/// An axis in powers of ten.
+/// A logarithmic axis with marks at powers of ten that covers the values.
 fn axis(title: &str, values: impl Iterator<Item = f64>) -> Axis {
     let range = Range::of(values.map(log));
     let (low, high) = (range.min.floor(), range.max.ceil());
@@ -38,7 +38,7 @@ fn axis(title: &str, values: impl Iterator<Item = f64>) -> Axis {
     axis
 }
 
-/// Every file of drawings, with its name.
+/// All diagrams: file names and SVG texts.
 #[must_use]
 pub fn all(found: &Accuracy) -> Vec<(String, String)> {
     let mut files: Vec<(String, String)> = found
@@ -74,7 +74,7 @@ fn plant(diagram: &Diagram) -> Figure {
     let errors = diagram.points.iter().filter_map(|point| point.error_rad);
     let marks = [COUNT_RAD, FORCE_QUANTUM_N_M / WALL_N_M_PER_RAD, 1e-15];
     let mut x = axis("largest error of the angle, rad", errors.chain(marks));
-    // Room for what diverged, at the right edge.
+    // Space at the right edge for methods that diverged.
     x.range.max += 0.5;
     let times = diagram
         .points
@@ -173,7 +173,7 @@ fn law(found: &Accuracy) -> Figure {
                 ))
             })
             .collect();
-        // A stroke of no length for the legend.
+        // A stroke of zero length for the legend.
         let stroke = signs
             .iter()
             .map(|&(x, y, _)| vec![(x, y), (x, y)])

@@ -1,4 +1,4 @@
-//! Cost and error of a number format: every law in every format on the same recorded press.
+//! Computing time and error of a number format: every control law in every format on the same recorded press.
 
 use serde::Serialize;
 use touchstone_control::{
@@ -13,38 +13,39 @@ use touchstone_sim::scene::{Preset, Scene};
 use super::board;
 use super::clock::{Spread, Work, race};
 
-/// Counts a turn of the encoder that the press was recorded with.
+/// Counts per turn of the encoder with which the press was recorded.
 pub const COUNTS_PER_REV: u32 = 40_000;
 
-/// One law in one format.
+/// Results of one control law in one number format.
 #[derive(Debug, Clone, Serialize)]
 pub struct LawPoint {
-    /// Law; `shipped` is the enhanced one with its estimator and its guard, the others stand by themselves.
+    /// Name of the control law. `shipped` is the enhanced law with estimator and guard; the others have neither.
     pub law: &'static str,
-    /// Number format.
+    /// Name of the number format, for example `fixed32`.
     pub number: &'static str,
-    /// Why there is nothing: the format does not hold the law's settings.
+    /// Reason why there are no results: the format cannot hold the law's settings.
     pub refused: Option<String>,
-    /// Largest difference of the force from the law in `f64`, N·m.
+    /// Largest difference of the force from that of the same law in `f64`, N·m.
     pub force_error_n_m: Option<f64>,
-    /// Root of the mean square of that difference, N·m.
+    /// Root mean square of the force's difference from that of the law in `f64`, N·m.
     pub force_error_rms_n_m: Option<f64>,
-    /// Largest difference of the energy that the wall has taken so far, J.
+    /// Largest difference of the energy that the wall has taken since the start from that of the same law in `f64`, J.
     pub energy_error_j: Option<f64>,
-    /// The same differences for the law in `f64` with positions that are larger by one part in 10^12: how much the law
-    /// itself amplifies.
+    /// Largest difference of the force when the law in `f64` gets positions that are larger by one part in 10^12, N·m. It shows how
+    /// much the law itself amplifies errors.
     pub force_floor_n_m: f64,
-    /// Lowest energy of the wall, J.
+    /// Largest difference of the energy that the wall has taken, J, when positions are larger by one part in 10^12. It shows how
+    /// much the law itself amplifies errors.
     pub energy_floor_j: f64,
-    /// Time per tick.
+    /// Computing time of the control law per tick (control period).
     pub time: Option<Spread>,
-    /// Instructions of a tick on the board, in the mean of hostile motions.
+    /// Instructions per tick on the board, the mean over the test vectors of `cargo xtask thumb`.
     pub board_instructions: Option<f64>,
-    /// Instructions of the costliest tick.
+    /// Instructions of the most expensive tick on the board.
     pub board_instructions_worst: Option<u32>,
 }
 
-/// The counts of a run.
+/// Encoder counts of a run, one per tick.
 struct Counted(Vec<i64>);
 
 impl Recorder for Counted {
@@ -54,7 +55,7 @@ impl Recorder for Counted {
     }
 }
 
-/// A press that goes in and out, as the encoder saw it, and the settings of its law.
+/// Recorded encoder counts of a press into a wall and out again, with the settings of the law.
 struct Press {
     counts: Vec<i64>,
     scale: CountScale,
@@ -82,13 +83,13 @@ impl Press {
             .collect()
     }
 
-    /// Force at every tick, N·m.
+    /// Force of the law in every tick of the press, N·m.
     fn forces<N: Reported>(&self, law: &Controller<N>, positions: &[Position<N>]) -> Vec<f64> {
         let mut law = *law;
         positions.iter().map(|&e| law.tick(e).to_f64()).collect()
     }
 
-    /// Largest and mean difference of forces, and largest of the energies that they took.
+    /// Differences of two force sequences: largest in N·m, root mean square in N·m, and largest of the energies taken so far in J.
     fn differences(&self, forces: &[f64], reference: &[f64]) -> [f64; 3] {
         let step = std::f64::consts::TAU / f64::from(COUNTS_PER_REV);
         let (mut largest, mut squares, mut energy, mut apart) = (0.0_f64, 0.0, 0.0, 0.0_f64);
@@ -105,7 +106,7 @@ impl Press {
     }
 }
 
-/// A law in a format, timed; the closure runs the whole press.
+/// A law in one number format, ready to be timed; `work` runs the law over the whole press.
 struct Prepared<'a> {
     point: LawPoint,
     work: Option<Work<'a>>,
@@ -156,7 +157,7 @@ fn prepare<'a, N: Reported>(
     }
 }
 
-/// A law in `f64`, and its answer to exact positions.
+/// Forces of a law in `f64`, and how much they change when positions change by one part in 10^12.
 struct Reference {
     forces: Vec<f64>,
     floor: [f64; 3],
@@ -176,10 +177,10 @@ impl Reference {
     }
 }
 
-/// Every law in every format.
+/// Measures every law in every number format; calls `on_round` once per round of timing.
 ///
 /// # Errors
-/// A shipped scene that cannot be run.
+/// A shipped scene cannot be run.
 pub fn points(repeats: u32, on_round: impl FnMut()) -> Result<Vec<LawPoint>> {
     let press = Press::record()?;
     let mut prepared = Vec::new();

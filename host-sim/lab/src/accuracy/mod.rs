@@ -1,6 +1,7 @@
-//! What accuracy costs in time: work–precision diagrams of the plant, the law, the sampling and the closed loop.
+//! How much computing time accuracy costs: diagrams of work against precision for the plant's integration methods, the control
+//! laws' number formats, the sampling and the closed loop.
 //!
-//! Times are of one machine at one hour: only those of one run are to be compared with each other.
+//! Times hold for one machine and its load, so compare only times of the same run.
 
 pub mod board;
 pub mod choice;
@@ -27,15 +28,15 @@ use plant::Diagram;
 use problem::Problem;
 use sampling::SamplingPoint;
 
-/// One count of the encoder that errors are measured against, rad: 40,000 counts a turn.
+/// Size of one encoder count in radians, at 40,000 counts per turn. Errors are compared with it.
 pub const COUNT_RAD: f64 = std::f64::consts::TAU / 40_000.0;
-/// The step of force of the 32-bit format, N·m.
+/// Smallest step of a force in the 32-bit number format, N·m.
 pub const FORCE_QUANTUM_N_M: f64 = 1.0 / 16_777_216.0;
 
-/// How much is done.
+/// Options of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Options {
-    /// Fewer substeps, rates and repeats: to see that it works, not to publish.
+    /// Measures fewer substeps, rates and repeats. Such a run shows that the program works; its times are not for publication.
     pub quick: bool,
 }
 
@@ -52,27 +53,27 @@ impl Options {
         if self.quick { 5 } else { 25 }
     }
 
-    /// Rounds of progress that a run has.
+    /// Number of progress reports during a run.
     #[must_use]
     pub fn rounds(self) -> u64 {
-        // Four problems and the laws, each so many times; sampling and closed loop.
+        // Four problems and the laws, each with this many repeats; then sampling and closed loop.
         u64::from(5 * self.repeats()) + 2
     }
 }
 
-/// The machine on which it ran.
+/// The machine on which the measurement ran.
 #[derive(Debug, Clone, Serialize)]
 pub struct Machine {
-    /// Processor, as the system names it; `unknown` where it does not.
+    /// Processor name as the operating system gives it; `unknown` where it gives none.
     pub cpu: String,
-    /// Compiler that the program was built with.
+    /// Compiler with which the program was built.
     pub compiler: String,
-    /// Whether the program was built with optimisation for speed; if not, no time in here means anything.
+    /// Whether the program was built with optimisation for speed. If not, none of the times is valid.
     pub optimised: bool,
 }
 
 impl Machine {
-    /// The machine that this runs on.
+    /// Describes the machine on which the program is running.
     #[must_use]
     pub fn here(compiler: &str) -> Self {
         let cpu = std::fs::read_to_string("/proc/cpuinfo")
@@ -90,43 +91,43 @@ impl Machine {
     }
 }
 
-/// Everything that was found.
+/// All results of an accuracy measurement.
 #[derive(Debug, Clone, Serialize)]
 pub struct Accuracy {
-    /// Version of this layout.
+    /// Version of the results' format.
     pub schema_version: u32,
-    /// The program.
+    /// Version of the program that measured.
     pub program: ProgramVersion,
-    /// The machine on which it ran.
+    /// The machine on which the measurement ran.
     pub machine: Machine,
-    /// The command line that makes it again.
+    /// Command line that repeats the measurement.
     pub command: String,
-    /// Files of the folder; empty without one.
+    /// Names of the files in the results' folder; empty if nothing is written to a folder.
     pub files: Vec<String>,
-    /// Whether it is a quick run.
+    /// Whether this was a quick run with fewer substeps, rates and repeats.
     pub quick: bool,
-    /// Repeats of every time.
+    /// How often every computing time was measured.
     pub repeats: u32,
-    /// One encoder count, rad.
+    /// Size of one encoder count, rad.
     pub count_rad: f64,
-    /// One step of force of the 32-bit format, N·m.
+    /// Smallest step of a force in the 32-bit number format, N·m.
     pub force_quantum_n_m: f64,
-    /// Plant: every method on every problem.
+    /// Results of the plant's integration: every method on every test problem.
     pub plant: Vec<Diagram>,
-    /// The choices that keep the error within a count.
+    /// For every problem, the fastest methods with an error within one encoder count.
     pub within_a_count: Vec<Chosen>,
-    /// Law: every number format.
+    /// Results of the control laws in every number format.
     pub law: Vec<LawPoint>,
-    /// Sampling: every rate and encoder.
+    /// Results of the sampling: every control law at every control rate and encoder resolution.
     pub sampling: Vec<SamplingPoint>,
-    /// Closed loop: every method.
+    /// Results of the closed loop: every integration method on every scene.
     pub closed_loop: Vec<ClosedPoint>,
 }
 
-/// Measures everything. `on_round` is called [`Options::rounds`] times.
+/// Runs all measurements. `on_round` is called [`Options::rounds`] times, to report progress.
 ///
 /// # Errors
-/// A shipped scene that cannot be run.
+/// A shipped scene cannot be run.
 pub fn measure(
     options: Options,
     program: ProgramVersion,

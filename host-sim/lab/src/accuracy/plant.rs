@@ -1,4 +1,4 @@
-//! Work and precision of every method on every problem: the error against the reference, and the time for it.
+//! Work and precision of the plant's integration: for every method on every problem, the error against a reference and the time.
 
 use serde::Serialize;
 use touchstone_control::Choice as _;
@@ -12,34 +12,34 @@ use touchstone_world::plant::{HeldCoulomb, HeldLinear, Invalid, Kinematics as _,
 use super::clock::{Spread, Work, race};
 use super::problem::{Known, PERIOD_S, Problem};
 
-/// One method with a number of substeps on one problem.
+/// Results of one integration method with one number of substeps on one problem.
 #[derive(Debug, Clone, Serialize)]
 pub struct Point {
-    /// Method, by its name in scenes.
+    /// Name of the integration method, as in scene files.
     pub method: &'static str,
-    /// Substeps a tick; absent for the exact step.
+    /// Substeps per tick (control period); absent for the exact step.
     pub substeps: Option<u32>,
-    /// Largest error of the angle at any tick's end, rad; absent: the method diverged.
+    /// Largest error of the angle at the end of any tick, rad; absent if the method diverged.
     pub error_rad: Option<f64>,
-    /// Root of the mean square of that error, rad.
+    /// Root mean square of the angle's error at the ends of ticks, rad.
     pub error_rms_rad: Option<f64>,
-    /// Largest gap in the energy account, over the energy that went through it; `None` where the method keeps no
-    /// account.
+    /// Largest gap in the energy balance, divided by the sum of all energies that flowed. `None` where the method calculates no
+    /// energies.
     pub energy_gap: Option<f64>,
-    /// Time per simulated millisecond.
+    /// Computing time per simulated millisecond.
     pub time: Spread,
 }
 
-/// One problem with every method.
+/// Results of every method on one problem.
 #[derive(Debug, Clone, Serialize)]
 pub struct Diagram {
-    /// Name of the problem.
+    /// Name of the test problem.
     pub problem: &'static str,
-    /// Difficulty of the problem.
+    /// What makes the problem difficult for an integration method.
     pub about: &'static str,
-    /// Simulated milliseconds.
+    /// Number of ticks, each of one simulated millisecond.
     pub ticks: usize,
-    /// Stops and starts in them.
+    /// How often friction stops the knob or lets it start during the problem.
     pub events: u64,
     /// Largest error of the reference itself, rad.
     pub reference_floor_rad: f64,
@@ -47,7 +47,8 @@ pub struct Diagram {
     pub points: Vec<Point>,
 }
 
-/// A problem by one method: angles into a slice, and the largest gap of the energy balance where they are kept.
+/// A simulation of one test problem by one integration method. It writes the angle at each tick's end into the slice. It returns
+/// the largest gap of the energy balance, or `None` if it calculates no energies.
 type March<'a> = Box<dyn Fn(&mut [f64]) -> Option<f64> + 'a>;
 
 fn march<'a, S, const N: usize>(plant: S, problem: &'a Problem) -> (March<'a>, March<'a>)
@@ -134,12 +135,13 @@ fn exact(problem: &Problem) -> Result<(March<'_>, March<'_>), Invalid> {
     Ok((make(), make()))
 }
 
-/// The error of angles against known ones: largest, and root of the mean square. None where they are no motion of a knob.
+/// Largest and root mean square error of angles against the reference's, rad. `None` if an angle is off by a whole turn or is no
+/// number: the method then diverged.
 fn error(angles: &[f64], known: &Known) -> Option<(f64, f64)> {
     let (mut largest, mut squares) = (0.0_f64, 0.0);
     for (angle, known) in angles.iter().zip(&known.angle_rad) {
         let off = (angle - known).abs();
-        // A turn off is not an error but another motion.
+        // A deviation of a whole turn is no error but another motion.
         if off.is_nan() || off >= std::f64::consts::TAU {
             return None;
         }
@@ -149,7 +151,7 @@ fn error(angles: &[f64], known: &Known) -> Option<(f64, f64)> {
     Some((largest, (squares / angles.len() as f64).sqrt()))
 }
 
-/// Every method on a problem.
+/// Measures every integration method on a test problem with each number of substeps; calls `on_round` once per round of timing.
 ///
 /// # Errors
 /// The plant's parameters are not valid.
@@ -188,7 +190,7 @@ pub fn diagram(
     for (_, _, (fast, audit)) in &named {
         fast(&mut angles);
         let error = error(&angles, &known);
-        // Three states have a current loop, whose supply is no part of the books.
+        // A plant with three states has a current loop, whose electrical energy is not calculated.
         let gap = if problem.states() == 3 {
             None
         } else {

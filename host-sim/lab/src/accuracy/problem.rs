@@ -1,4 +1,5 @@
-//! The problems that every method is set: a plant, and the torques and rest points of every tick, the same for all.
+//! Test problems for the integration methods: a plant, and the torque and the hand's rest point in every tick. All methods get the
+//! same input.
 
 use super::double::Double;
 use super::reference::{Entries, Reference};
@@ -8,38 +9,38 @@ use touchstone_sim::run::tick::{Recorder, Tick};
 use touchstone_sim::scene::{Preset, Scene};
 use touchstone_world::plant::{Coulomb, Device, Hand, MEDIUM};
 
-/// Ticks are a millisecond.
+/// Duration of a tick (control period) in the test problems, s.
 pub const PERIOD_S: f64 = 1e-3;
-/// Bandwidth of the stiff current loop, Hz.
+/// Bandwidth of the current loop in the test problem `current-loop`, Hz.
 pub const CURRENT_LOOP_HZ: f64 = 5000.0;
 
-/// A problem.
+/// A test problem for integration methods.
 #[derive(Debug, Clone)]
 pub struct Problem {
-    /// Name in tables and files.
+    /// Name of the test problem in tables and files.
     pub name: &'static str,
-    /// Difficulty of the problem.
+    /// What makes the problem difficult for an integration method.
     pub about: &'static str,
     /// The device that moves.
     pub device: Device,
     /// The hand that holds the device.
     pub hand: Option<Hand>,
-    /// Bandwidth of a current loop before the device, Hz.
+    /// Bandwidth of a current loop in front of the device, Hz.
     pub current_loop_hz: Option<f64>,
-    /// State at the start; entries that the plant does not have are 0.
+    /// State of plant and hand at the start; entries that the plant does not have are 0.
     pub start: [f64; 4],
-    /// Torque, N·m, and rest point, rad, of every tick.
+    /// Torque in N·m and the hand's rest point in rad, constant during each tick.
     pub held: Vec<[f64; 2]>,
 }
 
-/// The reference's angles, and their error.
+/// Angles of the reference solution, and their error.
 #[derive(Debug, Clone)]
 pub struct Known {
     /// Angle at the end of every tick, rad.
     pub angle_rad: Vec<f64>,
-    /// Largest difference from the reference with half as many steps, rad.
+    /// Largest difference from a reference solution with half as many steps, rad.
     pub floor_rad: f64,
-    /// Stops and starts.
+    /// How often friction stops the knob or lets it start.
     pub events: u64,
 }
 
@@ -49,7 +50,7 @@ const KNOB: Device = Device {
     friction: None,
 };
 
-/// Torques of a run as the plant got them.
+/// Torque and rest point of every tick of a run, as the plant got them.
 struct Torques(Vec<[f64; 2]>);
 
 impl Recorder for Torques {
@@ -59,10 +60,10 @@ impl Recorder for Torques {
 }
 
 impl Problem {
-    /// All problems, each of this many ticks.
+    /// All test problems, each of `ticks` ticks.
     ///
     /// # Errors
-    /// A shipped scene that cannot be run.
+    /// A shipped scene cannot be run.
     pub fn all(ticks: u32) -> Result<Vec<Problem>> {
         let time_s = |tick: u32| PERIOD_S * f64::from(tick);
         let each = |f: &dyn Fn(f64) -> [f64; 2]| (0..ticks).map(|i| f(time_s(i))).collect();
@@ -105,7 +106,7 @@ impl Problem {
         Ok(vec![smooth, stick_slip, contact, current_loop])
     }
 
-    /// Entries of its state.
+    /// Number of entries in the state of the plant.
     #[must_use]
     pub fn states(&self) -> usize {
         match (&self.hand, self.current_loop_hz) {
@@ -115,10 +116,10 @@ impl Problem {
         }
     }
 
-    /// The problem's solution, and its largest error.
+    /// Solves the problem with the reference method; returns the angles and their error.
     #[must_use]
     pub fn solve(&self) -> Known {
-        // A pole of a few thousand hertz wants short steps; the motion of a knob does not.
+        // A pole of a few thousand hertz needs short steps; the motion of a knob does not.
         let steps = if self.current_loop_hz.is_some() {
             64
         } else {
@@ -158,7 +159,8 @@ impl Problem {
     }
 }
 
-/// A knob with friction that is tapped against a wall of 0.8 N·m/rad in steps of the encoder: the torques that the wall answered with.
+/// The problem of a knob with friction that a hand taps against a wall of 0.8 N·m/rad. The torques are those of a simulated spring
+/// wall on encoder counts.
 fn contact(ticks: u32) -> Result<Problem> {
     let scene = Scene::load("press-wiggle-release")?
         .with_preset(Preset::Thesis)?
@@ -175,7 +177,7 @@ fn contact(ticks: u32) -> Result<Problem> {
     let motion = touchstone_sim::scene::RestPath::from_scene(&scene)?;
     let start = scene.start_rad(&motion);
     let mut held = run::watch(&scene, Torques(Vec::new()))?.0;
-    // From shortly before the first force: what is before it is a knob that hangs on a hand.
+    // The problem begins shortly before the first force; before it the knob only hangs on the hand.
     let touch = held
         .iter()
         .position(|[torque, _]| *torque != 0.0)
@@ -194,7 +196,7 @@ fn contact(ticks: u32) -> Result<Problem> {
     })
 }
 
-/// The state of a scene's plant before a tick.
+/// State of a scene's plant before the given tick, from a simulation that starts at rest at `start_rad`.
 fn state_before(scene: &Scene, tick: usize, start_rad: f64) -> Result<[f64; 4]> {
     use touchstone_world::plant::{HeldCoulomb, Kinematics as _, State, Stepper as _};
     let torques = run::watch(scene, Torques(Vec::new()))?.0;

@@ -1,45 +1,46 @@
-//! The reference for all methods: extrapolation in numbers of twice the digits, with every stop and start located.
+//! Reference solution for the integration methods: extrapolation in numbers with twice the digits, with every stop and start
+//! located in time.
 //!
-//! It shares nothing with the plant: other equations (absolute angles), another method (Gragg's modified midpoint rule
-//! with extrapolation of order 16: Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, II.9), other
-//! numbers. A second solution with twice as many steps gives its error.
+//! It shares nothing with the plant's code. Its equations use absolute angles, and its numbers are of the type `Double`. Its method
+//! is Gragg's modified midpoint rule with extrapolation of order 16 (Hairer, Nørsett and Wanner, Solving Ordinary Differential
+//! Equations I, II.9). A second solution with twice as many steps gives its error.
 
 use super::double::Double;
 use touchstone_world::plant::{Device, Hand};
 
-/// State: `[x, v]` and, of a hand, `[x_h, v_h]`, or of a current loop the torque.
+/// State vector: angle and velocity `[x, v]`, followed by `[x_h, v_h]` of a hand or by the torque of a current loop.
 pub type Entries = [Double; 4];
 
-/// Columns of the extrapolation.
+/// Columns of the extrapolation table.
 const COLUMNS: usize = 8;
-/// Stops and starts that are followed in one tick.
+/// Most stops and starts that are located in one tick.
 const MOST_EVENTS: u32 = 1000;
 
-/// The device's state of motion.
+/// Whether the device slides or friction holds it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Mode {
-    /// Turning this way, or either way without friction.
+    /// The device turns in the direction of the sign (1 or -1). 0 stands for a device without friction, which turns either way.
     Sliding(f64),
     Stuck,
 }
 
-/// The plant once more.
+/// The plant in its own equations, independent of the simulator's plant.
 #[derive(Debug, Clone)]
 pub struct Reference {
     device: Device,
     hand: Option<Hand>,
     per_inertia: Double,
     per_hand: Double,
-    /// `2π f` of the current loop, 1/s.
+    /// Pole of the current loop, `2π f`, in 1/s.
     pole: Option<f64>,
-    /// Steps in a tick.
+    /// Extrapolated steps per tick.
     steps: u32,
-    /// Number of events.
+    /// How often friction has stopped the device or let it start.
     pub events: u64,
 }
 
 impl Reference {
-    /// A plant that is advanced in this many steps a tick.
+    /// Creates the plant; each tick is divided into `steps` steps.
     #[must_use]
     pub fn new(
         device: &Device,
@@ -58,7 +59,7 @@ impl Reference {
         }
     }
 
-    /// Force of the pad on the device.
+    /// Force of the finger pad on the device, N·m.
     fn pad(&self, z: &Entries) -> Double {
         self.hand.map_or(Double::ZERO, |hand| {
             Double::from(hand.pad_stiffness) * (z[2] - z[0])
@@ -129,7 +130,7 @@ impl Reference {
         table[COLUMNS - 1]
     }
 
-    /// Torque on a device at rest, without friction.
+    /// Torque on a device that does not move, without friction, N·m.
     fn at_rest(&self, z: &Entries, u: f64) -> f64 {
         let mut resting = *z;
         resting[1] = Double::ZERO;
@@ -151,7 +152,8 @@ impl Reference {
         }
     }
 
-    /// Falls below zero once the mode has ended.
+    /// Distance to the end of the mode (sliding or stuck). It falls below zero once a sliding device has stopped or a stuck one has
+    /// broken away.
     fn margin(&self, z: &Entries, u: f64, mode: Mode) -> f64 {
         match (self.device.friction, mode) {
             (None, _) => 1.0,
@@ -160,7 +162,7 @@ impl Reference {
         }
     }
 
-    /// Advances by one tick of `period_s` under a held torque and rest point.
+    /// Advances the state by one tick of `period_s` with constant torque and rest point.
     pub fn tick(&mut self, z: &mut Entries, held: [f64; 2], period_s: f64) {
         let mut mode = self.mode(z, held[0]);
         let whole = period_s / f64::from(self.steps);

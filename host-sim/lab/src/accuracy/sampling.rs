@@ -1,4 +1,4 @@
-//! What control rate and encoder do to a wall: a hand that presses, probes and holds.
+//! How control rate and encoder resolution change a wall: runs in which a hand presses, oscillates in the wall and holds still.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -7,44 +7,44 @@ use touchstone_sim::run;
 use touchstone_sim::scene::{Preset, Scene};
 use touchstone_world::plant::critical_stiffness;
 
-/// One run.
+/// Results of one run at one control rate and encoder resolution.
 #[derive(Debug, Clone, Serialize)]
 pub struct SamplingPoint {
-    /// Law; `shipped` is the enhanced one with its estimator and its guard, the others are as the thesis has them.
+    /// Name of the control law. `shipped` is the enhanced law with estimator and guard; the others have the thesis' settings.
     pub law: &'static str,
-    /// Desired stiffness, N·m/rad.
+    /// Requested stiffness of the wall, N·m/rad.
     pub k_desired_n_m_per_rad: f64,
     /// Control rate, Hz.
     pub rate_hz: u32,
-    /// Encoder's counts a turn.
+    /// Encoder counts per turn.
     pub counts_per_rev: u32,
-    /// How it ended; `refused`: the settings cannot be had at this rate.
+    /// Verdict on the run; `refused` if the law's settings are not possible at this rate.
     pub verdict: &'static str,
-    /// Displayed stiffness at rest over the desired one, less 1.
+    /// Displayed stiffness at rest divided by the requested one, less 1.
     pub stiffness_error: Option<f64>,
-    /// Modulus of force over penetration of the probing hand, over the desired stiffness, less 1.
+    /// Magnitude of force over penetration while the hand oscillates, divided by the requested stiffness, less 1.
     pub dynamic_stiffness_error: Option<f64>,
-    /// Phase of the force before the penetration, degrees.
+    /// Phase of the force relative to the penetration while the hand oscillates, degrees; positive if the force leads.
     pub dynamic_stiffness_phase_deg: Option<f64>,
-    /// Torque's change from tick to tick, rms, N·m.
+    /// Ripple: change of the torque from tick to tick, root mean square, N·m.
     pub ripple_rms_n_m: Option<f64>,
-    /// Most energy that the wall's port gave in any window of time, J.
+    /// Most energy that the wall gave out in any window of time, J.
     pub energy_out_wall_worst_window_j: Option<f64>,
-    /// Most energy that the hand got in any window of time, J.
+    /// Most energy that the hand got out of the device in any window of time, J.
     pub energy_out_worst_window_j: Option<f64>,
-    /// Stiffness at which the loop of this rate with the bare device becomes unstable, by its eigenvalues, N·m/rad.
+    /// Stiffness in N·m/rad at which the loop of wall and bare device becomes unstable at this rate, calculated from eigenvalues.
     pub k_max_n_m_per_rad: f64,
-    /// Share of the board's processor at most; none where no board takes this rate, and for all laws the largest one's.
+    /// Largest fraction (0 to 1) of the board's processor time, for the most expensive law. `None` at a rate that no board accepts.
     pub board_load_at_most: Option<f64>,
 }
 
-/// Laws, each with its stiffness: a spring that the slowest rate still holds, and the law that is to hold more.
+/// Laws and their requested stiffnesses in N·m/rad: a spring that is stable even at the slowest rate, and laws for stiffer walls.
 const LAWS: [(&str, f64); 3] = [("spring", 0.4), ("enhanced-sfa", 5.0), ("shipped", 5.0)];
 
-/// Every law at every rate and encoder.
+/// Simulates a press with every control law at every control rate and encoder resolution.
 ///
 /// # Errors
-/// A scene that cannot be run.
+/// A scene cannot be run.
 pub fn points(rates_hz: &[u32], counts_per_rev: &[u32]) -> Result<Vec<SamplingPoint>> {
     let mut wanted = Vec::new();
     for law in LAWS {
@@ -83,7 +83,7 @@ fn point(
     };
     let k_max_n_m_per_rad =
         critical_stiffness(&device, None, f64::from(rate_hz), 0.0).unwrap_or(f64::NAN);
-    // Settings that were tuned for one rate need not exist at another: that is a finding, not the end of all others.
+    // Settings that were tuned for one rate may be impossible at another. That is a result; the other runs continue.
     let Ok(run) = run::run(&scene, false) else {
         return Ok(SamplingPoint {
             law,

@@ -1,4 +1,4 @@
-//! The JSON schema of what `touchstone accuracy` finds. `docs/schema/accuracy.schema.json` is its text.
+//! JSON schema of the results of `touchstone accuracy`. The file `docs/schema/accuracy.schema.json` holds its text.
 
 use serde_json::{Value, json};
 
@@ -16,7 +16,7 @@ fn nullable(mut object: Value) -> Value {
     object
 }
 
-/// The schema.
+/// The JSON schema of the results of `touchstone accuracy`.
 #[must_use]
 pub fn schema() -> Value {
     let time = object(TIME, &[]);

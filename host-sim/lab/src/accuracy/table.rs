@@ -1,4 +1,4 @@
-//! The results as a table for a terminal.
+//! Accuracy results as a text table for a terminal.
 
 use std::fmt::Write;
 
@@ -13,7 +13,7 @@ fn substeps(count: Option<u32>) -> String {
     count.map_or(String::new(), |count| format!("/{count}"))
 }
 
-/// All results as lines of text.
+/// Formats all results as lines of text.
 #[must_use]
 pub fn render(found: &Accuracy) -> String {
     let mut out = String::new();

@@ -21,7 +21,7 @@ fn the_documented_schema_is_this_one() {
     is_documented("accuracy.schema.json", &schema::schema());
 }
 
-/// Errors, unlike times, are the same on every machine, bit for bit or nearly.
+/// Checks the errors of a quick run. Errors, unlike times, are nearly or exactly the same on every machine.
 #[test]
 fn a_quick_run_says_what_is_known() {
     let found = quick();
@@ -31,13 +31,13 @@ fn a_quick_run_says_what_is_known() {
     let names: Vec<&str> = found.plant.iter().map(|diagram| diagram.problem).collect();
     assert_eq!(names, ["smooth", "stick-slip", "contact", "current-loop"]);
     for diagram in &found.plant {
-        // The reference is far better than what it judges, and the exact step is off by rounding alone: a thousand steps
-        // of an angle below 1 rad.
+        // The reference is far more exact than the methods. The exact step is off by rounding only: a thousand steps of an angle
+        // below 1 rad.
         assert!(diagram.reference_floor_rad < 1e-17, "{diagram:?}");
         let exact = &diagram.points[0];
         assert!(exact.error_rad.unwrap() < 1e-13, "{exact:?}");
         assert!(exact.energy_gap.unwrap_or(0.0) < 1e-12, "{exact:?}");
-        // No other method of these substeps comes near it where there are events.
+        // With stops and starts no other method comes near the exact step with these substeps.
         if diagram.events > 0 {
             let best = diagram.points[1..]
                 .iter()
@@ -54,10 +54,10 @@ fn a_quick_run_says_what_is_known() {
             .filter(|point| point.error_rad.is_none())
             .count()
     };
-    // Both explicit methods with one substep behind a current loop of 5 kHz, and nothing else.
+    // Only the two explicit methods with one substep diverge, behind a current loop of 5 kHz.
     assert_eq!([0, 1, 2, 3].map(diverged), [0, 0, 0, 2]);
 
-    // The whole diagram is drawn: a sign for each point.
+    // The whole diagram is drawn, with a sign for each point.
     for ((name, text), diagram) in figures::all(&found).iter().zip(&found.plant) {
         assert_eq!(
             text.matches("class=\"sign").count(),
@@ -67,7 +67,7 @@ fn a_quick_run_says_what_is_known() {
         assert!(!text.contains("NaN") && !text.contains("inf"), "{name}");
     }
 
-    // f64 is its own reference; a spring in fixed32 is within the step of a force, and of a position's 5 N·m/rad.
+    // `f64` is its own reference. A spring in fixed32 is within one step of force, plus 5 N·m/rad times one step of position.
     let law = |law: &str, number: &str| {
         found
             .law
@@ -85,7 +85,7 @@ fn a_quick_run_says_what_is_known() {
         .find(|point| point.method == "exact")
         .unwrap();
     assert_eq!(exact.path_difference_rad, 0.0);
-    // b/(T/2), which for this device is right to b T/J.
+    // b/(T/2), which is exact to b T/J for this device.
     assert!(
         (exact.k_max_n_m_per_rad.unwrap() / 0.8 - 1.0).abs() < 4e-3,
         "{exact:?}"

@@ -1,5 +1,5 @@
-//! Which property of the knob would have to differ, and by how much, to make the simulation match the recording; each
-//! alone.
+//! Which property of the knob would have to differ from the scene, and by how much, to make the simulation match a recording. Each
+//! property is varied alone.
 
 use super::replay::Replay;
 use super::{closest, rms};
@@ -8,18 +8,18 @@ use serde::Serialize;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 
-/// The best of one value.
+/// Best factor on one property of the simulated knob, with which the simulation matches a recording.
 #[derive(Debug, Clone, Serialize)]
 pub struct Fit {
-    /// The field of the scene.
+    /// Key of the property in the scene file.
     pub field: &'static str,
-    /// How much larger it would be than the scene says.
+    /// Factor on the scene's value that matches the recording best.
     pub factor: f64,
-    /// What then stays, rms of the position's difference, rad.
+    /// Difference of the position that remains with this factor, root mean square, rad.
     pub rms_rad: f64,
 }
 
-/// A value of the knob.
+/// Multiplies one property of the scene's device by a factor.
 type Change = fn(&mut Scene, f64);
 
 const VALUES: [(&str, Change); 3] = [
@@ -38,14 +38,14 @@ const VALUES: [(&str, Change); 3] = [
     }),
 ];
 
-/// Half to double: beyond, it is another knob.
+/// Largest factor on a property; the least is its reciprocal. A larger deviation would mean another knob.
 const WIDEST: f64 = 2.0;
-/// Looks on a grid of factors, equal by their ratio, before the best is closed in.
+/// Number of steps of the grid of factors, equal on a logarithmic scale, that is tried before the search is refined.
 const GRID: i32 = 12;
-/// Halvings of a grid's step: to 0.4 %.
+/// Number of times that the grid's step is halved around the best factor; the last step is 0.4 %.
 const CLOSER: u32 = 4;
 
-/// Each value's best factor; the best value first.
+/// Finds the best factor of each property; the property that matches best comes first.
 pub fn fits(replay: &Replay<'_>) -> Result<Vec<Fit>> {
     let is_there =
         |field: &str| replay.scene().device.friction.is_some() || !field.contains("friction");

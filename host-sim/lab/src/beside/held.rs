@@ -1,18 +1,19 @@
-//! The rest point of a hand that holds, from the device's measured positions and commanded torques.
+//! The rest point of a hand that holds a knob (the angle that the hand pulls the knob to), calculated from the device's measured
+//! positions and commanded torques.
 //!
-//! The equations of device and hand are solved backwards. The torque between them is what moves the device against the
-//! wall's force. The pad gives under it. The hand's spring is stretched by it and by the hand's own motion. All curves
-//! are smoothed to below [`SMOOTHING_HZ`](touchstone_sim::scene::SMOOTHING_HZ), so that an encoder's steps do not
-//! count as motion.
+//! The equations of device and hand are solved for the hand's motion. The torque between hand and device is the one that moves the
+//! device against the wall's force. It compresses the finger pad, which gives the fingers' position. The spring of the hand is
+//! stretched by that torque and by the hand's own inertia and damping. All curves are smoothed to below
+//! [`SMOOTHING_HZ`](touchstone_sim::scene::SMOOTHING_HZ), so that encoder steps do not count as motion.
 
 use super::told::Told;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{Curve, Scene};
 
-/// A device slower than this may be stuck: its friction is then anything up to the kinetic one.
+/// Speed of the device below which friction is taken in proportion to the speed, because a device this slow may be stuck.
 const SLOW_RAD_PER_S: f64 = 0.02;
 
-/// The hand's rest point as a penetration, rad, a value a tick.
+/// The hand's rest point in every tick of the recording, as a penetration of the wall, rad.
 pub fn rest_point_rad(scene: &Scene, told: &Told) -> Result<Vec<f64>> {
     let hand = scene.operator.hand().ok_or_else(|| Error::Option {
         option: "--hand held".into(),
@@ -61,7 +62,7 @@ pub fn rest_point_rad(scene: &Scene, told: &Told) -> Result<Vec<f64>> {
         .collect())
 }
 
-/// The derivative by differences to both sides; 0 at the ends.
+/// Derivative by central differences; 0 at the first and last value.
 fn derivative(values: &[f64], period: f64) -> Vec<f64> {
     let last = values.len() - 1;
     let slope = |at: usize| match at {

@@ -1,9 +1,9 @@
-//! A recording of a device compared with its simulation: the scene is run under the recorded hand, tick by tick beside
-//! the measured positions and commanded torques.
+//! Compares a recording of a device with its simulation. The scene is simulated with the recorded hand, and positions and commanded
+//! torques are compared tick by tick.
 //!
-//! Two kinds of hand can be replayed. A hand that let go is no hand: the knob flies with the speed that it had. A hand
-//! that holds is the scene's grip, with a rest point found from the device's motion. The replay has no motion of the
-//! hand above some 20 Hz, and does not know that a person's grip may differ from the scene's.
+//! Two types of hand can be replayed. If the hand had let go, the knob is simulated without a hand, with the speed that it had. If
+//! the hand held the knob, the simulation uses the scene's grip, with a rest point calculated from the device's motion. The replay
+//! contains no motion of the hand above some 20 Hz, and a person's real grip may differ from the scene's.
 
 mod fit;
 mod held;
@@ -30,57 +30,57 @@ pub enum HandWas {
     Gone,
 }
 
-/// How one quantity was, and how it would be.
+/// Difference between the recorded and the simulated course of one quantity.
 #[derive(Debug, Clone, Serialize)]
 pub struct Difference {
-    /// `position` or `force`.
+    /// Name of the compared quantity: `position` or `force`.
     pub what: &'static str,
-    /// The unit of the values.
+    /// Unit of the compared quantity.
     pub unit: &'static str,
-    /// Root of the mean square of the difference.
+    /// Root mean square of the difference between recording and simulation.
     pub rms: f64,
-    /// The largest difference.
+    /// Largest difference between recording and simulation.
     pub worst: f64,
     /// Time of the largest difference, in the recording's time, s.
     pub worst_at_s: f64,
     /// Range from the lowest to the highest recorded value.
     pub span: f64,
-    /// The rms as a share of that span.
+    /// Root mean square of the difference, as a fraction of `span`.
     pub share: f64,
-    /// Time at which the difference first left [`PARTS`] of the span, in the recording's time, s; never: `None`.
+    /// First time at which the difference exceeded [`PARTS`] times the span, in the recording's time, s; `None` if it never did.
     pub parts_at_s: Option<f64>,
 }
 
-/// Share of a span from which on the two have parted.
+/// Fraction of the recorded span above which recording and simulation are said to differ.
 pub const PARTS: f64 = 0.05;
 
-/// Recording and simulation, tick by tick, and the findings.
+/// Comparison of a recording with its simulation: both courses tick by tick, their differences, and the best fits.
 #[derive(Debug, Clone)]
 pub struct Beside {
     /// Times of the samples, in the recording's time, s.
     pub time_s: Vec<f64>,
-    /// Penetration as the encoder measures it, rad: recorded, simulated.
+    /// Penetration as the encoder measures it, rad: first recorded, then simulated.
     pub penetration_rad: [Vec<f64>; 2],
-    /// Force commanded out of the wall, N·m: recorded, simulated.
+    /// Force commanded out of the wall, N·m: first recorded, then simulated.
     pub force_n_m: [Vec<f64>; 2],
-    /// Position and force.
+    /// Differences between recording and simulation: of the position, then of the force.
     pub differences: [Difference; 2],
-    /// The factor on each property of the knob that would match best, each alone; the best first.
+    /// Best factor on each property of the knob, varied alone; the property that matches best comes first.
     pub fits: Vec<Fit>,
-    /// Ticks missing in the recording, before and after the compared part.
+    /// Ticks that are missing in the whole recording.
     pub lost_ticks: u32,
-    /// Ticks in which a limit of the device acted, which the scene knows nothing of.
+    /// Ticks in which a limit of the device acted; the scene does not describe such limits.
     pub limited_ticks: usize,
 }
 
 impl Beside {
-    /// Whether both differences stay within a share of the recorded spans.
+    /// Whether the rms differences of position and force are at most `share` (a fraction) of their recorded spans.
     #[must_use]
     pub fn holds(&self, share: f64) -> bool {
         self.differences.iter().all(|it| it.share <= share)
     }
 
-    /// JSON for programs.
+    /// The comparison as JSON: differences and fits, without the courses.
     #[must_use]
     pub fn to_json(&self) -> serde_json::Value {
         serde_json::json!({
@@ -95,10 +95,11 @@ impl Beside {
     }
 }
 
-/// Runs the scene under the recorded hand and puts both side by side. `folder` gets the hand's motion where there is one.
+/// Simulates the scene with the recorded hand and compares the courses. For a hand that holds, the hand's motion is written into
+/// `folder`.
 ///
 /// # Errors
-/// A recording that is not of this scene's encoder or rate, or that has too little for this hand; whatever is wrong with the scene.
+/// The recording does not fit the scene's encoder or rate, or is too short for this type of hand; or the scene is not valid.
 pub fn beside(scene: &Scene, told: &Told, hand: HandWas, folder: &Path) -> Result<Beside> {
     let replay = replay::Replay::new(scene, told, hand, folder)?;
     let simulated = replay.run(replay.scene())?;
@@ -121,7 +122,7 @@ pub fn beside(scene: &Scene, told: &Told, hand: HandWas, folder: &Path) -> Resul
     })
 }
 
-/// The difference of two courses over the same ticks.
+/// Difference of the recorded and the simulated course of a quantity over the same ticks.
 fn difference(
     what: &'static str,
     unit: &'static str,
@@ -146,7 +147,7 @@ fn difference(
         worst: off(worst),
         worst_at_s: time_s[worst],
         span,
-        // Where nothing was recorded any difference is all of it.
+        // If the recording does not change, any difference counts as infinite.
         share: if rms == 0.0 { 0.0 } else { rms / span },
         parts_at_s: (0..time_s.len())
             .find(|index| off(*index) > PARTS * span)
@@ -154,8 +155,8 @@ fn difference(
     }
 }
 
-/// The place of the least cost, and that cost: first on a grid with this many steps to both sides of 0, then by
-/// halving.
+/// Finds the argument with the least cost; returns it with its cost. The search tries a grid of `steps` steps on either side of 0,
+/// then halves the step around the best argument.
 fn closest(
     mut step: f64,
     steps: i32,
@@ -177,7 +178,7 @@ fn closest(
     Ok(best)
 }
 
-/// Root of the mean square of what two courses differ by.
+/// Root mean square of the difference of two courses.
 fn rms(one: &[f64], other: &[f64]) -> f64 {
     let squares: f64 = one.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum();
     (squares / one.len().max(1) as f64).sqrt()

@@ -1,14 +1,14 @@
-//! Recording and simulation drawn over each other, with their differences in numbers.
+//! Report page on a recording and its simulation: both courses in one picture, and their differences in numbers.
 
 use super::{Beside, PARTS};
 use crate::report::figure::{Axis, Figure, Range, Shape};
 use crate::report::quantity::plain;
 use crate::report::{Block, Section, standalone};
 
-/// Points of a line at most: a picture of 800 pixels shows no more.
+/// Most points of a line in a picture; a picture that is 800 pixels wide shows no more.
 const MOST: usize = 2000;
 
-/// The sections of the page.
+/// Sections of the report page that compares recording and simulation.
 #[must_use]
 pub fn sections(beside: &Beside) -> Vec<Section> {
     let section = |title: &str, body| Section {

@@ -1,4 +1,4 @@
-//! The scene under the recorded hand.
+//! Simulates a scene with the motion of the hand in a recording.
 
 use super::held::rest_point_rad;
 use super::told::Told;
@@ -13,27 +13,27 @@ use touchstone_sim::output;
 use touchstone_sim::run::run;
 use touchstone_sim::scene::{Grip, MotionSpec, Recorded, Scene};
 
-/// The motion of a hand that holds, in the folder.
+/// Name of the file in the results folder that holds the motion of a hand that holds the knob.
 pub const HAND_FILE: &str = "hand.csv";
 
-/// Part of a released knob's flight from which its speed is found, s. The comparison begins in its middle, where a
-/// parabola's slope is known best.
+/// Length of the part of a released knob's flight from which its speed is calculated, s. The comparison begins in the middle of
+/// that part, where the slope of a fitted parabola is most accurate.
 const FLIGHT_S: f64 = 0.04;
 
-/// Halvings of half of the speed's uncertainty: down to a hundredth.
+/// Number of halvings in the search for the start speed; it begins with half of the speed's uncertainty and ends at a hundredth.
 const SPEED_HALVINGS: u32 = 6;
 
-/// A recording and the scene that repeats it.
+/// A recording, and the scene that simulates it.
 pub struct Replay<'a> {
     told: &'a Told,
-    /// The first tick that is compared.
+    /// Index of the recording's first tick that is compared with the simulation.
     first: usize,
     scene: Scene,
-    /// How far off the speed of its start may be, rad/s; 0 where a hand leads the knob.
+    /// Uncertainty of the start speed, rad/s; 0 where a hand holds the knob.
     unsure_rad_per_s: f64,
 }
 
-/// The compared part of a recording.
+/// The part of a recording that is compared with the simulation.
 pub struct Part<'a> {
     pub time_s: &'a [f64],
     pub penetration_rad: &'a [f64],
@@ -41,7 +41,7 @@ pub struct Part<'a> {
     pub limited: &'a [bool],
 }
 
-/// The compared part of a run.
+/// The part of a simulated run that is compared with the recording.
 pub struct Simulated {
     pub penetration_rad: Vec<f64>,
     pub force_n_m: Vec<f64>,
@@ -93,12 +93,12 @@ impl<'a> Replay<'a> {
         })
     }
 
-    /// The scene that repeats it.
+    /// The scene that simulates the recording.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// The compared part of the recording.
+    /// The part of the recording that is compared.
     pub fn recorded(&self) -> Part<'_> {
         let told = self.told;
         Part {
@@ -109,8 +109,8 @@ impl<'a> Replay<'a> {
         }
     }
 
-    /// Runs the scene, or one near it, over the same ticks. The starting speed is the best of those that the flight
-    /// allows, within a count.
+    /// Simulates `scene`, the replay's scene or a slight variation of it, over the compared ticks. Within the uncertainty of one
+    /// encoder count in the flight, the start speed with the least difference is used.
     pub fn run(&self, scene: &Scene) -> Result<Simulated> {
         if self.unsure_rad_per_s == 0.0 {
             return self.run_from(scene, 0.0);
@@ -136,7 +136,7 @@ impl<'a> Replay<'a> {
             .map(|angle| angle - scene.wall.surface_rad)
             .collect();
         let mut force_n_m = trace.force_n_m;
-        // A duration that rounds to a tick more or less.
+        // The run's duration may round to one tick more or less.
         let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
         let (at, with) = (last(&penetration_rad), last(&force_n_m));
         penetration_rad.resize(ticks, at);
@@ -166,7 +166,11 @@ fn fits(scene: &Scene, told: &Told) -> Result<f64> {
     Ok(period_s)
 }
 
-/// Where the device's wall is, by its count and its penetration: so that both encoders' steps fall together.
+/// Angle of the device's wall, calculated from encoder counts and penetrations, so that real and simulated encoder step at the same
+/// angles.
+///
+/// # Errors
+/// The scene has no encoder, or the recording's counts do not fit it.
 fn surface_rad(scene: &Scene, told: &Told) -> Result<f64> {
     let Some(encoder) = &scene.encoder else {
         return Err(Error::Option {
@@ -195,7 +199,10 @@ fn surface_rad(scene: &Scene, told: &Told) -> Result<f64> {
     Ok(0.5 * (low + high))
 }
 
-/// The last ticks of a released knob before the wall, an odd number: there, if anywhere, no hand pushes it.
+/// Ticks of a released knob's flight just before it reaches the wall, an odd number. The hand has most likely let go by then.
+///
+/// # Errors
+/// The knob never reached the wall, or the recording starts too close to it.
 fn flight(told: &Told) -> Result<Range<usize>> {
     let touch = told.penetration_rad.iter().position(|it| *it > 0.0);
     let no_flight = |problem: &str| {
@@ -212,20 +219,20 @@ fn flight(told: &Told) -> Result<Range<usize>> {
     Ok(start..touch)
 }
 
-/// Place and speed in the middle of a flight, by the parabola through it with the least squares: friction slows it evenly.
+/// Position in rad and speed in rad/s in the middle of a flight, by a least-squares parabola: friction slows the knob evenly.
 fn middle(penetration_rad: &[f64], period_s: f64) -> (f64, f64) {
     let half = penetration_rad.len() as f64 / 2.0;
     let time = |row: usize| (row as f64 + 0.5) / half - 1.0;
     let rows = penetration_rad.len();
     let powers = DMatrix::from_fn(rows, 3, |row, power| time(row).powi(power as i32));
     let values = DVector::from_column_slice(penetration_rad);
-    // A matrix of three different powers has three singular values.
+    // A matrix of three different powers has full rank.
     let found = powers.svd(true, true).solve(&values, 1e-12);
     let found = found.unwrap_or_else(|_| DVector::zeros(3));
     (found[0], found[1] / (half * period_s))
 }
 
-/// The hand's motion in a file that `--operator-motion` reads, too; where it is.
+/// Writes the hand's motion into a file that `--operator-motion` can read; returns its path.
 fn kept(scene: &Scene, told: &Told, surface_rad: f64, folder: &Path) -> Result<PathBuf> {
     use std::fmt::Write as _;
     let rest = rest_point_rad(scene, told)?;
@@ -236,7 +243,7 @@ fn kept(scene: &Scene, told: &Told, surface_rad: f64, folder: &Path) -> Result<P
         let _ = writeln!(text, "{}", row.join(","));
     }
     let file = folder.join(HAND_FILE);
-    // Of a folder with results it was listed, or asked for; in any other it is somebody's.
+    // In a folder with results the file belongs to them; in any other folder an existing file is not overwritten.
     let written = std::fs::create_dir_all(folder).and_then(|()| {
         match folder.join("results.json").is_file() {
             true => output::write(&file, text),

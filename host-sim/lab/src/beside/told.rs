@@ -1,9 +1,9 @@
-//! A device's recorded ticks: the CSV that `touchstone monitor` writes.
+//! A device's recorded ticks, read from the CSV file that `touchstone monitor` writes.
 
 use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
 
-/// The columns that are read.
+/// Names of the CSV columns that are read.
 const COLUMNS: [&str; 7] = [
     "tick",
     "time_s",
@@ -14,26 +14,26 @@ const COLUMNS: [&str; 7] = [
     "limits",
 ];
 
-/// The longest stretch without a gap in which the wall was on.
+/// The longest part of a recording in which the wall was on and no tick is missing.
 #[derive(Debug, Clone)]
 pub struct Told {
-    /// The file's path, for messages.
+    /// Path of the recording, for messages.
     pub file: PathBuf,
-    /// Time of the recording, s.
+    /// Time of each tick in the recording, s.
     pub time_s: Vec<f64>,
-    /// The encoder's count.
+    /// Encoder count at each tick.
     pub count: Vec<f64>,
-    /// Penetration, rad.
+    /// Penetration at each tick, rad.
     pub penetration_rad: Vec<f64>,
-    /// Force commanded out of the wall, N·m.
+    /// Force commanded out of the wall at each tick, N·m.
     pub force_n_m: Vec<f64>,
-    /// Whether a limit acted.
+    /// Whether a limit of the device acted in each tick.
     pub limited: Vec<bool>,
     /// Ticks that are missing in the whole recording.
     pub lost_ticks: u32,
 }
 
-/// A row.
+/// One row of the recording.
 struct Row {
     tick: u32,
     numbers: [f64; 4],
@@ -42,11 +42,11 @@ struct Row {
 }
 
 impl Told {
-    /// Reads the part of a recording between two times.
+    /// Reads the part of a recording between two times in seconds.
     ///
     /// # Errors
-    /// A file that cannot be read or was not written by `monitor`; one in which the wall was never on for a tenth of a
-    /// second.
+    /// The file cannot be read, was not written by `monitor`, or has no tenth of a second in which the wall was on without a lost
+    /// tick.
     pub fn read(file: &Path, from_s: f64, to_s: f64) -> Result<Self> {
         let rows = rows(file)?;
         let mut told = Self {
@@ -59,7 +59,7 @@ impl Told {
             lost_ticks: 0,
         };
         let wanted = |row: &Row| row.armed && (from_s..=to_s).contains(&row.numbers[0]);
-        // The stretch that goes on here, and the longest so far.
+        // The current stretch without a gap, and the longest one so far.
         let (mut stretch, mut longest) = (0..0, 0..0);
         for (index, row) in rows.iter().enumerate() {
             let before = index.checked_sub(1).map(|before| rows[before].tick);
@@ -92,7 +92,7 @@ impl Told {
         Ok(told)
     }
 
-    /// An error about this recording.
+    /// An error about this recording, with the problem and how to fix it.
     pub fn wrong(&self, problem: impl Into<String>, fix: &str) -> Error {
         Error::Io {
             path: self.file.clone(),
@@ -102,7 +102,7 @@ impl Told {
     }
 }
 
-/// Less says nothing of a knob.
+/// Shortest recording that is compared, s.
 const SHORTEST_S: f64 = 0.1;
 
 fn rows(file: &Path) -> Result<Vec<Row>> {

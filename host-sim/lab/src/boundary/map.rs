@@ -1,4 +1,4 @@
-//! The plane as figures, a panel a delay, and what it says in words.
+//! The map of tuned walls as figures, one panel per delay, with its results as sentences, JSON and report page.
 
 use super::{BoundaryCell, BoundaryPlan, ColumnLimits, TunedEnding, limits, slope};
 use crate::report::figure::{Axis, Figure, Range, Shape, Sign};
@@ -7,15 +7,16 @@ use crate::report::svg::Size;
 use crate::report::{Block, Section, drawn};
 use serde_json::{Value, json};
 
-/// Size of a panel.
+/// Size of one panel of the map, pixels.
 const SIZE: Size = Size {
     width: 430,
     height: 380,
 };
-/// Least `b T/J` of devices that lose most of their speed in a few ticks: there damping is no small thing beside inertia.
+/// Least `b T/J` (fraction of its speed that the free device loses per tick) from which a device counts as heavily damped. Such
+/// devices are left out of the summaries, because damping is not small there compared with inertia.
 pub const HEAVILY_DAMPED: f64 = 0.05;
 
-/// Class and name of the tiles, in the order of [`TunedEnding::ALL`].
+/// CSS class and name of the tiles, in the order of [`TunedEnding::ALL`].
 const TILES: [(&str, &str); 5] = [
     ("tile passive", "rests, moving hand too"),
     ("tile active", "rests, moving hand not"),
@@ -24,7 +25,7 @@ const TILES: [(&str, &str); 5] = [
     ("tile refused", "refused"),
 ];
 
-/// Edges of the tile of each value, half-way to its neighbours on a logarithmic scale.
+/// Lower and upper edge of each value's tile in the map, as decimal logarithms; half-way to the neighbouring values.
 fn edges(values: &[f64]) -> Vec<[f64; 2]> {
     let at = |index: usize| values[index].log10();
     let last = values.len() - 1;
@@ -92,10 +93,10 @@ pub fn figures(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<Figure> {
             })
             .collect();
         figure.line("law-g", "certified stable", Shape::Signs(certified));
-        // b/(T/2 + t_d) over J/T².
+        // The bound b/(T/2 + t_d), divided by J/T².
         for (role, name, times) in [("kc", "k_c", 1.0), ("law-b", "20 k_c", 20.0_f64)] {
             let at = |damping: f64| 0.5 * (times * damping / (0.5 + delay)).log10();
-            // Where it crosses the panel.
+            // The part of the line that is inside the panel.
             let points: Vec<(f64, f64)> = (0..=200)
                 .map(|step| across.min + (across.max - across.min) * f64::from(step) / 200.0)
                 .map(|x| (x, at(10.0_f64.powf(x))))
@@ -119,14 +120,15 @@ pub fn figures(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<Figure> {
     plan.delays.iter().map(panel).collect()
 }
 
-/// The panels as one drawing.
+/// All panels of the map as one SVG picture.
 #[must_use]
 pub fn picture(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> String {
     let title = format!("Where a tuned wall ends: {}", plan.rival.about);
     drawn(&title, &figures(plan, cells), SIZE)
 }
 
-/// What limits, a sentence a delay.
+/// One sentence per delay that says whether inertia or damping limits the wall, and a sentence on wrong certificates if there are
+/// any.
 #[must_use]
 pub fn words(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<String> {
     let limits = limits(plan, cells);
@@ -166,7 +168,7 @@ pub fn words(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<String> {
         .collect()
 }
 
-/// Walls that were certified stable and do not rest, with the cause; `None` where there are none.
+/// A sentence on the walls that were certified stable but do not come to rest, with the cause; `None` where there are none.
 fn wrongly_stable(cells: &[BoundaryCell]) -> Option<String> {
     let wrong: Vec<String> = cells
         .iter()
@@ -191,7 +193,7 @@ fn wrongly_stable(cells: &[BoundaryCell]) -> Option<String> {
     })
 }
 
-/// What `results.json` has.
+/// Contents of `results.json`: limits of every column and slopes of the boundary.
 #[must_use]
 pub fn results(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Value {
     let limits = limits(plan, cells);
@@ -212,7 +214,7 @@ pub fn results(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Value {
     })
 }
 
-/// The page.
+/// Sections of the report page with the map.
 #[must_use]
 pub fn sections(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<Section> {
     let mut body = vec![Block::Figure(picture(plan, cells))];

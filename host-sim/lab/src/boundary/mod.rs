@@ -1,10 +1,12 @@
-//! Where a tuned wall ends, over the device's damping and its delay: is the limit inertia or damping?
+//! Where a tuned wall stops working, depending on the device's damping and delay: does inertia or damping set the limit?
 //!
-//! A sampled wall has two measures of its own: `T sqrt(k_de/J)`, the angle by which a free device on the wall turns in a tick, and
-//! `b T/J`, the share of its speed that the device loses in one. Damping limits a spring at `k_c = b/(T/2 + t_d)`, which is a line of
-//! slope one half over these two; what inertia limits is a level one. Each cell of the plane is a device and a wall. Its law has the settings
-//! at which the matrices are best or, where these do not hold, settings that a search by runs finds. Its press and its moving hand are run,
-//! and [`certify`] is asked beside. [`map`] draws it.
+//! A sampled wall has two dimensionless measures. `T sqrt(k_de/J)` is the angle in rad by which the oscillation of a free device on
+//! the wall advances per tick. `b T/J` is the fraction of its speed that the device loses per tick. Damping limits a spring at `k_c
+//! = b/(T/2 + t_d)`, a line of slope 1/2 on logarithmic axes of these measures; a limit set by inertia is horizontal.
+//!
+//! Each cell of the map is a device and a wall. First the law's settings are those with the best eigenvalues of the loop. If this
+//! wall does not hold, a search by simulated runs tunes them. Then a press and a moving hand are simulated, and [`certify`] judges
+//! the same wall. [`map`] draws the results.
 
 pub mod map;
 #[cfg(test)]
@@ -24,63 +26,64 @@ use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{Encoder, MotionSpec, Scene};
 
-/// Least and largest `b T/J`.
+/// Range of `b T/J` in the map.
 pub const DAMPINGS: [f64; 2] = [1e-4, 1.0];
-/// Least and largest `T sqrt(k_de/J)`.
+/// Range of `T sqrt(k_de/J)` in the map.
 pub const STIFFNESSES: [f64; 2] = [0.1, 2.0];
-/// Least depth of a press in counts: of a shallower one nothing but rounding is seen.
+/// Least depth of a press in encoder counts. In a shallower press rounding to counts would hide the wall.
 const DEEP_COUNTS: f64 = 20.0;
-/// Cells between two writes.
+/// Number of cells that are computed between two writes to the file.
 const CELLS_A_WRITE: usize = 8;
 
-/// The plane to compute.
+/// Describes the map to compute.
 #[derive(Debug, Clone)]
 pub struct BoundaryPlan {
-    /// Inertia, rate, encoder, friction and press; damping, delay and stiffness are those of the cells.
+    /// Scene with inertia, rate, encoder, friction and press. Damping, delay and stiffness are those of each cell.
     pub base: Scene,
-    /// The law that is tuned for every cell.
+    /// The control law that is tuned for every cell.
     pub rival: &'static Rival,
-    /// `b T/J` of the columns.
+    /// `b T/J` (fraction of its speed that the device loses per tick) of each column of the map.
     pub dampings: Vec<f64>,
-    /// `T sqrt(k_de/J)` of the rows.
+    /// `T sqrt(k_de/J)` (angle in rad that the oscillation advances per tick) of each row of the map.
     pub stiffnesses: Vec<f64>,
-    /// Delays, ticks: a panel each.
+    /// Delays from sample to force in ticks; the map has one panel for each.
     pub delays: Vec<f64>,
-    /// How long a search may look at a cell, simulated ticks.
+    /// Most simulated ticks that the search may use per cell.
     pub ticks: f64,
-    /// Seed of the searches.
+    /// Seed of the searches' random numbers.
     pub seed: u64,
 }
 
-/// One place of the plane.
+/// Position of a cell in the map.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BoundaryPlace {
-    /// Delay, ticks.
+    /// Delay from sample to force, ticks.
     pub delay_ticks: f64,
-    /// Damping per tick: `b T/J`.
+    /// `b T/J`: fraction of its speed that the free device loses per tick.
     pub damping_per_tick: f64,
-    /// `T sqrt(k_de/J)`.
+    /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
     pub stiffness_per_tick: f64,
 }
 
-/// What became of the tuned wall, the worst of three grips. The order is from good to bad.
+/// How the tuned wall behaves, in the worst of three grips; ordered from good to bad.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TunedEnding {
-    /// Rests within 5 % of `k_de`, and a moving hand feels it within 15 % and 15° up to 4 Hz.
+    /// The knob rests at a stiffness within 5 % of `k_de`. For a hand moving at up to 4 Hz, force over penetration is within 15 %
+    /// and 15° of `k_de`.
     Holds,
-    /// Rests within 5 %; a moving hand feels another stiffness.
+    /// The knob rests at a stiffness within 5 % of `k_de`, but a moving hand meets a stiffness beyond the limits of `Holds`.
     Rests,
-    /// Rests at another stiffness.
+    /// The knob rests, but at a stiffness more than 5 % off `k_de`.
     RestsElsewhere,
-    /// The wall does not come to rest.
+    /// The knob does not come to rest in the wall.
     DoesNotRest,
     /// The law has no settings for such a wall.
     Refused,
 }
 
 impl TunedEnding {
-    /// All endings.
+    /// All ways in which a tuned wall may behave, from good to bad.
     pub const ALL: [TunedEnding; 5] = [
         TunedEnding::Holds,
         TunedEnding::Rests,
@@ -99,60 +102,60 @@ impl TunedEnding {
     }
 }
 
-/// One cell that was computed.
+/// Results of one cell of the map: a device and a wall.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BoundaryCell {
-    /// A digest of scene, law, budget and seed, to which the cell belongs.
+    /// Digest of scene, law, search budget and seed; cells of another digest belong to another map.
     pub plan: String,
-    /// Delay, ticks.
+    /// Delay from sample to force, ticks.
     pub delay_ticks: f64,
-    /// Damping per tick: `b T/J`.
+    /// `b T/J`: fraction of its speed that the free device loses per tick.
     pub damping_per_tick: f64,
-    /// `T sqrt(k_de/J)`.
+    /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
     pub stiffness_per_tick: f64,
-    /// Damping of the device, N·m·s/rad.
+    /// Viscous damping of the device, N·m·s/rad.
     pub damping_n_m_s_per_rad: f64,
-    /// `k_de`, N·m/rad.
+    /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
-    /// `k_de` over `b/(T/2 + t_d)`, which the device's own damping makes passive.
+    /// `k_de` divided by `b/(T/2 + t_d)`, the largest stiffness that the device's own damping makes passive.
     pub times_critical: f64,
-    /// How the run ended.
+    /// How the tuned wall behaves in the worst of three grips.
     pub ended: TunedEnding,
-    /// Largest deviation at rest, share; `NaN` in the table where a press does not rest.
+    /// Largest relative deviation of the stiffness at rest from `k_de`; `NaN` in the file where a press does not rest.
     #[serde(with = "crate::journal::or_nan")]
     pub displayed_error: Option<f64>,
-    /// Deviation of the modulus of a hand that moves, share; `NaN` where the wall was left.
+    /// Relative deviation of force over penetration from `k_de` for a moving hand; `NaN` in the file where the knob left the wall.
     #[serde(with = "crate::journal::or_nan")]
     pub modulus_error: Option<f64>,
-    /// Phase of the moving hand, degrees.
+    /// Phase of force over penetration for a moving hand, degrees.
     #[serde(with = "crate::journal::or_nan")]
     pub phase_deg: Option<f64>,
-    /// What `certify` says of the three grips.
+    /// Worst verdict of the stability certificate over the three grips.
     pub certificate: Option<certify::Verdict>,
-    /// Why, in its words.
+    /// Causes that the certificate gives for its verdict.
     pub certificate_causes: String,
     /// Why a press does not rest at `k_de`; empty where it does.
     pub rest_cause: Option<FailureCause>,
-    /// Settings that were run; none beyond those of the matrices: 1.
+    /// Number of settings that were simulated; 1 if only the settings with the best eigenvalues were.
     pub looks: u64,
 }
 
 impl BoundaryCell {
-    /// Whether the certificate of the cell is "stable".
+    /// Whether the certificate says that the wall is stable.
     #[must_use]
     pub fn is_certified(&self) -> bool {
         self.certificate == Some(certify::Verdict::Stable)
     }
 
-    /// Whether it says so of a wall that does not come to rest.
+    /// Whether the certificate says stable although the wall does not come to rest.
     #[must_use]
     pub fn is_wrongly_stable(&self) -> bool {
         self.is_certified() && self.ended == TunedEnding::DoesNotRest
     }
 }
 
-/// This many values from `from` to `to` in even ratios, rounded to four digits, so that the written values are those
-/// that run.
+/// Returns `count` values from `from` to `to`, evenly spaced on a logarithmic scale. They are rounded to four digits, so that the
+/// simulated values are those in the file.
 fn even_ratios([from, to]: [f64; 2], count: usize) -> Vec<f64> {
     (0..count)
         .map(|index| {
@@ -163,7 +166,7 @@ fn even_ratios([from, to]: [f64; 2], count: usize) -> Vec<f64> {
 }
 
 impl BoundaryPlan {
-    /// A plane of this many columns and rows.
+    /// A map with this many columns (damping) and rows (stiffness), at delays of 0, 0.5 and 1 tick.
     #[must_use]
     pub fn new(base: Scene, rival: &'static Rival, [columns, rows]: [usize; 2]) -> Self {
         Self {
@@ -177,7 +180,7 @@ impl BoundaryPlan {
         }
     }
 
-    /// Every place, panel by panel, column by column, from soft to stiff.
+    /// All positions in the map: panel by panel, column by column, from soft to stiff.
     #[must_use]
     pub fn places(&self) -> Vec<BoundaryPlace> {
         let mut places = Vec::new();
@@ -197,8 +200,8 @@ impl BoundaryPlan {
         places
     }
 
-    /// Device and wall of a place. The press is the scene's, or strong enough for twenty counts of depth. The limits
-    /// of torque and force grow with it, since the map is not about them.
+    /// Scene with the device and the wall of a position in the map. The press is the scene's, or stronger so that it goes at least
+    /// twenty encoder counts deep. The limits of torque and force grow with the press, because they are not the subject of the map.
     #[must_use]
     pub fn scene(&self, place: BoundaryPlace) -> Scene {
         let mut scene = self.base.clone();
@@ -222,10 +225,10 @@ impl BoundaryPlan {
         scene
     }
 
-    /// Tunes, runs and certifies a cell.
+    /// Tunes, simulates and certifies the wall at one position of the map.
     ///
     /// # Errors
-    /// A scene that no law can run in.
+    /// A scene in which no law can run.
     pub fn cell(&self, place: BoundaryPlace) -> Result<BoundaryCell> {
         let scene = self.scene(place);
         let (period_s, b) = (scene.timing.period_s(), scene.device.damping_n_m_s_per_rad);
@@ -275,7 +278,7 @@ impl BoundaryPlan {
         })
     }
 
-    /// Twelve digits that differ where cells would.
+    /// First twelve characters of a hash over everything that the results of a cell depend on.
     fn digest(&self) -> String {
         let of = format!(
             "{} {} {} {} {}",
@@ -288,10 +291,10 @@ impl BoundaryPlan {
         sha256(of.as_bytes())[..12].to_owned()
     }
 
-    /// Computes every cell that a file does not have yet; `told` gets the number of finished cells.
+    /// Computes every cell that the file does not hold yet, and appends it. `told` is called with the number of finished cells.
     ///
     /// # Errors
-    /// A file that holds the cells of another plane, or cannot be written.
+    /// The file holds the cells of another map, or cannot be written.
     pub fn fill(&self, file: &Path, mut told: impl FnMut(u64)) -> Result<Vec<BoundaryCell>> {
         let (mut journal, mut cells) = Journal::open::<BoundaryCell>(file)?;
         let digest = self.digest();
@@ -324,7 +327,7 @@ impl BoundaryPlan {
             cells.extend(done);
             told(before + (index * CELLS_A_WRITE + piece.len()) as u64);
         }
-        // Those of this plane, in its own order: a file may hold a finer one.
+        // Returns the cells of this map in its own order, because the file may hold a finer map.
         Ok(places
             .iter()
             .filter_map(|place| cells.iter().find(|cell| is_at(cell, place)).cloned())
@@ -332,26 +335,26 @@ impl BoundaryPlan {
     }
 }
 
-/// How far up a column goes.
+/// Largest stiffnesses of one column of the map, that is of one damping and delay.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ColumnLimits {
-    /// Delay, ticks.
+    /// Delay from sample to force, ticks.
     pub delay_ticks: f64,
-    /// Damping per tick: `b T/J`.
+    /// `b T/J`: fraction of its speed that the free device loses per tick.
     pub damping_per_tick: f64,
-    /// Largest `T sqrt(k_de/J)` up to which every wall rests within 5 %; absent where the softest does not.
+    /// Largest `T sqrt(k_de/J)` up to which every wall rests within 5 % of `k_de`; absent if the softest wall does not.
     pub rests_up_to: Option<f64>,
-    /// The largest at which one does.
+    /// Largest `T sqrt(k_de/J)` at which a wall rests within 5 % of `k_de`, even if a softer one does not.
     pub highest_at_rest: Option<f64>,
-    /// The limit of stiffness with a moving hand as well.
+    /// Largest `T sqrt(k_de/J)` up to which every wall rests and also has the right stiffness for a moving hand.
     pub holds_up_to: Option<f64>,
-    /// The largest at or below the first of which `certify` says stable.
+    /// Largest `T sqrt(k_de/J)`, not above `rests_up_to`, whose wall is certified stable.
     pub certified_up_to: Option<f64>,
-    /// `k_de` at the first limit, over the stiffness that the device's own damping makes passive.
+    /// `k_de` at `rests_up_to`, divided by the stiffness that the device's own damping makes passive.
     pub times_critical: Option<f64>,
 }
 
-/// The limits of every column.
+/// Calculates the largest stiffnesses of every column of the map.
 #[must_use]
 pub fn limits(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<ColumnLimits> {
     let mut found = Vec::new();
@@ -392,8 +395,8 @@ pub fn limits(plan: &BoundaryPlan, cells: &[BoundaryCell]) -> Vec<ColumnLimits> 
     found
 }
 
-/// Slope of the boundary of a delay over the damping, both logarithmic: 0 where inertia is the limit, 0.5 where damping is. Of columns up
-/// to a damping of `most` of which a wall rests, one that rests to its top with that; absent where fewer than two are left.
+/// Slope of the line of `rests_up_to` over the damping at one delay, on logarithmic axes: 0 where inertia sets the limit, 0.5 where
+/// damping does. Columns with a damping above `most`, or without a wall that rests, are left out; `None` if fewer than two remain.
 #[must_use]
 pub fn slope(limits: &[ColumnLimits], delay_ticks: f64, most: f64) -> Option<f64> {
     let points: Vec<(f64, f64)> = limits

@@ -1,4 +1,4 @@
-//! A spring ends where damping does, a tuned wall where inertia does; computed cells are kept.
+//! Tests of the map: damping limits a spring, inertia limits a tuned wall, and cells in the file are not computed again.
 
 use super::map::{figures, picture, words};
 use super::*;
@@ -51,7 +51,8 @@ fn damping_limits_a_spring_and_inertia_a_tuned_wall() {
         let cells = computed(&plan);
         let limits = limits(&plan, &cells);
         println!("{:?}", words(&plan, &cells));
-        // By the matrices alone two of the tuned walls at 1.9 were: a device that leaves such a wall is in none of them.
+        // With the matrices alone two of the tuned walls at 1.9 would be called stable. Matrices do not describe a device that
+        // leaves the wall.
         let wrong = |cell: &&BoundaryCell| cell.is_certified() && cell.ended > TunedEnding::Rests;
         assert_eq!(cells.iter().find(wrong), None);
         let slope = slope(&limits, 0.0, 1.0);
@@ -59,13 +60,14 @@ fn damping_limits_a_spring_and_inertia_a_tuned_wall() {
     };
     let (spring, of_spring) = narrow("spring");
     let (tuned, of_tuned) = narrow("spring-damper-estimated");
-    // Nearer to one half than to nothing, and the other way round: over one decade of damping a row is 0.21 of a slope.
+    // The slope is nearer to one half than to zero, or the reverse. Over one decade of damping one row of the map is a slope of
+    // 0.21.
     assert!((0.25..0.75).contains(&spring), "{spring} {of_spring:?}");
     assert!(tuned.abs() < 0.25, "{tuned} {of_tuned:?}");
     for (spring, tuned) in of_spring.iter().zip(&of_tuned) {
         assert!(spring.rests_up_to < tuned.rests_up_to);
         assert!(tuned.highest_at_rest < Some(1.9), "the plane ends above");
-        // What the matrices promise is not far from what a run holds, and for a spring it is less.
+        // The certificate's limit is close to that of the simulated runs; for a spring it is lower.
         assert!(tuned.certified_up_to >= tuned.rests_up_to.map(|most| 0.3 * most));
         assert!(spring.certified_up_to < tuned.certified_up_to);
     }
@@ -103,7 +105,7 @@ fn a_boundary_that_was_ended_goes_on_and_a_strange_file_is_refused() {
     let mut first = Vec::new();
     let cells = plan.fill(&file, |done| first.push(done)).unwrap();
     assert_eq!((first[0], cells.len()), (0, 10));
-    // Ended in the middle of a line.
+    // The file as it is after an interruption in the middle of a line.
     let whole = fs::read(&file).unwrap();
     fs::write(&file, &whole[..whole.len() - 5]).unwrap();
     let mut again = Vec::new();

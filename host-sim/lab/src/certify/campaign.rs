@@ -1,21 +1,22 @@
-//! Random devices at random walls: what a certificate says of each, and what a run of it does.
+//! Validation of the stability certificates: random devices at random walls, for which the certificate's verdict is compared with a
+//! simulated run.
 //!
-//! Devices are those of [`crate::random_device`], each in three grips.
-//! The stiffness is 0.3 to 30 times what sampling allows without delay, at most `J/T²`, and soft enough that 1 N·m goes 20
-//! counts deep. The law is drawn too, with settings in proportion to the device: spring, spring-damper, and the enhanced law with
-//! the shipped settings in proportion or with a stiff coupling, its loan 4 to 32 times `F²/(2 k_f)` of the press. TDPA, FBA and
-//! the original augmentation are not drawn.
+//! Devices are those of [`crate::random_device`], each in three grips. The stiffness is 0.3 to 30 times the largest that sampling
+//! allows without delay (`k_c`), at most `J/T²`, and soft enough that 1 N·m goes 20 encoder counts deep. The law is random too: a
+//! spring, a spring-damper, or the enhanced law. The enhanced law has the shipped settings in proportion to the device, or a stiff
+//! coupling. Its loan of energy is 4 to 32 times `F²/(2 k_f)`, the energy in its coupling under the press. TDPA, FBA and the
+//! original augmentation are not drawn.
 //!
-//! Seeds 81 to 84 on estimated and 85 to 87 on measured states, 14,007 runs, which nobody had examined when the limits were set
-//! (certificate of each run's own hand; other seeds are in `docs/tuning.md`):
+//! The table holds 14,007 runs with seeds 81 to 84 on estimated and 85 to 87 on measured states. Nobody had looked at these seeds
+//! when the limits of the certificate were set. The verdict is that for each run's own hand; other seeds are in `docs/tuning.md`.
 //!
-//! | said | rests | limit cycle | unstable |
+//! | certificate | run rests | limit cycle | unstable |
 //! |---|---|---|---|
 //! | stable | 8787 | 0 | 0 |
 //! | undecided | 779 | 78 | 35 |
 //! | unstable | 1217 | 211 | 2900 |
 //!
-//! Undecided 6.4 %.
+//! 6.4 % of the certificates are undecided.
 
 use super::{Options, Verdict, certify, hands::Family};
 use crate::random_device::{FINGERTIP, Random, RandomDevice};
@@ -26,11 +27,11 @@ use touchstone_sim::run;
 use touchstone_sim::run::record::Verdict as Outcome;
 use touchstone_sim::scene::{Encoder, Grip, MotionSpec, Number, RampAndHold, Scene};
 
-/// Least `k_v` that the settings take, N·m/rad: a soft wall's share may be below it.
+/// Least `k_v` (soft stiffness of the enhanced law) that its settings accept, N·m/rad.
 const SOFTEST_N_M_PER_RAD: f64 = 0.01;
 
-/// The scene of a number. Device, wall and law are drawn anew for every three numbers, which differ in the grip. With
-/// estimated states the estimator's assumed device is drawn too: half to twice the true values.
+/// Random scene, generated from a number and a seed. Device, wall and law are the same for three consecutive numbers, which differ
+/// in the grip. With estimated states the device that the estimator assumes is random too: half to twice the true values.
 #[must_use]
 pub fn scene(seed: u64, index: u64, states: StatesKind) -> Scene {
     let mut random = Random::new(seed ^ (index / 3).wrapping_mul(0xd1b5_4a32_d192_ed03));
@@ -57,7 +58,7 @@ pub fn scene(seed: u64, index: u64, states: StatesKind) -> Scene {
     scene.wall.k_desired_n_m_per_rad = stiffness;
     law(&mut scene, &mut random, c_i, k_c, stiffness);
     if scene.law.kind == LawKind::EnhancedSfa {
-        // Four times what the coupling stores under the press, as in the shipped settings, and more.
+        // Four times the energy that the coupling stores under the press, as in the shipped settings, or more.
         let stored = 0.5 * push * push / scene.law.filter.stiffness_n_m_per_rad;
         scene.law.energy_credit_j = stored * random.between(4.0, 32.0);
     }
@@ -66,10 +67,10 @@ pub fn scene(seed: u64, index: u64, states: StatesKind) -> Scene {
     if states == StatesKind::Estimated {
         let own_hz = (stiffness / inertia).sqrt() / std::f64::consts::TAU;
         let estimator = &mut scene.law.estimator;
-        // Its settings take a 500th of the rate to a fifth, and two ticks.
+        // The estimator's settings accept a 500th to a fifth of the rate, and up to two ticks.
         estimator.bandwidth_hz =
             (own_hz * random.between(0.3, 4.0)).clamp(0.0021 * rate, 0.19 * rate);
-        // Not below what its arithmetic takes at this force.
+        // Not below the least inertia that the estimator's arithmetic accepts at this force.
         let lightest = 1.01 * scene.law.force_limit_n_m.max(0.76) / (rate * rate);
         estimator.inertia_kg_m2 = (inertia * random.between(0.5, 2.0)).max(lightest);
         estimator.damping_n_m_s_per_rad = damping * random.between(0.5, 2.0);
@@ -92,7 +93,7 @@ pub fn scene(seed: u64, index: u64, states: StatesKind) -> Scene {
 fn law(scene: &mut Scene, random: &mut Random, c_i: f64, k_c: f64, stiffness: f64) {
     let inertia = scene.device.inertia_kg_m2;
     let law = &mut scene.law;
-    // The law's own arithmetic is not what is looked at.
+    // The campaign is not about the law's own arithmetic.
     law.number = Number::F64;
     law.guard.on = false;
     law.device_damping_n_m_s_per_rad = c_i;
@@ -106,7 +107,7 @@ fn law(scene: &mut Scene, random: &mut Random, c_i: f64, k_c: f64, stiffness: f6
             law.virtual_damping_n_m_s_per_rad = 2.0 * critical * random.between(0.05, 1.0);
         }
         3 => {
-            // The shipped settings in proportion: times in seconds, stiffnesses in k_c.
+            // The shipped settings in proportion: times in seconds, stiffnesses in units of k_c.
             law.kind = LawKind::EnhancedSfa;
             law.step_of_ideal_per_ms = 0.012;
             law.limit_of_penetration_per_ms = 0.03;
@@ -132,22 +133,22 @@ fn law(scene: &mut Scene, random: &mut Random, c_i: f64, k_c: f64, stiffness: f6
     }
 }
 
-/// How a run ended, in the classes of a certificate.
+/// How a simulated run ended, in the classes of a certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ended {
-    /// The hand rests, up to four counts peak to peak.
+    /// The knob rests; it moves by at most four encoder counts peak to peak.
     Rest,
-    /// Oscillating.
+    /// The knob keeps oscillating in the wall.
     LimitCycle,
-    /// Thrown out of the wall again and again, at the limit of the force, or lost.
+    /// The knob leaves the wall repeatedly, the force is at its limit, or the run diverges.
     Unstable,
 }
 
 impl Ended {
     fn of(verdict: Outcome) -> Self {
         match verdict {
-            // Nothing moved for lack of a wall either.
+            // A knob that did not move for lack of a wall is at rest too.
             Outcome::Passive | Outcome::Active | Outcome::NotJudged | Outcome::NoContact => {
                 Ended::Rest
             }
@@ -157,67 +158,68 @@ impl Ended {
     }
 }
 
-/// One random run beside its certificate.
+/// Certificate and simulated run of one random scene.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Row {
-    /// Number of the scene.
+    /// Number of the random scene within its seed.
     pub index: u64,
-    /// The law, by its word.
+    /// Name of the control law.
     pub law: String,
-    /// Whether the enhanced law's coupling is above `k_c`.
+    /// Whether the coupling of the enhanced law is stiffer than the critical stiffness `k_c`.
     pub stiff_coupling: bool,
-    /// The grip.
+    /// Name of the grip.
     pub grip: String,
-    /// The certificate's verdict for this hand.
+    /// Verdict of the certificate for this hand.
     pub said: Verdict,
-    /// Why, where it is not stable.
+    /// Causes of the certificate's verdict where it is not stable.
     pub cause: String,
-    /// How the run ended.
+    /// How the simulated run ended.
     pub outcome: Ended,
-    /// Motion at the end of the hold, peak to peak, counts.
+    /// Motion at the end of the hold, peak to peak, encoder counts.
     pub motion_counts: f64,
-    /// `T sqrt(k_de/J)`.
+    /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
     pub stiffness_per_tick: f64,
-    /// Delay, ticks.
+    /// Delay from sample to force, ticks.
     pub delay_ticks: f64,
-    /// Largest eigenvalue over the phases.
+    /// Largest magnitude of an eigenvalue of the loop over the linear phases of the control law.
     pub radius: f64,
-    /// How fast the slowest motion dies out, 1/s.
+    /// Rate at which the slowest motion of the loop decays, 1/s.
     pub decay_per_s: f64,
-    /// The decay with dry friction.
+    /// Rate of decay of the slowest motion with dry friction counted as damping, 1/s.
     pub decay_with_friction_per_s: Option<f64>,
-    /// Frequency of that motion, Hz.
+    /// Frequency of the loop's slowest motion, Hz.
     pub frequency_hz: f64,
-    /// Largest speed of a bounce's return over that of its touch.
+    /// Speed at which the device returns to the wall after a bounce, over the speed of the touch before; the largest ratio.
     pub bounce: f64,
-    /// The most that the press borrows, as a share of the loan.
+    /// Energy that the enhanced law gives out in the press beyond what it took, as a fraction of the most that it may (its loan).
     pub loan_used: Option<f64>,
-    /// Largest radius while a reading is taken as rounding may take it.
+    /// Largest magnitude of an eigenvalue of the loop, if measured penetrations are scaled by as much as rounding to counts may
+    /// scale them.
     pub radius_rounded: f64,
-    /// Root mean square of the motion from rounding, counts.
+    /// Motion that rounding to counts causes at rest, root mean square, counts.
     pub rounding_rms_counts: Option<f64>,
-    /// Least cosine of the circle criterion.
+    /// Least cosine of the circle criterion for the gains between the control law's linear phases; the criterion holds above 0.
     pub switching: Option<f64>,
-    /// Amplitude that friction holds, counts.
+    /// Amplitude below which dry friction stops a growing oscillation, counts.
     pub friction_holds_counts: f64,
-    /// Depth of the press, counts.
+    /// Depth of the press, encoder counts.
     pub depth_counts: f64,
-    /// Dry friction over the press' torque.
+    /// Dry friction divided by the press' torque.
     pub friction_share: f64,
 }
 
 impl Row {
-    /// Whether the run came to rest.
+    /// Whether the simulated run came to rest.
     #[must_use]
     pub fn rests(&self) -> bool {
         self.outcome == Ended::Rest
     }
 }
 
-/// Certificate and run of a number.
+/// Generates the random scene of a number, certifies it, and simulates it.
 ///
 /// # Errors
-/// A scene that cannot be.
+/// The scene cannot be run or certified.
 pub fn row(seed: u64, index: u64, states: StatesKind) -> Result<Row> {
     let scene = scene(seed, index, states);
     let options = Options {
@@ -264,19 +266,19 @@ pub fn row(seed: u64, index: u64, states: StatesKind) -> Result<Row> {
     })
 }
 
-/// Counts of verdicts by outcomes.
+/// Numbers of runs by the certificate's verdict and the run's outcome.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tally {
-    /// Numbers of runs by verdict: came to rest, kept oscillating, were unstable.
+    /// Numbers of runs: first index is the verdict, second whether the run rested, kept oscillating or was unstable.
     counts: [[u32; 3]; 3],
-    /// The counts by classes of `T sqrt(k_de/J)`, a tenth wide.
+    /// Numbers of runs by verdict and outcome, for classes of `T sqrt(k_de/J)` that are 0.1 wide.
     by_stiffness: std::collections::BTreeMap<u32, [[u32; 3]; 3]>,
-    /// Rows in which a wall was called stable that was not.
+    /// Numbers of the scenes that were certified stable but did not rest.
     wrong: Vec<u64>,
 }
 
 impl Tally {
-    /// Adds a row.
+    /// Adds one run to the counts.
     pub fn add(&mut self, row: &Row) {
         let outcome = row.outcome as usize;
         let tenth = (10.0 * row.stiffness_per_tick).floor() as u32;
@@ -287,25 +289,25 @@ impl Tally {
         }
     }
 
-    /// Number of rows.
+    /// Number of runs counted.
     #[must_use]
     pub fn total(&self) -> u32 {
         self.counts.iter().flatten().sum()
     }
 
-    /// Number of rows that were certified stable.
+    /// Number of runs that were certified stable.
     #[must_use]
     pub fn stable(&self) -> u32 {
         self.counts[Verdict::Stable as usize].iter().sum()
     }
 
-    /// Number of rows whose certificate was undecided.
+    /// Number of runs whose certificate was undecided.
     #[must_use]
     pub fn undecided(&self) -> u32 {
         self.counts[Verdict::Undecided as usize].iter().sum()
     }
 
-    /// Rows that were certified stable and were not.
+    /// Numbers of the scenes that were certified stable but did not rest.
     #[must_use]
     pub fn wrong(&self) -> &[u64] {
         &self.wrong

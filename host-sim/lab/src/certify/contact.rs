@@ -1,4 +1,5 @@
-//! A scene's law against a hand: the loop's matrix for each phase, and the quantities that are not in the matrix.
+//! A control law in contact with a hand, as a certificate examines it: the loop's matrix for each phase of the law, and the
+//! quantities that are not in the matrix.
 
 use super::estimator::Estimator;
 use super::law::{Phases, Switching};
@@ -14,44 +15,45 @@ use touchstone_sim::run::{plan, settings};
 use touchstone_sim::scene::{MotionSpec, Scene};
 use touchstone_world::plant::{Device, Hand};
 
-/// How far a press swings about where it rests, in depths, where dry friction has to end it: one that comes at once swings by
-/// one.
+/// Amplitude that is assumed for the oscillation of a press, as a multiple of its depth, where dry friction has to end it. A press
+/// that comes as a step oscillates by 1.
 pub const SWING: f64 = 1.25;
 
-/// A law on a device.
+/// A control law on a device, in the form that the certificate examines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {
-    /// The law's linear phases.
+    /// The linear phases of the control law.
     pub phases: Phases,
-    /// The device; its friction is used for what friction may hide, not in the matrices.
+    /// The device. Its dry friction is not in the matrices; it is only used to judge which motions friction may stop.
     pub device: Device,
-    /// Rate and delay.
+    /// Control period, and delay from sample to force.
     pub clock: Clock,
-    /// Bandwidth of the current loop, Hz; scenes have none.
+    /// Bandwidth of the current loop, Hz. It comes from the options of the certificate, because scenes have none.
     pub current_loop_hz: Option<f64>,
-    /// The law sees what this estimates; absent: measured penetrations.
+    /// Estimator between encoder and law; absent if the law uses measured penetrations.
     pub estimator: Option<Estimator>,
-    /// One count of the encoder, rad.
+    /// Size of one encoder count, rad.
     pub count_rad: Option<f64>,
-    /// `k_de`, N·m/rad.
+    /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
-    /// Torque of the scene's press, N·m, where its motion has one.
+    /// Torque of the scene's press, N·m; absent if the hand's motion in the scene has no press.
     pub press_n_m: Option<f64>,
-    /// Press that is played: the scene's or, where it has none, one that the wall can give, N·m.
+    /// Torque of the press that is simulated, N·m: the scene's, or else one that the wall can give.
     pub played_press_n_m: f64,
-    /// Torque of the light touch before it, N·m, where its motion has one.
+    /// Torque of the light touch before the press, N·m; absent if the hand's motion in the scene has none.
     pub touch_n_m: Option<f64>,
-    /// Time of the scene's last hold, s, where its motion has one.
+    /// Duration of the scene's last hold, s; absent if the hand's motion in the scene has none.
     pub hold_s: Option<f64>,
-    /// `c_i`, the damping that the law counts on, N·m·s/rad.
+    /// Damping of the device that the law assumes, `c_i`, N·m·s/rad.
     pub c_i: f64,
 }
 
 impl Contact {
-    /// The contact that a scene describes. Coefficients are those of the law in `f64`.
+    /// Creates the contact of law, device and hand that a scene describes. The law's coefficients are those of its implementation
+    /// in `f64`.
     ///
     /// # Errors
-    /// Settings that the law cannot take.
+    /// The control law does not accept the scene's settings.
     pub fn of(scene: &Scene) -> Result<Self> {
         let controller = AnyLaw::<f64>::new(&scene.settings()?)
             .map_err(|error| settings::refused(scene, &error))?;
@@ -89,13 +91,13 @@ impl Contact {
         })
     }
 
-    /// How far a press swings about where it rests, counts.
+    /// Assumed amplitude of the press' oscillation in encoder counts; `None` without a press or an encoder.
     #[must_use]
     pub fn swing_counts(&self) -> Option<f64> {
         Some(SWING * self.press_n_m? / self.k_desired / self.count_rad?)
     }
 
-    /// Device and hand as the law meets them. `None` for values that no plant can have.
+    /// Device, hand, delay and current loop as one discrete system. `None` if a value is not physically possible.
     #[must_use]
     pub fn plant(&self, hand: Option<&Hand>) -> Option<StateSpace> {
         let mechanics = Mechanics {
@@ -106,7 +108,7 @@ impl Contact {
         sampled(&mechanics, self.clock).ok()
     }
 
-    /// A phase of the law as it reads the encoder.
+    /// A linear phase of the control law as a system from position to force, with the estimator if there is one.
     #[must_use]
     pub fn law(&self, phase: &LinearLaw) -> StateSpace {
         match &self.estimator {
@@ -115,7 +117,7 @@ impl Contact {
         }
     }
 
-    /// Largest eigenvalue over the lasting phases, and which phase it is of.
+    /// Largest eigenvalue over the linear phases in which the control law can stay, and the name of its phase.
     #[must_use]
     pub fn worst(&self, hand: Option<&Hand>) -> (Mode, &'static str) {
         let lost = Mode {
@@ -134,13 +136,13 @@ impl Contact {
             .unwrap_or((lost, "no phase"))
     }
 
-    /// Largest magnitude of an eigenvalue over the lasting phases.
+    /// Largest magnitude of an eigenvalue over the linear phases in which the control law can stay.
     #[must_use]
     pub fn radius(&self, hand: Option<&Hand>) -> f64 {
         self.worst(hand).0.radius
     }
 
-    /// Radius with every measured penetration taken `gain` times.
+    /// Largest magnitude of an eigenvalue if every measured penetration is multiplied by `gain`.
     #[must_use]
     pub fn radius_at_gain(&self, hand: Option<&Hand>, gain: f64) -> f64 {
         let Some(plant) = self.plant(hand) else {
@@ -153,7 +155,7 @@ impl Contact {
             .fold(0.0, f64::max)
     }
 
-    /// Largest radius over gains between the law's phases; 0 where there are none.
+    /// Largest magnitude of an eigenvalue over gains between two linear phases of the control law; 0 for a law without such gains.
     #[must_use]
     pub fn radius_between(&self, hand: Option<&Hand>) -> f64 {
         let (Switching::Between(ends), Some(plant)) = (&self.phases.switching, self.plant(hand))
@@ -169,7 +171,7 @@ impl Contact {
             .fold(0.0, f64::max)
     }
 
-    /// The same contact with the inertia times a factor; the estimator keeps its assumption.
+    /// The same contact with the device's inertia multiplied by a factor; the estimator's assumed inertia stays.
     #[must_use]
     pub fn with_inertia(&self, factor: f64) -> Self {
         let mut other = self.clone();
@@ -193,9 +195,10 @@ impl Contact {
         other
     }
 
-    /// What rounding to a count makes of a motion at rest, in counts: `(root mean square, largest)`, the first for roundings
-    /// that are independent from tick to tick, the second for the worst that there can be, half the sum of the impulse
-    /// response. `None` where a phase is not stable or rings too long to be summed.
+    /// Motion in encoder counts that rounding to counts causes at rest: `(root mean square, largest)`.
+    ///
+    /// The first value is for rounding errors that are independent from tick to tick. The second is the worst case, half the sum of
+    /// the impulse response. `None` where a phase is not stable or its impulse response is too long to be summed.
     #[must_use]
     pub fn rounding(&self, hand: Option<&Hand>) -> Option<(f64, f64)> {
         let plant = self.plant(hand)?;
@@ -210,19 +213,19 @@ impl Contact {
     }
 }
 
-/// Gains between two phases that are tried, of the second's.
+/// Gains that are tried between two phases: 0 would be the first phase, 1 the second.
 const SHARES: [f64; 8] = [0.01, 0.03, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85];
 
 /// Most ticks over which an impulse response is summed.
 const LONGEST: usize = 300_000;
 
-/// Sums of squares and of magnitudes of the position's answer to one wrong reading of size 1.
+/// Sum of squares and sum of magnitudes of the position's response to one reading that is wrong by 1.
 fn impulse(plant: &StateSpace, law: &StateSpace, matrix: &DMatrix<f64>) -> Option<(f64, f64)> {
     let radius = Mode::dominant(matrix).radius;
     if radius >= 1.0 {
         return None;
     }
-    // To a thousandth of what it was.
+    // Until the response has decayed to a thousandth.
     let ticks = (7.0 / -radius.ln()).ceil();
     if ticks > LONGEST as f64 {
         return None;

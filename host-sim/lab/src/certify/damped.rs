@@ -1,14 +1,14 @@
-//! The spring-damper with a velocity of its own, in matrices.
+//! The spring-damper with a filtered velocity as matrices.
 //!
-//! With the filter's states from `touchstone_control::velocity`: a first-order filter has the last position and its velocity, a Kalman
-//! filter its three states, a window of `n` ticks the last `n` positions. An adaptive window may stay at any length, so that
-//! each is a phase; what it does by changing from one to another is in no matrix.
+//! Its states are those of the filters in `touchstone_control::velocity`. A first-order filter has the last position and its
+//! velocity, a Kalman filter its three states, a window of `n` ticks the last `n` positions. An adaptive window may stay at any
+//! length, so each length is a phase. The matrices do not describe what happens when the length changes.
 
 use super::linear_law::{LinearLaw, Phase};
 use touchstone_control::law::Damped;
 use touchstone_control::velocity::Velocity;
 
-/// The phases in which it can stay.
+/// The linear phases in which the control law can stay.
 pub(super) fn phases(law: &Damped<f64>) -> Vec<Phase> {
     let (k, b) = (law.spring.desired.0, law.spring.damping.0);
     let phase = |name, law| Phase { name, law };
@@ -60,7 +60,7 @@ mod tests {
         AnyLaw, Controller, LawKind, Position, Settings, StatesKind, VelocityKind,
     };
 
-    /// The matrices give the law's forces, around a point of rest inside.
+    /// Checks that the matrices give the same forces as the law, around a point of rest inside the wall.
     #[test]
     fn the_matrices_say_what_the_law_says() {
         let all = [
@@ -77,7 +77,7 @@ mod tests {
             };
             settings.velocity.from = from;
             let phases = Phases::of(&AnyLaw::<f64>::new(&settings).unwrap()).lasting;
-            // A ramp's window is the longest one.
+            // During a ramp the adaptive window has its largest length.
             let model = phases.last().unwrap().law.on_measured();
             let mut law = Controller::<f64>::new(&settings).unwrap();
             let deep = 0.05;
@@ -95,7 +95,7 @@ mod tests {
                     model.c.iter().zip(&state).map(|(c, s)| c * s).sum::<f64>() + model.d * moved;
                 let next = &model.a * nalgebra::DVector::from_vec(state.clone()) + &model.b * moved;
                 state = next.iter().copied().collect();
-                // The window fills up over its first ticks, in which it is a shorter one.
+                // During its first ticks the window is still shorter.
                 if from != VelocityKind::Foaw || n > 20 {
                     assert!(
                         (force - expected).abs() < 1e-9,

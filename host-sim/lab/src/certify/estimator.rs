@@ -1,5 +1,5 @@
-//! The control crate's state estimator as a linear system: its own coefficients in `f64`, without the limits beyond which it
-//! starts anew.
+//! The control crate's state estimator as a linear system. It has the estimator's own coefficients in `f64`, without the limits
+//! beyond which the estimator restarts.
 
 use touchstone_control::estimator::EstimatedMotion;
 use touchstone_control::law::Sample;
@@ -8,18 +8,18 @@ use touchstone_sim::error::Result;
 use touchstone_sim::run::settings;
 use touchstone_sim::scene::Scene;
 
-/// The estimator of a scene.
+/// The state estimator of a scene as a linear system.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimator(touchstone_control::Estimator<f64>);
 
 impl Estimator {
-    /// Penetration, displacement per tick and push, then the last three forces, the latest first.
+    /// Number of states: penetration, displacement per tick, push, then the last three forces, the latest first.
     pub const ORDER: usize = 6;
 
-    /// The one that a scene's law has; `None` on measured states.
+    /// The estimator of a scene's law; `None` if the law uses measured states.
     ///
     /// # Errors
-    /// Settings that it cannot take.
+    /// The estimator does not accept its settings.
     pub fn of(scene: &Scene) -> Result<Option<Self>> {
         let controller = Controller::<f64>::new(&scene.settings()?)
             .map_err(|error| settings::refused(scene, &error))?;
@@ -29,7 +29,8 @@ impl Estimator {
         })
     }
 
-    /// Takes a measured penetration, returns the law's input. The law's force must follow by [`Estimator::command`].
+    /// Updates the estimator's state by a measured penetration; returns the control law's input. [`Estimator::command`] must follow
+    /// with the law's force.
     pub fn update(&self, state: &mut [f64], measured: f64) -> Sample<f64> {
         let (estimate, commands) = state.split_at_mut(3);
         let commands = [commands[0], commands[1], commands[2]];
@@ -54,7 +55,7 @@ impl Estimator {
         }
     }
 
-    /// Takes the law's answer to the sample, N·m (N).
+    /// Tells the estimator the force that the law commands for this sample, N·m (N on three axes).
     pub fn command(&self, state: &mut [f64], force: f64) {
         let forces = &mut state[3..];
         forces.rotate_right(1);

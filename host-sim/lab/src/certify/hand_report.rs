@@ -1,4 +1,4 @@
-//! Findings on a loop in one hand: its phases, and what the matrices alone do not show.
+//! Builds the report on a loop with one hand: the eigenvalues of each phase, and the results that are not in the matrices.
 
 use super::contact::Contact;
 use super::contact::SWING;
@@ -12,13 +12,13 @@ use touchstone_world::plant::Hand;
 /// Results of simulated touches and presses, which no matrix describes: see [`super::touch`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Played {
-    /// Largest speed of a bounce's return over that of its touch.
+    /// Speed at which the device returns to the wall after a bounce, over the speed of the touch before; the largest ratio.
     pub bounce: f64,
-    /// The most that the press borrows, as a share of the loan.
+    /// Energy that the enhanced law gives out in the press beyond what it took, as a fraction of the most that it may (its loan).
     pub loan_used: Option<f64>,
 }
 
-/// The report on one hand.
+/// Creates the report on one hand, with its verdict.
 #[must_use]
 pub fn report(contact: &Contact, name: &str, hand: Option<&Hand>, played: Played) -> HandReport {
     let rate_hz = 1.0 / contact.clock.period_s;
@@ -27,7 +27,7 @@ pub fn report(contact: &Contact, name: &str, hand: Option<&Hand>, played: Played
     let decay_with_friction_per_s = damped
         .as_ref()
         .map(|damped| damped.worst(hand).0.decay_per_s(rate_hz));
-    // What rounding and gains between the phases do, they do against dry friction too.
+    // Rounding and gains between phases act against dry friction too.
     let undamped = contact;
     let contact = damped.as_ref().unwrap_or(contact);
     let mut phases: Vec<_> = contact
@@ -96,8 +96,9 @@ pub fn report(contact: &Contact, name: &str, hand: Option<&Hand>, played: Played
     report
 }
 
-/// The contact with what dry friction takes from a swing of [`SWING`] times the press' depth at a motion's frequency, by its describing
-/// function `4 F/(π ω A)`: a smaller swing it damps more.
+/// The contact with dry friction replaced by viscous damping, for an oscillation at the frequency of `mode` and with [`SWING`]
+/// times the press' depth. The damping is the describing function `4 F/(π ω A)` of friction `F`; friction damps a smaller
+/// oscillation more.
 fn with_friction(contact: &Contact, mode: &Mode) -> Option<Contact> {
     let friction = contact.device.friction?;
     let swing = SWING * contact.press_n_m? / contact.k_desired;
@@ -107,8 +108,8 @@ fn with_friction(contact: &Contact, mode: &Mode) -> Option<Contact> {
     })
 }
 
-/// Amplitude at which dry friction takes as much as the loop gives: with the describing function of friction, `4 F/(π ω A)`, in
-/// place of the damping that just makes the loop stable.
+/// Amplitude in rad below which dry friction stops the growing oscillation `mode`. At that amplitude the describing function of
+/// friction, `4 F/(π ω A)`, equals the additional damping that just makes the loop stable.
 fn friction_holds(contact: &Contact, hand: Option<&Hand>, mode: &Mode) -> f64 {
     let Some(friction) = contact.device.friction.filter(|_| mode.radius >= 1.0) else {
         return 0.0;

@@ -1,27 +1,31 @@
-//! The family of hands that a certificate is about.
+//! The set of hands for which a certificate holds.
 //!
-//! Two passive masses as in [`touchstone_world::plant::Hand`], about a knob gripped at 15 mm. Ranges at the fingertip, from what
-//! could be found: hand 0.1 to 1 kg (teleoperation studies use 0.1 kg to 1 kg, one of force bounding 0.8 kg), damping 1 to
-//! 10 N·s/m (what is reported at a delta.3; 5.5 in the study of force bounding), stiffness 0 to 300 N/m (0: it pushes with a force
-//! instead of holding a place), pad 300 to 2000 N/m. The pad's damping is the plant's own choice, 0.15 to 1.5 N·s/m: see
-//! [`plant::MEDIUM`]. Hasser and Cutkosky (2002) and Kuchenbecker, Park and Niemeyer (2003) find a second-order hand whose
-//! damping and stiffness rise with the grip; their numbers could not be read. So the ranges are chosen, not measured.
+//! A hand is two passive masses as in [`touchstone_world::plant::Hand`], at a knob gripped at a radius of 15 mm. The ranges, at the
+//! fingertip and from published figures where there are any:
+//!
+//! - mass of the hand 0.1 to 1 kg: teleoperation studies use 0.1 kg to 1 kg, a study of force bounding 0.8 kg
+//! - damping 1 to 10 N·s/m: reported for a delta.3; 5.5 N·s/m in the study of force bounding
+//! - stiffness 0 to 300 N/m; at 0 the hand pushes with a force instead of holding a position
+//! - stiffness of the finger pad 300 to 2000 N/m; its damping 0.15 to 1.5 N·s/m is this project's choice, see [`plant::MEDIUM`]
+//!
+//! Hasser and Cutkosky (2002) and Kuchenbecker, Park and Niemeyer (2003) find a second-order hand whose damping and stiffness rise
+//! with the grip; their numbers were not available. So the ranges are chosen, not measured.
 
 use serde::Serialize;
 use touchstone_world::plant::{self, Hand};
 
-/// Square of the grip's radius, m²: N/m to N·m/rad, kg to kg·m².
+/// Square of the grip's radius, m². It converts N/m to N·m/rad and kg to kg·m².
 const RADIUS_SQUARED_M2: f64 = 2.25e-4;
 
-/// The family of hands.
+/// The set of hands that a certificate examines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Family {
-    /// The scene's own hand; no hand where it has none.
+    /// The scene's own hand, or no hand if the scene has none.
     Own,
-    /// The scene's own hand, if it has one, and the three grips.
+    /// The scene's own hand, if it has one, and the three grips `light`, `medium` and `firm`.
     Grips,
-    /// These and every hand in the ranges.
+    /// The scene's own hand, the three grips, and the worst hand within [`RANGES`].
     #[default]
     All,
 }
@@ -35,7 +39,7 @@ pub const RANGES: [[f64; 2]; 5] = [
     [300.0 * RADIUS_SQUARED_M2, 2000.0 * RADIUS_SQUARED_M2],
 ];
 
-/// Inertia, damping, stiffness, pad's damping, pad's stiffness.
+/// A hand's inertia, damping, stiffness, pad damping and pad stiffness, SI units.
 #[must_use]
 pub fn parameters(hand: &Hand) -> [f64; 5] {
     [
@@ -47,7 +51,7 @@ pub fn parameters(hand: &Hand) -> [f64; 5] {
     ]
 }
 
-/// A hand of these parameters.
+/// Creates a hand from the five values of [`parameters`].
 #[must_use]
 pub fn from_parameters(values: [f64; 5]) -> Hand {
     let [inertia, damping, stiffness, pad_damping, pad_stiffness] = values;
@@ -60,17 +64,18 @@ pub fn from_parameters(values: [f64; 5]) -> Hand {
     }
 }
 
-/// The grips by name.
+/// The three grips of the simulated hand, with their names.
 pub const GRIPS: [(&str, Hand); 3] = [
     ("light", plant::LIGHT),
     ("medium", plant::MEDIUM),
     ("firm", plant::FIRM),
 ];
 
-/// Name of the worst hand in the ranges, which is hypothetical.
+/// Name of the worst hand within [`RANGES`], which is found by a search.
 pub const HYPOTHETICAL: &str = "worst of all";
 
-/// A place in the ranges, each coordinate from 0 to 1: geometric but for the stiffness, which may be zero.
+/// The hand at a position within [`RANGES`]. Each coordinate goes from 0 to 1, on a logarithmic scale except for the stiffness,
+/// which may be zero.
 fn at(place: [f64; 5]) -> Hand {
     from_parameters(std::array::from_fn(|index| {
         let [low, high] = RANGES[index];
@@ -82,8 +87,8 @@ fn at(place: [f64; 5]) -> Hand {
     }))
 }
 
-/// The hand in the ranges with the greatest `badness`. All corners and the middle are tried; then the search goes from
-/// the worst of them along each coordinate with steps that halve.
+/// Searches the hand in the ranges with the greatest `badness`. The search tries all corners and the middle, then goes from the
+/// worst of them along each coordinate with steps that halve.
 pub fn worst(badness: impl Fn(&Hand) -> f64) -> (Hand, f64) {
     let corner = |bits: usize| std::array::from_fn(|index| f64::from((bits >> index & 1) as u8));
     let mut place = [0.5; 5];

@@ -1,122 +1,132 @@
-//! Limits for the matrices' results, and the verdict on a hand by them.
+//! Limits on the matrices' results, and the verdict for one hand from them.
 
 use super::Verdict;
 use super::contact::Contact;
 use super::law::OFFSET_UPDATED;
 use serde::Serialize;
 
-/// Slowest decay that still is called stable where the scene has no hold in which it must end, 1/s.
+/// Slowest decay that is called stable, 1/s, in a scene without a hold. In a hold the motion must have decayed in time instead.
 pub const SLOWEST_PER_S: f64 = 1.0;
-/// Share of a hold by which a decay must have ended for the matrices to call it stable: bounces and a law's other phases take the rest.
+/// Fraction of a hold within which a motion must have decayed to be called stable from the matrices. The rest of the hold is left
+/// for bounces and other phases of the law.
 pub const DECAYS_WITHIN: f64 = 0.5;
-/// Share of a hold after which its rest is judged.
+/// Fraction of a hold after which the simulation judges whether the knob rests.
 pub const JUDGED_AFTER: f64 = 0.75;
-/// Largest share of its loan that a press may borrow.
+/// Largest fraction of the enhanced law's loan of energy that a press may use.
 pub const LOAN_USED: f64 = 1.0;
-/// Growth from which on a motion is called unstable, 1/s.
+/// Rate of exponential growth above which a motion is called unstable, 1/s.
 pub const FASTEST_GROWTH_PER_S: f64 = 0.25;
-/// Largest gain of rounding to the nearest count on a sinusoid of four counts peak to peak or more, by its describing function.
+/// Largest gain of rounding to the nearest count, by its describing function, on a sinusoid of four counts or more peak to peak.
 pub const ROUNDING_GAIN: f64 = 1.05;
-/// Largest motion from rounding, root mean square, counts: four counts peak to peak, the threshold of a limit cycle, are nine times it.
+/// Largest motion from rounding that is called stable, root mean square, counts. The threshold of a limit cycle, four counts peak
+/// to peak, is nine times as much.
 pub const ROUNDING_RMS_COUNTS: f64 = 0.45;
-/// Largest speed of a bounce's return over that of its touch, over all phases of the tick, that is called stable: bounces, which meet
-/// every phase, die away.
+/// Limit for calling a wall stable: the largest ratio of a bounce's return speed to the speed of its touch, over all moments of
+/// touch within a tick. Up to this ratio bounces die away.
 pub const BOUNCE: f64 = 1.0;
-/// Growth of bounces from which on a wall is called unstable.
+/// Limit for calling a wall unstable: ratio of a bounce's return speed to the speed of its touch.
 pub const BOUNCE_GROWS: f64 = 1.7;
-/// Largest `T sqrt(k_de/J)` of a wall that is called stable. The campaigns draw walls up to it. Beyond it, a device
-/// may come to rest from every simulated touch and yet go on bouncing after a harder one.
+/// Largest `T sqrt(k_de/J)` (angle in rad that the oscillation advances per tick) of a wall that is called stable. The validation
+/// runs go up to it. Beyond it, a device may rest after every simulated touch and yet keep bouncing after a harder one.
 pub const STIFFEST_PER_TICK: f64 = 1.0;
-/// Amplitude of a motion that still is rest, counts.
+/// Amplitude of a motion below which the knob counts as at rest, encoder counts.
 pub const LEFT_COUNTS: f64 = 1.5;
 
-/// Largest motion at the end of everything that is played, over a limit cycle's, that is called rest.
+/// Largest motion at the end of all simulated touches and presses that is called rest, as a fraction of a limit cycle's threshold
+/// (four encoder counts).
 pub const RESTS: f64 = 0.5;
-/// The limit that applies where the matrices alone have called it stable.
+/// Largest motion at the end of simulated touches that is called rest, as [`RESTS`], where the matrices alone have called the wall
+/// stable.
 pub const RESTS_AS_SAID: f64 = 0.75;
-/// Least motion at the end of every such touch, over a limit cycle's, that is called none.
+/// Least motion at the end of every simulated touch and press, over the threshold of a limit cycle (four encoder counts), from
+/// which a wall is called unstable.
 pub const MOVES: f64 = 1.5;
 
-/// A phase of the law in one hand.
+/// Results for one linear phase of the control law with one hand.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PhaseReport {
-    /// Name of the phase.
+    /// Name of the control law's linear phase.
     pub phase: &'static str,
-    /// Largest magnitude of an eigenvalue.
+    /// Largest magnitude of an eigenvalue of the loop in this phase.
     pub radius: f64,
-    /// How fast its slowest motion dies out, 1/s.
+    /// Rate at which the slowest motion of this phase decays, 1/s; negative if it grows.
     pub decay_per_s: f64,
-    /// Frequency of the slowest motion, Hz.
+    /// Frequency of the loop's slowest motion, Hz.
     pub frequency_hz: f64,
 }
 
-/// The report on one hand.
+/// Results and verdict for one hand.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HandReport {
-    /// `scene`, a grip, `worst of all`, or `nobody`.
+    /// Name of the hand: `scene`, a grip, `worst of all`, or `nobody`.
     pub name: String,
-    /// Inertia, damping, stiffness, pad's damping, pad's stiffness, SI; absent: nobody holds the device.
+    /// Inertia, damping, stiffness, pad damping and pad stiffness of the hand, SI units; absent if nobody holds the device.
     pub parameters: Option<[f64; 5]>,
-    /// The verdict.
+    /// Verdict for this hand.
     pub verdict: Verdict,
-    /// Why not stable.
+    /// Reasons why the verdict is not "stable", and what the simulations decided.
     pub causes: Vec<String>,
-    /// Every phase, the first contact last.
+    /// Results of every linear phase of the control law; the spring of the first contact comes last.
     pub phases: Vec<PhaseReport>,
-    /// Largest eigenvalue over the lasting phases.
+    /// Largest magnitude of an eigenvalue over the linear phases in which the control law can stay.
     pub radius: f64,
-    /// How fast the slowest motion dies out, 1/s.
+    /// Rate at which the loop's slowest motion decays, 1/s; negative if it grows.
     pub decay_per_s: f64,
-    /// The same decay with dry friction as damping: what friction takes from a swing of
-    /// [`SWING`](super::contact::SWING) times the press' depth; `None` without either.
+    /// Rate at which the loop's slowest motion decays, 1/s, with dry friction counted as damping for an oscillation of
+    /// [`SWING`](super::contact::SWING) times the press' depth. `None` without dry friction or a press.
     pub decay_with_friction_per_s: Option<f64>,
-    /// Frequency of the slowest motion, Hz.
+    /// Frequency of the loop's slowest motion, Hz.
     pub frequency_hz: f64,
-    /// Largest radius while a reading is taken 1 to [`ROUNDING_GAIN`] times.
+    /// Largest magnitude of an eigenvalue while measured penetrations are multiplied by 1 to [`ROUNDING_GAIN`].
     pub radius_rounded: f64,
-    /// Motion from rounding to a count at rest, root mean square, counts; absent without an encoder or a stable loop.
+    /// Motion that rounding to counts causes at rest, root mean square, counts; absent without an encoder or a stable loop.
     pub rounding_rms_counts: Option<f64>,
-    /// Most motion from rounding that there can be, counts.
+    /// Largest possible motion from rounding to counts at rest, counts.
     pub rounding_most_counts: Option<f64>,
-    /// Largest radius over gains between the phases.
+    /// Largest magnitude of an eigenvalue over gains between the control law's linear phases.
     pub radius_between: f64,
-    /// Least cosine of (16); above 0: whatever way the gain changes is covered. Absent where it does not, or an end is unstable.
+    /// Least cosine of the circle criterion (16). Above 0 the loop is stable however the gain changes between two phases. Absent if
+    /// the law has no such gain, or an end of its range is unstable.
     pub switching: Option<f64>,
-    /// Largest speed of a bounce's return over that of its touch.
+    /// Speed at which the device returns to the wall after a bounce, over the speed of the touch before; the largest ratio.
     pub bounce: f64,
-    /// The most that the press borrows, as a share of the loan; `None` without a loan or a press.
+    /// Energy that the enhanced law gives out in the press beyond what it took, as a fraction of the most that it may (its loan);
+    /// `None` without a loan or a press.
     pub loan_used: Option<f64>,
-    /// Least and largest motion at the end of the touches that were played, over what counts as a limit cycle.
+    /// Least and largest motion at the end of the simulated touches, as multiples of a limit cycle's threshold (four encoder
+    /// counts).
     pub ends: Option<[f64; 2]>,
-    /// The same for slow presses, where an offset dies out too slowly or a press borrows more than the loan.
+    /// Least and largest motion at the end of simulated slow presses, as multiples of a limit cycle's threshold (four encoder
+    /// counts). They are simulated where an offset decays too slowly or a press uses more than the loan.
     pub presses: Option<[f64; 2]>,
     /// Amplitude below which dry friction stops a motion that would grow without it, rad; 0 without friction.
     pub friction_holds_rad: f64,
-    /// Whether a motion is left that a press which comes slowly stirs more than a touch: that of an offset, which dies out too slowly.
+    /// Whether the slowest motion is that of the law's offset, which decays too slowly. A slow press excites it more than a touch.
     #[serde(skip)]
     pub stirred_by_ramp: bool,
 }
 
-/// Gives a report its verdict and causes; `phase` is that of its slowest motion.
+/// Sets a report's verdict and causes; `phase` is the name of the phase with the slowest motion.
 pub(super) fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
     let mut found: Vec<(Verdict, String)> = Vec::new();
     let mut say = |verdict, cause| found.push((verdict, cause));
-    // In a hold that is known: to less than what is seen.
+    // In a known hold the motion has to decay below the threshold for rest.
     let dies = |decay_per_s: f64| match (contact.swing_counts(), contact.hold_s) {
         (Some(swing), Some(hold_s)) => {
             decay_per_s > 0.0 && swing * (-decay_per_s * DECAYS_WITHIN * hold_s).exp() < LEFT_COUNTS
         }
         _ => decay_per_s >= SLOWEST_PER_S,
     };
-    // Dry friction may end what decays. What grows without it ends only if it never swings further than was reckoned with.
+    // Dry friction may end a motion that decays slowly. A motion that grows without friction ends only if it never exceeds the
+    // assumed amplitude.
     let dies_out = dies(report.decay_per_s)
         || report.decay_per_s > 0.0 && report.decay_with_friction_per_s.is_some_and(dies);
     if dies_out {
-        // By itself, or by dry friction.
+        // The motion decays, by itself or by dry friction.
     } else if report.decay_per_s < -FASTEST_GROWTH_PER_S {
         let what = format!("{phase}: grows at {:.3} Hz", report.frequency_hz);
         let held = report.friction_holds_rad;
-        // Without a press that is known, anything beyond two counts.
+        // If there is no press, an amplitude of two counts.
         let enough = contact.press_n_m.map_or_else(
             || 2.0 * contact.count_rad.unwrap_or(0.0),
             |press| 0.8 * press / contact.k_desired,
@@ -196,7 +206,7 @@ pub(super) fn judge(contact: &Contact, report: &mut HandReport, phase: &str) {
     report.causes = found.into_iter().map(|(_, cause)| cause).collect();
 }
 
-/// Withdraws "stable" for a wall that is stiffer than the certificates were validated for.
+/// Changes "stable" to "undecided" for a wall that is stiffer than those on which the certificates were validated.
 pub(super) fn within_reach(report: &mut HandReport, stiffness_per_tick: f64) {
     if report.verdict == Verdict::Stable && stiffness_per_tick > STIFFEST_PER_TICK {
         report.verdict = Verdict::Undecided;
@@ -206,13 +216,13 @@ pub(super) fn within_reach(report: &mut HandReport, stiffness_per_tick: f64) {
     }
 }
 
-/// Whether slow presses have to be simulated, since they do what no touch shows.
+/// Whether slow presses have to be simulated, because they may show motions that no touch shows.
 pub(super) fn asks_for_presses(report: &HandReport) -> bool {
     report.stirred_by_ramp || report.loan_used.is_some_and(|used| used > LOAN_USED)
 }
 
-/// Decides what the matrices left open, by how simulated touches and slow presses end, and checks what the matrices
-/// called stable against them. Where some come to rest and some do not, the verdict is undecided.
+/// Sets the verdict from the ends of simulated touches and slow presses where the matrices decided nothing, and checks a verdict
+/// "stable" against the simulations. Where some come to rest and others do not, the verdict is undecided.
 pub(super) fn settle(report: &mut HandReport, touches: [f64; 2], presses: Option<[f64; 2]>) {
     (report.ends, report.presses) = (Some(touches), presses);
     let [mut least, mut most] = touches;
@@ -226,7 +236,7 @@ pub(super) fn settle(report: &mut HandReport, touches: [f64; 2], presses: Option
     }
     let said = report.verdict == Verdict::Stable;
     let rests = if said { RESTS_AS_SAID } else { RESTS };
-    // A few presses do not speak for all where the law by itself grows, and dry friction alone holds it.
+    // If the law alone grows and only dry friction holds it, a few simulated presses do not prove that all presses come to rest.
     let shown = presses.is_some() && report.decay_per_s > 0.0;
     if most <= rests && (shown || !asks_for_presses(report)) {
         if said {

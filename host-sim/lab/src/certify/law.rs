@@ -1,10 +1,10 @@
-//! The laws where they are linear.
+//! The control laws as linear systems, in the phases in which they are linear.
 //!
-//! A law is given the penetration `e` and the displacement of the tick `m` (of the sample, or as an estimator gives it), and
-//! answers with the force `f`. All signals are deviations from a point of rest inside the wall.
+//! A law gets the penetration `e` and the displacement in the tick `m` (from samples or from an estimator), and returns the force
+//! `f`. All signals are deviations from a point of rest inside the wall.
 //!
-//! **Spring, with or without damping; TDPA and FBA where they do not clamp**: `f = k_de e + (B/T) m` (5), `B = 0` for all but the
-//! spring-damper.
+//! **Spring, with or without damping; TDPA and FBA where they do not reduce the force**: `f = k_de e + (B/T) m` (5), with `B = 0`
+//! for all but the spring-damper.
 //!
 //! **Enhanced augmentation** after the first contact, with `M = m/T²`, `C = c_f/T`, `D = M + k_f + C + c_env/T`:
 //!
@@ -17,61 +17,66 @@
 //! f(n)   = k_f (e(n) - e_f(n)) + C (m(n) - d(n))                                      (11)
 //! ```
 //!
-//! The offset is compared with the force of the tick *before*, and the wall's force takes the mass where it *was*: both are one
-//! tick old, as in the law. `κ` is `c/k_v` or `c/k_de` (`of_ideal`) where the ideal step is the least of the three, and less
-//! where another bound is less: near rest it always is the ideal one, as the others do not vanish with the error. Frozen
-//! offset: `κ = 0`, and `O` is a constant that no longer counts.
+//! As in the law, two values are one tick old: the force with which the offset `O` is compared, and the mass' position in the
+//! wall's force. `κ` is `c/k_v` or `c/k_de` (`of_ideal`) while the ideal step is the smallest of the law's three bounds, and less
+//! while another bound is smaller. Near rest the ideal step is always the smallest, because only that bound vanishes with the
+//! error. With a frozen offset `κ = 0`, and the constant `O` is left out.
 //!
-//! **Original and continuous augmentation**: `f = k_v (e + O)`, and at an inward tick `O` changes by `±g m`, `g = k_c/k_v - 1`:
-//! a change of the force by `k_v (1 ± g) m` inward and `k_v m` outward (12). The force thus grows by a stiffness times the
-//! displacement, a stiffness that changes from tick to tick within `[k_v (1 - g), k_v (1 + g)]`.
+//! **Original and continuous augmentation**: `f = k_v (e + O)`. At an inward tick `O` changes by `±g m`, with `g = k_c/k_v - 1`. So
+//! the force changes by `k_v (1 ± g) m` inward and by `k_v m` outward (12). This is a stiffness times the displacement; the
+//! stiffness changes from tick to tick within `[k_v (1 - g), k_v (1 + g)]`.
 //!
-//! First contact: the spring `k_de` for every law, until the motion turns.
+//! First contact: every law is the spring `k_de` until the motion turns.
 
 use super::linear_law::{LinearLaw, Phase};
 use touchstone_control::law::EnhancedSfa;
 use touchstone_control::{AnyLaw, OffsetUpdate, Regulate};
 
-/// The phase in which an offset changes at every tick.
+/// Name of the linear phase in which the enhanced law changes its offset at every tick.
 pub const OFFSET_UPDATED: &str = "offset updated";
 
-/// How a law's phases may follow each other.
+/// How a control law may change between its linear phases.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Switching {
-    /// There is one phase only.
+    /// The control law is linear in a single phase.
     Never,
-    /// Between two laws that differ in one gain, in any order and to any degree: from the first to the second.
+    /// The control law changes between two linear phases that differ in one gain, in any order; every gain between the two may
+    /// occur.
     Between(Box<[LinearLaw; 2]>),
 }
 
-/// A law as the certificate sees it.
+/// A control law as a set of linear phases, with what the certificate needs to know about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Phases {
-    /// Phases in which the law can stay; each must be stable.
+    /// Linear phases in which the control law can stay; each of them must be stable.
     pub lasting: Vec<Phase>,
-    /// What happens between them.
+    /// How the law changes between its phases.
     pub switching: Switching,
-    /// Whether the gain changes with the direction of the motion, and not only with its amplitude: that can feed a motion.
+    /// Whether the gain depends on the direction of the motion, and not only on its amplitude. Such a gain can feed energy into a
+    /// motion.
     pub by_direction: bool,
-    /// Largest press whose energy in the coupling, `F²/(2 k_f)`, the loan covers, N·m; absent for laws without one.
+    /// Largest press in N·m whose energy in the law's coupling spring, `F²/(2 k_f)`, is at most the energy that the law may lend;
+    /// absent for laws without a loan.
     pub loan_covers_n_m: Option<f64>,
-    /// The spring of the first contact, N·m/rad, for a law that leaves it when the motion turns.
+    /// Stiffness of the spring that the law starts a contact with, N·m/rad; absent if the law does not leave it when the motion
+    /// turns.
     pub first_contact: Option<f64>,
-    /// Whether the law reduces its force when its energy account demands it: it may then rest where its phases do not.
+    /// The law's reduction of force by its energy account, if it has one. With it, a press may rest although the phases are
+    /// unstable.
     pub clamps: Option<Clamp>,
 }
 
-/// A law's clamp by energy.
+/// How a law reduces its force to keep an energy bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Clamp {
-    /// Time-domain passivity approach.
+    /// Time-domain passivity approach: the force is reduced where the wall would give out more energy than it took.
     Tdpa,
-    /// Force bounding approach.
+    /// Force bounding approach: the force is limited to what the device's damping can absorb.
     Fba,
 }
 
 impl Phases {
-    /// The phases of a law.
+    /// Derives the linear phases of a control law.
     #[must_use]
     pub fn of(controller: &AnyLaw<f64>) -> Self {
         let springs = |stiffness: f64, damping: f64, clamps| Self {
@@ -144,18 +149,19 @@ impl Phases {
     }
 }
 
-/// What becomes of the offset of the enhanced law.
+/// How the offset of the enhanced law is treated in a phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Offset {
-    /// The ideal step at every tick, (6) or (7).
+    /// The offset changes at every tick by the ideal step, equation (6) or (7).
     Updated,
-    /// Kept, and counted as a state that does not change.
+    /// The offset is constant, but a state of the matrix.
     Held,
-    /// Kept, and left out: a constant moves the point of rest only.
+    /// The offset is constant and not in the matrix, because a constant offset only moves the point of rest.
     Frozen,
 }
 
-/// (6) to (11). The states are `[e_f, d, O, f or p of the tick before]`, with a frozen offset `[e_f, d]`.
+/// Matrices of the enhanced law, equations (6) to (11). The states are `[e_f, d, O, f or p of the tick before]`, or `[e_f, d]` with
+/// a frozen offset.
 #[must_use]
 pub fn enhanced(law: &EnhancedSfa<f64>, offset: Offset) -> LinearLaw {
     let share = if offset == Offset::Updated {

@@ -1,24 +1,25 @@
-//! A law's linear part as matrices, from which every certificate is computed.
+//! The linear part of a law as matrices, from which every certificate is calculated.
 
 use super::estimator::Estimator;
 use super::state_space::StateSpace;
 use nalgebra::{DMatrix, DVector};
 
-/// A law's linear phase as `s' = a s + b [e, m]`, `f = c s + d [e, m]`.
+/// A linear phase of a law: `s' = a s + b [e, m]`, `f = c s + d [e, m]`, with state `s`, penetration `e`, displacement per tick `m`
+/// and force `f`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearLaw {
-    /// State to state.
+    /// Matrix from the state to the next state.
     pub a: DMatrix<f64>,
-    /// Penetration and displacement to state.
+    /// Matrix from penetration and displacement to the next state.
     pub b: DMatrix<f64>,
-    /// State to force.
+    /// Vector from the state to the force.
     pub c: DVector<f64>,
-    /// Penetration and displacement to the force of the same tick.
+    /// Factors from penetration and displacement to the force of the same tick.
     pub d: [f64; 2],
 }
 
 impl LinearLaw {
-    /// The law a share of the way from one to another that differs in one gain.
+    /// The law between two laws that differ in one gain: `from` for a `share` of 0, `to` for 1.
     #[must_use]
     pub fn between(from: &Self, to: &Self, share: f64) -> Self {
         let mix = |a: f64, b: f64| a + share * (b - a);
@@ -30,7 +31,8 @@ impl LinearLaw {
         }
     }
 
-    /// The law that `step` computes from state, penetration and displacement; it must be linear.
+    /// Builds the matrices from a function. `step` gets state, penetration and displacement, changes the state and returns the
+    /// force; it must be linear.
     #[must_use]
     pub fn of(order: usize, step: impl Fn(&mut [f64], f64, f64) -> f64) -> Self {
         let by_penetration = StateSpace::of(order, |state, e| step(state, e, 0.0));
@@ -43,13 +45,13 @@ impl LinearLaw {
         }
     }
 
-    /// (5), N·m/rad: stiffness and damping per tick.
+    /// The spring-damper (5): stiffness in N·m/rad and damping force per displacement in a tick, N·m/rad.
     #[must_use]
     pub fn spring(stiffness: f64, damping_per_tick: f64) -> Self {
         Self::of(0, |_, e, moved| stiffness * e + damping_per_tick * moved)
     }
 
-    /// Number of states.
+    /// Number of state variables.
     #[must_use]
     pub fn order(&self) -> usize {
         self.c.len()
@@ -76,8 +78,8 @@ impl LinearLaw {
         force
     }
 
-    /// The law on measured penetrations: the displacement is the difference to the sample before, which is one more state,
-    /// the last.
+    /// The law on measured penetrations, as a system from position to force. The displacement is the difference to the last sample,
+    /// which is one more state, the last.
     #[must_use]
     pub fn on_measured(&self) -> StateSpace {
         let order = self.order();
@@ -89,7 +91,7 @@ impl LinearLaw {
         })
     }
 
-    /// The law on estimated states. The law's states come first, then the estimator's.
+    /// The law on estimated states, as a system from position to force. The law's states come first, then the estimator's.
     #[must_use]
     pub fn on_estimated(&self, estimator: &Estimator) -> StateSpace {
         let order = self.order();
@@ -103,11 +105,11 @@ impl LinearLaw {
     }
 }
 
-/// Phases of a law between which it changes, each linear.
+/// A linear phase of a control law: a mode of operation in which it is linear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Phase {
     /// Name of the phase in a certificate.
     pub name: &'static str,
-    /// The phase.
+    /// Matrices of the control law in this phase.
     pub law: LinearLaw,
 }

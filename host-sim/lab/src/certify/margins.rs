@@ -1,28 +1,32 @@
-//! How far a stable loop is from its edge.
+//! Stability margins: how much delay, inertia or stiffness may change before the loop becomes unstable.
 
 use super::contact::Contact;
 use serde::Serialize;
 use touchstone_sim::scene::Scene;
 use touchstone_world::plant::Hand;
 
-/// Margins of all hands together: where the largest eigenvalue of any phase in any hand reaches 1.
+/// Stability margins over all examined hands: changes at which the largest eigenvalue of any phase with any hand reaches magnitude
+/// 1.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Margins {
-    /// Additional delay, s; 0 where the loop itself is not stable.
+    /// Additional delay at which the loop becomes unstable, s; 0 if the loop is unstable as it is.
     pub delay_s: f64,
-    /// Whether the search ended before it found the edge.
+    /// Whether the loop was still stable at the longest delay that was examined.
     pub delay_beyond: bool,
-    /// Smallest factor on the inertia; `None` where the loop itself is not stable. `1/64` where no edge was found.
+    /// Smallest factor on the inertia with which the loop is stable, at least `1/64`, where the search ends. `None` if the loop is
+    /// unstable as it is.
     pub inertia_down: Option<f64>,
-    /// Largest factor on the inertia; 64 where no edge was met.
+    /// Largest factor on the inertia with which the loop is stable, at most 64, where the search ends. `None` if the loop is
+    /// unstable as it is.
     pub inertia_up: Option<f64>,
-    /// Stable ranges of `k_de`, N·m/rad, from a hundredth to a hundred times the scene's, the law's other settings unchanged.
+    /// Ranges of `k_de` in N·m/rad in which the loop is stable, between a hundredth and a hundred times the scene's. The law's
+    /// other settings are unchanged.
     pub k_desired: Vec<[f64; 2]>,
 }
 
 /// Longest additional delay that is examined, ticks.
 const LONGEST_TICKS: f64 = 16.0;
-/// Points of the scan over `k_de`.
+/// Number of stiffnesses `k_de` that are examined.
 const POINTS: i32 = 60;
 
 fn radius(contact: &Contact, hands: &[Hand]) -> f64 {
@@ -35,7 +39,7 @@ fn radius(contact: &Contact, hands: &[Hand]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The edge between a stable and an unstable value, geometrically for positive ones.
+/// Finds the limit between a stable and an unstable value by bisection; on a logarithmic scale if both values are positive.
 fn edge(mut stable: f64, mut unstable: f64, is_stable: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..24 {
         let middle = if stable > 0.0 && unstable > 0.0 {
@@ -52,7 +56,7 @@ fn edge(mut stable: f64, mut unstable: f64, is_stable: impl Fn(f64) -> bool) -> 
     stable
 }
 
-/// The margins.
+/// Calculates the margins over the given hands.
 #[must_use]
 pub fn of(scene: &Scene, contact: &Contact, hands: &[Hand]) -> Margins {
     let stable_now = radius(contact, hands) < 1.0;
@@ -86,7 +90,7 @@ fn delay(contact: &Contact, hands: &[Hand], stable_now: bool) -> (f64, bool) {
     let is_stable = |more_s: f64| radius(&contact.with_delay(more_s), hands) < 1.0;
     let mut last = 0.0;
     let mut step = period / 8.0;
-    // The first edge from below: a longer delay may be stable again, and is of no use.
+    // The first limit from below counts. A longer delay may be stable again, which is of no use.
     while last < LONGEST_TICKS * period {
         let next = last + step;
         if !is_stable(next) {
@@ -102,7 +106,7 @@ fn stiffnesses(scene: &Scene, contact: &Contact, hands: &[Hand]) -> Vec<[f64; 2]
     let is_stable = |stiffness: f64| {
         let mut other = scene.clone();
         other.wall.k_desired_n_m_per_rad = stiffness;
-        // A stiffness that the law cannot take is not in its range.
+        // A stiffness that the law does not accept is not in its range.
         Contact::of(&other).is_ok_and(|mut other| {
             other.current_loop_hz = contact.current_loop_hz;
             other.estimator = contact.estimator;

@@ -1,20 +1,26 @@
-//! A certificate for a wall: is the loop of law, plant, delay and hand stable, for every hand of a family?
+//! Stability certificates: is the loop of law, plant, delay and hand stable for every hand of a set?
 //!
-//! The loop's matrix from one sample to the next is exact where law and plant are linear: [`plant`] derives the mechanical side,
-//! [`law`] the laws, [`estimator`] a state estimator between the two, [`sector`] what may switch between two linear phases.
-//! [`hands`] says for whom. Equations (1) to (16) are numbered through these files.
+//! The loop's matrix from one sample to the next is exact where law and plant are linear. [`plant`] derives the mechanical side,
+//! [`law`] the laws, [`estimator`] a state estimator between plant and law, [`sector`] the change between two linear phases of a
+//! law. [`hands`] has the set of hands. Equations (1) to (16) are numbered through these files.
 //!
-//! **Stable** is said of a hand where every lasting phase decays faster than [`judge::SLOWEST_PER_S`], or in time for the hold
-//! where the scene has one (with the damping that dry friction is to a swing of the press) and is stable while a reading is taken up to [`judge::ROUNDING_GAIN`] times,
-//! where rounding moves the rest by less than [`judge::ROUNDING_RMS_COUNTS`], every gain between the phases is stable, bounces die away and the
-//! press borrows less than the loan. The gains between the phases are tried one by one
-//! where the law's bounds change them with the amplitude. Where a law changes its gain with the direction of the motion, (16) must
-//! hold. **Unstable** where a phase in which the law stays grows by more than [`judge::FASTEST_GROWTH_PER_S`], and dry friction could not hold most
-//! of the depth of the press, or where bounces grow. Of everything else, and of what
-//! would be called stable, touches are played to
-//! their end, as a matrix knows neither what comes between two phases nor a device that leaves the wall and comes back: **stable** where all come to rest, **unstable** where none does, **undecided** where some do. The certificate gives the cause. The
-//! matrices are exact. Bounces, loan and ends are no matrices: [`touch`] plays them. The limits around it all are judgement, set on random runs of
-//! [`campaign`].
+//! A loop with a hand is called **stable** by the matrices if all of these hold:
+//!
+//! - Every phase in which the law can stay decays faster than [`judge::SLOWEST_PER_S`], or within the hold if the scene has one.
+//!   Dry friction counts as damping for an oscillation as large as the press.
+//! - It also is stable while readings are multiplied by up to [`judge::ROUNDING_GAIN`], as rounding may do.
+//! - Rounding to counts moves a knob at rest by less than [`judge::ROUNDING_RMS_COUNTS`].
+//! - Every gain between the phases is stable. Such gains are tried one by one where they depend on the amplitude; where a gain
+//!   depends on the direction of the motion, (16) must hold.
+//! - Bounces die away, and the press uses no more energy than the enhanced law's loan.
+//!
+//! It is called **unstable** if bounces grow, or if a phase in which the law stays grows faster than
+//! [`judge::FASTEST_GROWTH_PER_S`] and dry friction could not stop it within most of the press' depth.
+//!
+//! Matrices do not describe the change between phases, nor a device that leaves the wall and returns. So touches are simulated to
+//! their end unless the matrices say unstable. The verdict is **stable** if all come to rest, **unstable** if none does,
+//! **undecided** if only some do. The certificate gives the cause. The matrices are exact. Bounces, loan and touches are simulated
+//! by [`touch`]. The limits are judgement, set on the random runs of [`campaign`].
 
 pub mod campaign;
 pub mod contact;
@@ -51,16 +57,16 @@ use touchstone_world::plant::Hand;
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// The wall comes to rest.
+    /// A press on the wall comes to rest.
     Stable,
-    /// The matrix does not decide.
+    /// Neither the matrices nor the simulations decide.
     Undecided,
-    /// Grows.
+    /// A motion grows, or the wall throws the device out.
     Unstable,
 }
 
 impl Verdict {
-    /// The verdict in lower case.
+    /// Name of the verdict in lower case.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -74,11 +80,11 @@ impl Verdict {
 /// Options of a certificate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// The hands for which it is stable.
+    /// The set of hands that is examined.
     pub family: Family,
-    /// Whether margins are looked for, which takes most of the time.
+    /// Whether stability margins are calculated, which takes most of the time.
     pub margins: bool,
-    /// Bandwidth of a current loop, Hz; absent: the torque follows its command at once, as in a run.
+    /// Bandwidth of a current loop, Hz; absent if the torque follows its command at once, as in simulated runs.
     pub current_loop_hz: Option<f64>,
 }
 
@@ -92,33 +98,33 @@ impl Default for Options {
     }
 }
 
-/// The certificate of a scene.
+/// Stability certificate of a scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Certificate {
-    /// The scene.
+    /// Name of the scene.
     pub scene: String,
-    /// The worst verdict over the scene's hand and the grips; without any hand, that of the free device.
+    /// Worst verdict over the scene's hand and the three grips; without any hand, the verdict for the free device.
     pub verdict: Verdict,
-    /// The verdict for the hypothetical hand that is worst in the whole family; `None` where it was not searched.
+    /// Verdict for the worst hand whose parameters are within [`hands::RANGES`]; `None` if it was not searched.
     pub every_hand: Option<Verdict>,
-    /// `k_de`, N·m/rad.
+    /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
-    /// `T sqrt(k_de/J)`.
+    /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
     pub stiffness_per_tick: f64,
-    /// Every hand.
+    /// Results for every examined hand.
     pub hands: Vec<HandReport>,
-    /// Index in `hands` of the one that `verdict` is of.
+    /// Index in `hands` of the hand that `verdict` comes from.
     pub worst: usize,
-    /// Margins over the scene's hand and the grips.
+    /// Stability margins over the scene's hand and the three grips.
     pub margins: Option<Margins>,
-    /// Effects that the certificate does not cover.
+    /// Effects that the certificate does not cover, one sentence each.
     pub not_covered: Vec<String>,
 }
 
-/// Certifies a scene.
+/// Calculates the certificate of a scene.
 ///
 /// # Errors
-/// Settings that the law cannot take.
+/// The control law does not accept the scene's settings.
 pub fn certify(scene: &Scene, options: &Options) -> Result<Certificate> {
     let mut contact = Contact::of(scene)?;
     contact.current_loop_hz = options.current_loop_hz;
@@ -151,13 +157,13 @@ pub fn certify(scene: &Scene, options: &Options) -> Result<Certificate> {
                 loan_used: touch::loan_used(scene, &contact, hand.as_ref())?,
             };
             let mut report = report(&contact, name, hand.as_ref(), played);
-            // A law that clamps or switches by direction may yet do what no touch here has shown.
+            // A law that reduces its force by energy, or changes its gain by direction, may do what no simulated touch has shown.
             let shown = contact.phases.clamps.is_none() && !contact.phases.by_direction;
-            // Nor do matrices say what happens between phases, or where a device leaves the wall and comes back.
+            // Matrices do not describe what happens between phases, or when a device leaves the wall and comes back.
             let alone = report.verdict == Verdict::Unstable;
             if let (Some(hand), true, false) = (hand, shown, alone) {
                 let touches = touch::ends(scene, &contact, hand)?;
-                // Where a touch does not rest, a press does not change that.
+                // If a touch does not come to rest, presses need not be simulated.
                 let presses = (asks_for_presses(&report) && touches[1] <= RESTS)
                     .then(|| press::ends(scene, &contact, hand))
                     .transpose()?;
@@ -171,7 +177,7 @@ pub fn certify(scene: &Scene, options: &Options) -> Result<Certificate> {
         .iter()
         .find(|report| report.name == hands::HYPOTHETICAL)
         .map(|report| report.verdict);
-    // A device that nobody holds is only pushed out.
+    // Without a hand the wall only pushes the device out.
     let counts =
         |report: &HandReport| report.name != hands::HYPOTHETICAL && report.parameters.is_some();
     let worst = (0..hands.len())
@@ -205,7 +211,7 @@ pub fn certify(scene: &Scene, options: &Options) -> Result<Certificate> {
     })
 }
 
-/// `T sqrt(k_de/J)`.
+/// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
 fn per_tick(contact: &Contact) -> f64 {
     contact.clock.period_s * (contact.k_desired / contact.device.inertia).sqrt()
 }

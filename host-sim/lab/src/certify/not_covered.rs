@@ -7,7 +7,7 @@ use super::contact::Contact;
 use super::law::Clamp;
 use super::press::RAMPS_S;
 
-/// Effects of a scene that the certificate covers, or mentions elsewhere.
+/// Effects in scenes that the certificate covers, or that it mentions elsewhere.
 const COVERED: [&str; 9] = [
     "encoder",
     "delay",
@@ -20,7 +20,7 @@ const COVERED: [&str; 9] = [
     "velocity-kalman-acceleration",
 ];
 
-/// Everything that is not covered, a line each.
+/// Lists everything that the certificate of a scene does not cover, one sentence each.
 pub(super) fn list(scene: &Scene, contact: &Contact) -> Vec<String> {
     let mut list = vec![
         "hands outside the family, and hands that push back on purpose".to_owned(),

@@ -6,39 +6,40 @@
 //! dτ/dt = 2π f_c (u - τ), or τ = u without a current loop                 (3)
 //! ```
 //!
-//! The command `u` is held. One that is computed at a sample acts from `t_d` after it on: with `t_d = (w + φ) T` the tick that
-//! begins at sample `n` is crossed with `u(n-w-1)` for `φ T` and with `u(n-w)` for the rest, each exactly (4).
+//! The command `u` is constant between changes. A command that is computed at a sample acts a time `t_d = (w + φ) T` later. So
+//! during the tick that begins at sample `n`, `u(n-w-1)` acts for `φ T` and `u(n-w)` for the rest; each part is integrated exactly
+//! (4).
 
 use super::state_space::StateSpace;
 use nalgebra::{DMatrix, DVector};
 use touchstone_world::plant::{Device, Hand, Invalid};
 
-/// Parameters of the loop's mechanical and electrical side.
+/// Parameters of device, hand and current loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mechanics {
-    /// The device; its dry friction is left out.
+    /// The device; its dry friction is not part of the linear system.
     pub device: Device,
-    /// The hand that holds it.
+    /// The hand that holds the device, if any.
     pub hand: Option<Hand>,
-    /// Bandwidth `f_c` of the current loop, Hz; absent: the torque follows at once.
+    /// Bandwidth `f_c` of the current loop, Hz; absent if the torque follows its command at once.
     pub current_loop_hz: Option<f64>,
 }
 
-/// The times at which the law runs and its force acts.
+/// Control period, and delay until a force acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clock {
     /// Control period `T`, s.
     pub period_s: f64,
-    /// Time `t_d` from sample to command, s.
+    /// Time `t_d` from a sample until the force that is computed from it acts, s.
     pub delay_s: f64,
 }
 
 impl Clock {
-    /// The delay in whole ticks and the fraction of one that is left, 0 to below 1.
+    /// The delay as a number of whole ticks and the remaining fraction of a tick, from 0 to below 1.
     #[must_use]
     pub fn ticks(&self) -> (usize, f64) {
         let ticks = self.delay_s / self.period_s;
-        // A delay that was meant as whole ticks stays one.
+        // A delay that is a whole number of ticks except for rounding stays whole.
         let nearest = ticks.round();
         if (ticks - nearest).abs() < 1e-9 {
             return (nearest as usize, 0.0);
@@ -47,7 +48,8 @@ impl Clock {
     }
 }
 
-/// Derivatives of the states `[x, v, x_h, v_h, τ]`, as far as the loop has them, under a command.
+/// System matrix and input vector of the continuous states `[x, v, x_h, v_h, τ]`, as far as the loop has them; the input is the
+/// command.
 fn rates(mechanics: &Mechanics) -> (DMatrix<f64>, DVector<f64>) {
     let device = &mechanics.device;
     let motion = if mechanics.hand.is_some() { 4 } else { 2 };
@@ -79,7 +81,7 @@ fn rates(mechanics: &Mechanics) -> (DMatrix<f64>, DVector<f64>) {
     (a, b)
 }
 
-/// `(Φ, Γ)` of an interval with the command held (Van Loan, IEEE TAC 23(3) 395, 1978).
+/// Matrices `(Φ, Γ)` over an interval in seconds with a constant command (Van Loan, IEEE TAC 23(3) 395, 1978).
 fn held(a: &DMatrix<f64>, b: &DVector<f64>, interval_s: f64) -> (DMatrix<f64>, DVector<f64>) {
     let order = b.len();
     let mut block = DMatrix::zeros(order + 1, order + 1);
@@ -96,11 +98,12 @@ fn held(a: &DMatrix<f64>, b: &DVector<f64>, interval_s: f64) -> (DMatrix<f64>, D
     )
 }
 
-/// Command to position, one tick at a time. The states are `[x, v]`, the hand's `[x_h, v_h]`, the current loop's `τ`, then the
-/// commands on their way, the latest first; all as deviations from where the hand would rest without a command.
+/// Discrete system from command to position, one step per tick. The states are `[x, v]`, the hand's `[x_h, v_h]`, the current
+/// loop's `τ`, then the commands that do not act yet, the latest first. All are deviations from the point where the hand rests
+/// without a command.
 ///
 /// # Errors
-/// [`Invalid`] when device or hand are out of range.
+/// [`Invalid`]: a value of device or hand is out of range.
 pub fn sampled(mechanics: &Mechanics, clock: Clock) -> Result<StateSpace, Invalid> {
     let linear = Device {
         friction: None,
@@ -127,7 +130,7 @@ pub fn sampled(mechanics: &Mechanics, clock: Clock) -> Result<StateSpace, Invali
         .a
         .view_mut((0, 0), (plant, plant))
         .copy_from(&(&phi_new * &phi_old));
-    // The command of an age in ticks: the one of this sample is the input, older ones are states.
+    // The command of this age in ticks: that of this sample is the input, older ones are states.
     let mut acts = |age: usize, effect: &DVector<f64>| {
         for (row, entry) in effect.iter().enumerate() {
             match age {

@@ -1,5 +1,5 @@
-//! Slow presses, which are simulated where touches do not show enough. A slow press stirs an offset that dies out
-//! slowly, and borrows more of a loan than a touch does.
+//! Simulated slow presses, for walls on which touches do not show enough. A slow press excites an offset that decays slowly, and
+//! uses more of the enhanced law's loan than a touch.
 
 use super::contact::Contact;
 use super::touch::{hold_s, of_plant};
@@ -10,14 +10,15 @@ use touchstone_sim::run::terms::Terms;
 use touchstone_sim::scene::{Grip, MotionSpec, Number, RampAndHold, Scene};
 use touchstone_world::plant::Hand;
 
-/// Times from rest outside to the full push, s: brisk, and slow. The campaigns press in 0.3 s.
+/// Times from rest outside the wall to the full push, s: one brisk, two slow. The validation campaign presses in 0.3 s.
 pub(super) const RAMPS_S: [f64; 3] = [0.12, 0.5, 1.5];
 
-/// How presses of these ramps end: the least and the largest motion in the last part of the hold, peak to peak, over what counts as a limit
-/// cycle; infinite where the wall throws the device out. With counts, dry friction and the loan that there is; without the guard.
+/// Least and largest motion at the end of the hold, peak to peak, over presses with the ramps of `RAMPS_S`. Both are multiples of a
+/// limit cycle's threshold (four encoder counts). They are infinite if the wall throws the device out. The simulation includes
+/// encoder counts, dry friction and the law's loan of energy, but not the guard.
 ///
 /// # Errors
-/// Settings that the law cannot take.
+/// The control law does not accept the scene's settings.
 pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
     let mut pressed = scene.clone();
     pressed.operator.grip = Grip::Custom;

@@ -1,23 +1,23 @@
 //! Whether a loop stays stable while one gain of its law changes from tick to tick.
 //!
-//! Two loops whose matrices differ by one rank, `A1 = A0 + b c`, are the ends of a gain of 0 and of 1 in one path. By the circle
-//! criterion in discrete time (Jury and Lee, IEEE TAC 9(1) 51, 1964: recalled, not looked up) every gain in between, whichever way it changes, leaves
-//! the loop stable where `A1` is stable, `A0` has at most an integrator on the unit circle, and
+//! Two loop matrices that differ by one rank, `A1 = A0 + b c`, are the ends of a gain from 0 to 1 in one path. The circle criterion
+//! in discrete time (Jury and Lee, IEEE TAC 9(1) 51, 1964; cited from memory) says when every gain between them leaves the loop
+//! stable, however it changes. `A1` has to be stable, `A0` may have at most an integrator on the unit circle, and
 //!
 //! ```text
 //! Re (1 + P(z)) > 0 for |z| = 1,   1 + P(z) = det(zI - A1)/det(zI - A0)               (16)
 //! ```
 //!
-//! So the eigenvalues of the two ends are all that is needed. Sufficient, not necessary.
+//! So only the eigenvalues of the two ends are needed. The criterion is sufficient, not necessary.
 
 use super::state_space::eigenvalues;
 use nalgebra::{Complex, DMatrix};
 
-/// Angles on the unit circle that are examined between the lowest and half the sampling rate.
+/// Number of angles on the unit circle that are examined, from the lowest frequency to half the sampling rate.
 const ANGLES: i32 = 400;
 
-/// Least cosine of the angle of `1 + P` (16) on the unit circle; above 0 where the criterion holds. `None` where one of the two
-/// ends is not stable, or its eigenvalues could not be found.
+/// Least cosine of the angle of `1 + P` (16) on the unit circle; the criterion holds above 0. `None` if one of the two ends is not
+/// stable, or its eigenvalues were not found.
 #[must_use]
 pub fn least_cosine(from: &DMatrix<f64>, to: &DMatrix<f64>) -> Option<f64> {
     let (zero, one) = (eigenvalues(from)?, eigenvalues(to)?);
@@ -33,7 +33,7 @@ pub fn least_cosine(from: &DMatrix<f64>, to: &DMatrix<f64>) -> Option<f64> {
     let spread = (0..=ANGLES).map(|index| {
         std::f64::consts::PI * 10f64.powf(-6.0 * (1.0 - f64::from(index) / f64::from(ANGLES)))
     });
-    // A resonance is narrow: as narrow as its eigenvalue is near the circle.
+    // A resonance is narrow: the nearer its eigenvalue is to the unit circle, the narrower.
     let near = zero.iter().chain(&one).flat_map(|value| {
         let (angle, width) = (value.arg().abs(), 1.0 - value.norm());
         (-8..=8).map(move |step| angle + 0.4 * f64::from(step) * width)
@@ -62,15 +62,16 @@ mod tests {
     fn a_gain_that_may_only_shrink_a_first_order_lag_is_safe() {
         // x' = (0.9 - 0.5 g) x.
         assert!(least_cosine(&dmatrix![0.9], &dmatrix![0.4]).unwrap() > 0.0);
-        // An integrator that is pulled back or left alone.
+        // An integrator with and without feedback.
         assert!(least_cosine(&dmatrix![1.0], &dmatrix![0.7]).unwrap() > 0.0);
-        // The far end is unstable.
+        // The loop at a gain of 1 is unstable.
         assert_eq!(least_cosine(&dmatrix![0.9], &dmatrix![-1.2]), None);
     }
 
     #[test]
     fn an_undamped_spring_that_may_switch_between_two_stiffnesses_is_not() {
-        // Both ends decay slowly; switched by the sign of x v, stiff outward and soft inward, such an oscillator grows.
+        // Both ends decay slowly. If the gain changes with the sign of x v, stiff outward and soft inward, such an oscillator
+        // grows.
         let swing = |stiffness: f64| {
             let t: f64 = 0.01;
             dmatrix![1.0 - 0.5 * stiffness * t * t, t; -stiffness * t, 1.0 - 0.0005]

@@ -4,23 +4,23 @@ use nalgebra::linalg::{Schur, balancing::balance_parlett_reinsch};
 use nalgebra::{Complex, DMatrix, DVector};
 use touchstone_world::plant::spectral_radius;
 
-/// `s' = a s + b w`, `y = c s + d w`, once a tick.
+/// A discrete system `s' = a s + b w`, `y = c s + d w`, one step per tick: state `s`, input `w`, output `y`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StateSpace {
-    /// State to state.
+    /// Matrix from the state to the next state.
     pub a: DMatrix<f64>,
-    /// Input to state.
+    /// Vector from the input to the next state.
     pub b: DVector<f64>,
-    /// State to output.
+    /// Vector from the state to the output.
     pub c: DVector<f64>,
-    /// Input to output of the same tick.
+    /// Factor from the input to the output of the same tick.
     pub d: f64,
 }
 
 impl StateSpace {
-    /// The system that `step` computes: it is given state and input, changes the state and returns the output.
+    /// Builds the matrices from a function. `step` gets state and input, changes the state and returns the output.
     ///
-    /// `step` must be linear: each column is the image of a unit vector.
+    /// `step` must be linear: each column of the matrices is its result for a unit vector.
     #[must_use]
     pub fn of(order: usize, step: impl Fn(&mut [f64], f64) -> f64) -> Self {
         let mut system = Self {
@@ -48,21 +48,22 @@ impl StateSpace {
         system
     }
 
-    /// Number of states.
+    /// Number of state variables.
     #[must_use]
     pub fn order(&self) -> usize {
         self.b.len()
     }
 
-    /// Runs one tick: changes the state, returns the output.
+    /// Runs one tick: changes the state and returns the output.
     pub fn advance(&self, state: &mut DVector<f64>, input: f64) -> f64 {
         let output = self.c.dot(state) + self.d * input;
         *state = &self.a * &*state + &self.b * input;
         output
     }
 
-    /// Matrix of the loop of a plant (`self`, command to position, without a direct path) and a law (position to force) that
-    /// commands minus its force and reads `gain` times the position. The states are the plant's, then the law's.
+    /// Matrix of the closed loop of a plant and a law. The plant (`self`) goes from command to position, without a direct path. The
+    /// law goes from position to force; it reads `gain` times the position and commands minus its force. The plant's states come
+    /// first, then the law's.
     #[must_use]
     pub fn closed_by(&self, law: &StateSpace, gain: f64) -> DMatrix<f64> {
         debug_assert!(self.d == 0.0, "an algebraic loop");
@@ -81,9 +82,9 @@ impl StateSpace {
     }
 }
 
-/// Eigenvalues of a loop's matrix, the largest first; `None` where the iteration does not converge or an entry is not finite.
+/// Eigenvalues of a loop's matrix, the largest first; `None` if the iteration does not converge or an entry is not finite.
 ///
-/// Balanced first: positions, velocities and forces differ by orders of magnitude.
+/// The matrix is balanced first, because positions, velocities and forces differ by orders of magnitude.
 #[must_use]
 pub fn eigenvalues(matrix: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     if matrix.iter().any(|entry| !entry.is_finite()) {
@@ -97,17 +98,17 @@ pub fn eigenvalues(matrix: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     Some(values)
 }
 
-/// The slowest or fastest growing motion of a loop.
+/// The motion of a loop that decays slowest or grows fastest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mode {
-    /// Magnitude of the largest eigenvalue.
+    /// Magnitude of the loop's largest eigenvalue.
     pub radius: f64,
-    /// The eigenvalue's angle a tick, rad, 0 to π; NaN where only the magnitude could be found.
+    /// Angle of the eigenvalue, rad per tick, 0 to π; NaN if only the magnitude was found.
     pub angle_rad: f64,
 }
 
 impl Mode {
-    /// The largest eigenvalue of the matrix. Infinite for a matrix that is not finite.
+    /// The largest eigenvalue of a matrix; infinite for a matrix with entries that are not finite.
     #[must_use]
     pub fn dominant(matrix: &DMatrix<f64>) -> Self {
         match eigenvalues(matrix) {
@@ -122,7 +123,7 @@ impl Mode {
                 },
             ),
             None if matrix.iter().all(|entry| entry.is_finite()) => Self {
-                // Needs no eigenvalue iteration, and cannot fail.
+                // The spectral radius needs no eigenvalue iteration, so it cannot fail.
                 radius: spectral_radius(matrix),
                 angle_rad: f64::NAN,
             },
@@ -133,7 +134,7 @@ impl Mode {
         }
     }
 
-    /// How fast the motion dies out, 1/s; negative where it grows.
+    /// Rate at which the motion decays at this control rate, 1/s; negative if it grows.
     #[must_use]
     pub fn decay_per_s(&self, rate_hz: f64) -> f64 {
         -self.radius.ln() * rate_hz

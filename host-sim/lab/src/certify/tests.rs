@@ -1,4 +1,4 @@
-//! The matrices against the laws and plants themselves.
+//! Tests that the certificate's matrices move as the real laws and plants do.
 
 use super::contact::Contact;
 use super::estimator::Estimator;
@@ -48,12 +48,12 @@ fn law(scene: &Scene) -> EnhancedSfa<f64> {
     }
 }
 
-/// Penetration at which the tests rest, rad.
+/// Penetration of the point of rest in the tests, rad.
 const DEPTH: f64 = 0.01;
 
-/// The law at rest at [`DEPTH`].
+/// State of the law at rest at [`DEPTH`].
 fn resting(law: &EnhancedSfa<f64>) -> EnhancedState<f64> {
-    // At the mass, the target is that of force over the mass' position.
+    // Regulated at the mass, the target is force over the mass' position.
     let coupling = law.mass.stiffness.0;
     let force = match law.regulate {
         touchstone_control::Regulate::Hip => law.target.0 * DEPTH,
@@ -76,7 +76,7 @@ fn resting(law: &EnhancedSfa<f64>) -> EnhancedState<f64> {
     }
 }
 
-/// `[e_f, d, O, f or p, e]`.
+/// The law's states as `[e_f, d, O, f or p, e]`.
 fn states(law: &EnhancedSfa<f64>, state: &EnhancedState<f64>) -> [f64; 5] {
     let held = &state.augmented;
     [
@@ -129,7 +129,7 @@ fn the_enhanced_law_near_rest_is_its_matrix() {
     }
 }
 
-/// The real law on the real plant, through a delay, and the loop's matrix: the same motion.
+/// Checks that the real law on the real plant, with delay, moves as the loop's matrix predicts.
 #[test]
 fn the_whole_loop_is_its_matrix() {
     for delay_ticks in [0.0, 0.3, 1.0, 1.6] {
@@ -226,7 +226,7 @@ fn a_fast_current_loop_changes_little_and_a_slow_one_much() {
     assert!(radius(Some(5.0)) > 1.0);
 }
 
-/// The composed system beside the controller that runs: the same law, the same forces.
+/// Checks that law and estimator as one linear system give the same forces as the controller.
 #[test]
 fn the_estimators_composition_does_what_the_controller_does() {
     let (k, damping) = (20.0, 0.02);
@@ -246,14 +246,14 @@ fn the_estimators_composition_does_what_the_controller_does() {
         let mut state = DVector::zeros(composed.order());
         let mut wall = Controller::<f64>::new(&scene.settings().unwrap()).unwrap();
         for tick in 0..200 {
-            // Deep enough inside that the law never lets go, and from the rest that both start from.
+            // Deep enough inside that the law never leaves the wall; both systems start from the same rest.
             let y = 1e-3 * (0.05 * f64::from(tick)).sin()
                 + 1e-4 * f64::from(tick % 3)
                 + 1e-4 * f64::from(tick);
             let running = wall.tick(Position(y)).0;
             let composed = composed.advance(&mut state, y);
             if tick == 0 {
-                // The controller starts at what it measures; the linear system at zero, which is where this begins.
+                // The controller starts at its first measurement, the linear system at zero, where this motion begins.
                 assert_eq!(y, 0.0);
             }
             assert!(running > 0.0 || tick == 0, "{tick}: let go at {y}");
@@ -267,7 +267,8 @@ fn the_estimators_composition_does_what_the_controller_does() {
 
 #[test]
 fn the_estimator_holds_what_differences_do_not() {
-    // A tick of delay at 20 times the critical stiffness: measured to hold in runs, and not for a difference damper.
+    // A tick of delay at 20 times the critical stiffness: simulated runs hold with the estimator, but not with a damper on
+    // differences.
     let scene = Scene::load("press-hold")
         .unwrap()
         .with_overrides(&[
@@ -288,7 +289,7 @@ fn the_estimator_holds_what_differences_do_not() {
     for (_, hand) in hands::GRIPS {
         assert!(measured.radius(Some(&hand)) > 1.0);
     }
-    // Each alone: the delay is taken to be 0.64 ticks and the inertia 8e-5 throughout.
+    // One value changes at a time; the estimator assumes 0.64 ticks of delay and an inertia of 8e-5 kg·m² throughout.
     for (_, hand) in hands::GRIPS {
         for delay_s in [0.0, 1e-4, 5e-4, 1e-3] {
             contact.clock.delay_s = delay_s;
@@ -315,11 +316,11 @@ fn a_sample_of_random_devices_is_never_called_stable_wrongly() {
     }
 }
 
-/// A slow offset that every touch leaves at rest, and a press does not.
+/// Checks a slowly decaying offset: every touch comes to rest, a slow press does not, and the certificate simulates the press.
 #[test]
 fn an_offset_that_dies_out_slowly_is_asked_for_by_presses() {
     let mut scene = campaign::scene(61, 1121, StatesKind::Measured);
-    // Slow for its rate: what is drawn, of a tick.
+    // The offset is slow for this rate: the fractions are set per tick.
     let ticks_per_ms = 1e-3 * f64::from(scene.timing.rate_hz);
     for share in [
         &mut scene.law.step_of_ideal_per_ms,
@@ -362,7 +363,7 @@ fn what_is_played_settles_what_the_matrices_left_open() {
     assert_eq!(said(Stable, false, [0.0, 0.6], None), Stable);
     assert_eq!(said(Stable, false, [0.0, 0.8], None), Undecided);
     assert_eq!(said(Stable, false, [1.6, 1.8], None), Unstable);
-    // A slow offset: touches alone are not enough, and presses may take back what they said.
+    // A slow offset: touches alone are not enough for "stable", and presses may overturn it.
     assert_eq!(said(Undecided, true, [0.0, 0.1], None), Undecided);
     assert_eq!(said(Undecided, true, [0.0, 0.1], Some([0.0, 0.1])), Stable);
     assert_eq!(
@@ -373,7 +374,7 @@ fn what_is_played_settles_what_the_matrices_left_open() {
         said(Undecided, true, [0.0, 0.1], Some([0.0, f64::INFINITY])),
         Undecided
     );
-    // What grows without dry friction is not called stable for a few presses.
+    // A motion that grows without dry friction is not called stable because of a few presses.
     let mut grows = own.clone();
     (grows.verdict, grows.stirred_by_ramp, grows.decay_per_s) = (Undecided, true, -0.3);
     judge::settle(&mut grows, [0.0, 0.1], Some([0.0, 0.1]));
@@ -382,7 +383,7 @@ fn what_is_played_settles_what_the_matrices_left_open() {
 
 #[test]
 fn every_draw_of_a_campaign_is_a_wall_that_the_law_takes() {
-    // Of seed 41 some walls are so soft that a tenth of them is below the least k_v of the settings.
+    // Some walls of seed 41 are so soft that a tenth of them is below the least k_v of the settings.
     for (seed, index) in [SEED, 41]
         .into_iter()
         .flat_map(|seed| (0..2001).map(move |index| (seed, index)))
@@ -398,5 +399,5 @@ fn every_draw_of_a_campaign_is_a_wall_that_the_law_takes() {
 
 /// Seed of the campaign's scenes.
 const SEED: u64 = 1;
-/// Runs: some seconds.
+/// Number of runs; they take some seconds.
 const SAMPLE: u64 = 48;

@@ -1,11 +1,12 @@
-//! The motion of a device that bounces between a wall and the hand.
+//! Simulated touches: the motion of a device that bounces between a wall and the hand.
 //!
-//! Several laws meet a touch with the spring `k_de` until the motion turns, and only then with what the matrices describe. So
-//! bounces are played instead. The device is pressed against the wall by the pad of a hand at rest, meets it at
-//! every phase of the tick, comes out, and is pressed back. It is thrown out of the wall at all only where it moves by more than the
-//! press' depth; where from such speeds on it returns slower and slower, bounces die away and the lasting phases decide.
+//! Several laws start a contact as the spring `k_de` until the motion turns, and only then behave as the matrices describe. So
+//! bounces are simulated. The pad of a hand at rest presses the device against the wall. The device meets the wall at various
+//! moments of the tick, comes out, and is pressed back. The wall throws the device out only if the device moves by more than the
+//! press' depth. Where such a device returns slower each time, bounces die away, and the matrices decide.
 //!
-//! Where they do not decide either, touches are played to the end of the press, with counts, dry friction, loan and all: [`ends`].
+//! Where the matrices do not decide, touches are simulated to the end of the press, with encoder counts, dry friction and loan:
+//! [`ends`].
 
 use super::contact::Contact;
 use super::judge::JUDGED_AFTER;
@@ -16,32 +17,33 @@ use touchstone_sim::run::{self, Recorder, Tick, plan};
 use touchstone_sim::scene::{self, Grip, MotionSpec, Number, RestPath, Scene};
 use touchstone_world::plant::Hand;
 
-/// Phases of the tick at which the surface is crossed.
+/// Number of moments within a tick at which the device crosses the surface.
 const PHASES: u32 = 12;
-/// Speeds, of the one that carries the device as far as the press is deep.
+/// Speeds of the touches, as multiples of the speed that carries the device as deep as the press.
 const SPEEDS: [f64; 4] = [1.0, 1.5, 2.5, 4.0];
-/// Press that is taken where the scene has none, N·m.
+/// Torque of the press in N·m where the scene has none.
 pub(super) const PRESS_N_M: f64 = 0.1;
-/// Swings of the device on `k_de` that are waited for, and ticks at least.
+/// Duration of a bounce simulation: oscillations of the device on `k_de`, and the least number of ticks.
 const SWINGS: f64 = 8.0 * RETURNS as f64;
 const TICKS: f64 = 400.0;
 
-/// Returns that are waited for.
+/// Number of returns to the wall that are simulated.
 const RETURNS: u32 = 4;
 
-/// Touches that are played to their end: fewer, as each takes a whole hold. A slow one, one as deep as the press, one that comes out.
+/// Speeds of the touches that are simulated to their end, as multiples of the speed that carries the device as deep as the press.
+/// They are few, because each takes a whole hold: a slow touch, one as deep as the press, and one that comes out of the wall.
 const SPEEDS_TO_THE_END: [f64; 3] = [0.2, 1.0, 3.0];
 const PHASES_TO_THE_END: u32 = 4;
-/// How long a scene without a hold is waited for, and any at most, s.
+/// Duration of the hold in a scene without one, and the longest hold that is simulated, s.
 const HOLD_S: f64 = 2.0;
 const LONGEST_HOLD_S: f64 = 20.0;
 
-/// How long a press is held, s.
+/// Duration for which a press is held, s.
 pub(super) fn hold_s(contact: &Contact) -> f64 {
     contact.hold_s.unwrap_or(HOLD_S).min(LONGEST_HOLD_S)
 }
 
-/// Watches how far the device still moves at the end.
+/// Records the range of the device's motion at the end of a run.
 struct Rest {
     from: u64,
     ticks: u64,
@@ -53,7 +55,7 @@ impl Recorder for Rest {
         if self.ticks >= self.from {
             let angle = tick.angle_after_rad;
             let [least, most] = self.ends_rad;
-            // `min` and `max` pass over what is no number.
+            // `min` and `max` ignore NaN.
             self.ends_rad = if angle.is_nan() {
                 [f64::NAN; 2]
             } else {
@@ -64,14 +66,15 @@ impl Recorder for Rest {
     }
 }
 
-/// Watches for the first exit and for the returns after it.
+/// Records when the device leaves the wall and how fast it returns.
 struct Bounce {
     surface_rad: f64,
     held: bool,
     inside: bool,
     was_inside: bool,
     returns: u32,
-    /// Speed of the last return to the wall; the exit speed where no hand brings the device back.
+    /// Speed of the last counted return to the wall; without a hand, which never brings the device back, the speed at which it
+    /// left.
     speed: Option<f64>,
 }
 
@@ -93,14 +96,14 @@ impl Recorder for Bounce {
     }
 }
 
-/// A device at the surface, the pad of a hand at rest pressing it in.
+/// A device at the wall's surface, with the pad of a hand at rest pressing it in.
 struct Touched {
     scene: Scene,
-    /// The pad's compression, and what holds the hand behind it, rad.
+    /// Compression of the pad, and stretch of the spring that holds the hand, rad.
     ahead_rad: f64,
     beyond_rad: f64,
     period_s: f64,
-    /// Speed that carries the device as far as the press is deep.
+    /// Speed that carries the device as deep as the press.
     speed_rad_per_s: f64,
 }
 
@@ -112,7 +115,7 @@ impl Touched {
         bare.operator.motion = MotionSpec::None;
         bare.law.number = Number::F64;
         bare.law.guard.on = false;
-        // The pad pressed together by the push, and the hand held where it is by its own rest point.
+        // The push compresses the pad, and the hand's spring, stretched to its rest point, holds the hand.
         let by = |stiffness: fn(&Hand) -> f64| {
             hand.map(stiffness)
                 .filter(|stiffness| *stiffness > 0.0)
@@ -128,8 +131,9 @@ impl Touched {
         }
     }
 
-    /// Simulates contact from a share of that speed and a share of a tick's way before the wall. It runs in pieces, as
-    /// most bounces are out after a few ticks, for this many ticks or until `done`.
+    /// Simulates a touch for `ticks`, or until `done` says so. It starts with `share` of the speed [`Self::speed_rad_per_s`], at a
+    /// distance from the wall that takes the fraction `before` of a tick. The run goes in pieces, as most bounces end after a few
+    /// ticks.
     fn play<R: Recorder>(
         &self,
         (share, before): (f64, f64),
@@ -165,16 +169,17 @@ impl Touched {
     }
 }
 
-/// Moments within a tick, as shares of it, at which the surface is crossed.
+/// Moments within a tick at which the surface is crossed, as fractions of the tick.
 fn phases(count: u32) -> impl Iterator<Item = f64> {
     (0..count).map(move |phase| (f64::from(phase) + 0.5) / f64::from(count))
 }
 
-/// Largest speed of a return over that of the touch before, on the mean of `RETURNS`; 0 where the device stays inside
-/// or outside; infinite where a run diverges. Without a hand: the exit speed.
+/// Ratio of a bounce's return speed to the speed of the touch before: the mean over `RETURNS` returns, the largest over all
+/// touches. It is 0 if the device stays inside or outside, infinite if a run diverges. Without a hand the speed at which the device
+/// leaves counts.
 ///
 /// # Errors
-/// Settings that the law cannot have.
+/// The control law does not accept the scene's settings.
 pub fn bounce(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Result<f64> {
     let push_n_m = contact.played_press_n_m;
     let touched = Touched::of(scene, contact, hand, push_n_m);
@@ -208,14 +213,15 @@ pub fn bounce(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Result<f
     Ok(most)
 }
 
-/// How touches of a hand that presses on end: the least and the largest remaining motion, peak to peak, over what
-/// counts as a limit cycle.
+/// Least and largest motion at the end of a pressing hand's touches, peak to peak, as multiples of a limit cycle's threshold (four
+/// encoder counts).
 ///
-/// Each is simulated to the end of a hold as long as the scene's, of which the last quarter counts, as in a run. A
-/// press that begins with a light touch is held there too: a hand that pushes less keeps the device in the wall less.
+/// Each touch is simulated to the end of a hold as long as the scene's; the last quarter is judged, as in a run. A press that
+/// begins with a light touch is simulated at that torque too, because a hand that pushes less holds the device in the wall less
+/// firmly.
 ///
 /// # Errors
-/// Settings that the law cannot have.
+/// The control law does not accept the scene's settings.
 pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
     let ticks = (hold_s(contact) / contact.clock.period_s).ceil().max(TICKS) as u64;
     let limit_rad = Terms::of(scene).limit_cycle_rad;
@@ -244,11 +250,11 @@ pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
     Ok(found)
 }
 
-/// How much a press borrows if the loan is unlimited, over the real loan: the scene's press is simulated with it.
-/// `None` without a loan or a press.
+/// Energy that the enhanced law gives out in the scene's press beyond what it took, if this loan is unlimited, divided by the
+/// scene's limit of the loan. `None` without a loan, a press or a hand.
 ///
 /// # Errors
-/// Settings that the law cannot have.
+/// The control law does not accept the scene's settings.
 pub fn loan_used(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Result<Option<f64>> {
     let loan_j = scene.law.energy_credit_j;
     if contact.phases.loan_covers_n_m.is_none() || contact.press_n_m.is_none() || hand.is_none() {
@@ -264,13 +270,14 @@ pub fn loan_used(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Resul
     Ok(least.map(|least| (-least).max(0.0) / loan_j))
 }
 
-/// An energy larger than any press borrows.
+/// Limit of the enhanced law's loan of energy that is larger than any press can use, J.
 const ENDLESS_J: f64 = 1e3;
 
-/// A hand that holds no place pushes through a spring so soft, N·m/rad, that it is a force.
+/// Least stiffness of a simulated hand's spring, N·m/rad. A hand that holds no position pushes through a spring this soft, which
+/// acts as a constant force.
 const LEAST_STIFFNESS: f64 = 2e-3;
 
-/// The hand of a plant in the form in which a scene writes it.
+/// Converts a hand from the plant's form to that of a scene.
 #[must_use]
 pub fn of_plant(hand: &Hand) -> scene::Hand {
     scene::Hand {

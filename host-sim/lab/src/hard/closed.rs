@@ -1,4 +1,4 @@
-//! Cases of the closed loop.
+//! Hard cases of the closed loop of law, plant and hand.
 
 use super::plant::KNOB;
 use super::random::Random;
@@ -76,7 +76,7 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-/// Whether a spring on the bare device makes a motion grow.
+/// Whether a motion grows in the loop of the bare device and a sampled spring of this stiffness in N·m/rad, with this delay in s.
 fn grows(device: &Device, stiffness: f64, delay_s: f64) -> bool {
     let whole = (delay_s / PERIOD_S).floor();
     let fraction = delay_s - whole * PERIOD_S;
@@ -93,7 +93,7 @@ fn grows(device: &Device, stiffness: f64, delay_s: f64) -> bool {
     for tick in 0..2 * HALF {
         let command = -stiffness * state.position();
         crossing.cross(&mut state, command, 0.0);
-        // The second half of each half: what dies out at once is gone by then.
+        // Only the second half of each half counts; motions that decay quickly are over by then.
         if tick % HALF >= HALF / 2 {
             largest[tick / HALF] = largest[tick / HALF].max(state.position().abs());
         }
@@ -126,7 +126,7 @@ fn k_max(_: Effort) -> Result<Vec<Finding>> {
             off(eigenvalue),
             1e-6,
         ));
-        // Its first correction is a share of b T/J (1/2 + delay).
+        // The first correction is a fraction of b T/J (1/2 + delay).
         let share = KNOB.damping * PERIOD_S / KNOB.inertia * (0.5 + ticks);
         found.push(Finding::new(
             format!("{ticks} ticks, formula"),
@@ -152,7 +152,7 @@ fn verdict(scene: &Scene) -> Result<f64> {
     )
 }
 
-/// Least unstable stiffness of a scene's device and hand, N·m/rad, by its eigenvalues.
+/// Smallest stiffness in N·m/rad at which a spring on the scene's device and hand is unstable, calculated from eigenvalues.
 fn critical(scene: &Scene) -> f64 {
     let device = Device {
         friction: None,
@@ -164,7 +164,7 @@ fn critical(scene: &Scene) -> f64 {
 }
 
 fn wall(_: Effort) -> Result<Vec<Finding>> {
-    // Held long enough for a decay of a third in a second to end.
+    // Held long enough for a motion that decays by a third per second.
     let scene = Scene::load("press-hold")?
         .with_preset(Preset::Thesis)?
         .with_overrides(&["operator.motion.hold_s=40", "timing.duration_s=45"])?;
@@ -192,7 +192,8 @@ fn wall(_: Effort) -> Result<Vec<Finding>> {
     Ok(found)
 }
 
-/// The least stiffness at which a scene's run is unstable, N·m/rad: the first of a ladder of quarters from 0.1 on, then halved.
+/// Smallest stiffness at which a run of the scene is unstable, N·m/rad. The search raises the stiffness from 0.1 by a quarter each
+/// time, then bisects.
 fn unstable_from(scene: &Scene, most: f64) -> Result<f64> {
     let unstable = |stiffness: f64| -> Result<bool> {
         let set = format!("wall.k_desired_n_m_per_rad={stiffness}");
@@ -214,7 +215,7 @@ fn unstable_from(scene: &Scene, most: f64) -> Result<f64> {
     Ok(high)
 }
 
-/// Laws that stay in the wall at a hundred times the critical stiffness; every other is known to leave it.
+/// Laws that stay in the wall at a hundred times the critical stiffness. Every other law is expected to leave it.
 const HOLDS_HUNDRED: &[LawKind] = &[LawKind::Fba];
 
 fn hundred(_: Effort) -> Result<Vec<Finding>> {
@@ -284,7 +285,8 @@ fn shipped(_: Effort) -> Result<Vec<Finding>> {
         .collect()
 }
 
-/// A spring of a number format in a wall at 0, pressed by a torque; calls back at every tick with the state.
+/// Simulates a knob that a constant torque presses into a spring wall at angle 0; the control law calculates in the number format
+/// `N`. Calls `at` with the state at every tick.
 fn pressed<N: Reported>(
     plant: &BareCoulomb,
     stiffness: f64,
@@ -345,7 +347,7 @@ fn one_count(_: Effort) -> Result<Vec<Finding>> {
             if ran.is_some() {
                 let name = format!("{share} k_c, friction {times} k res/2");
                 found.push(Finding::new(format!("{name}, moves"), moved, 0.0));
-                // Friction bears the rest of the torque, rounding half a count of it; the gain's step is 2^-12.
+                // Friction bears the rest of the torque; rounding adds half a count of it. The step of the gain is 2^-12.
                 let bound = (friction.breakaway + press * 0.000_244_140_625 / stiffness)
                     / stiffness
                     + 0.5 * count_rad;
@@ -377,7 +379,7 @@ fn intervals(_: Effort) -> Result<Vec<Finding>> {
             let force = stiffness * state.position();
             let from = state.position();
             let loss = plant.step_with_loss(&mut state, -force, 0.0).device_j;
-            // What the wall took, the damper took, and what is stored in the spring that the wall stands for.
+            // Energy balance: what the wall took, what the damper took, and what a spring in place of the wall stores.
             let taken = force * (state.position() - from);
             let stored = 0.5 * stiffness * (state.position().powi(2) - from * from);
             energy += taken + loss - stored;

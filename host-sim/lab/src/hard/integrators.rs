@@ -1,4 +1,4 @@
-//! Cases that textbook integrators fail, and where exactly.
+//! Hard cases that textbook integration methods fail, with the limit from which on each one fails.
 
 use super::plant::{KNOB, STICKY};
 use super::{Case, Effort, Finding};
@@ -28,7 +28,7 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-/// The position after this many ticks, with one step a tick under a constant torque.
+/// Angle in rad after `ticks` ticks under a constant torque, with 16 substeps per tick.
 fn pushed<M: Method<3>>(model: &Model<3>, ticks: u32) -> f64 {
     let Ok(plant) = Substepped::<M, 3>::new(model, PERIOD_S, 16) else {
         return f64::NAN;
@@ -65,7 +65,7 @@ fn stiff_pole(_: Effort) -> Result<Vec<Finding>> {
                 1e-12,
             ));
         }
-        // A tenth of a step's way is lost or won in the first and last step: far more than any of them is off when stable.
+        // In the first and last step a tenth of a step's way is lost or won: far more than the error of any stable method.
         let coarse = 2.0 * PERIOD_S / t;
         let stiffness = w * PERIOD_S / 16.0;
         let implicit = [
@@ -131,7 +131,7 @@ fn stick(_: Effort) -> Result<Vec<Finding>> {
         Finding::new("runge-kutta-4", held::<RungeKutta4<2>>(torque), 0.0).failing(format!(
             "smoothed friction creeps: {creep:.3e} rad by the closed form"
         )),
-        // The device's own damping takes b v of the torque, and it takes a few ticks to get going.
+        // The device's own damping takes b v of the torque, and the device needs a few ticks to reach its speed.
         Finding::new(
             "runge-kutta-4 less its creep, share",
             (held::<RungeKutta4<2>>(torque) / creep - 1.0).abs(),

@@ -1,4 +1,4 @@
-//! Hard cases of each law alone, in every number format.
+//! Hard cases for each control law without a plant, in every number format.
 
 use super::random::Random;
 use super::{Case, Effort, Finding};
@@ -74,7 +74,7 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-/// A finding for every law in every format: alone as the thesis has it, and on estimated states behind the guard.
+/// Runs a check on every law in every number format: once alone with the thesis' settings, once on estimated states with the guard.
 macro_rules! every_law {
     ($check:ident) => {{
         let mut found = Vec::new();
@@ -91,7 +91,7 @@ macro_rules! every_law {
     }};
 }
 
-/// What breaks the oracle, counted.
+/// Runs a check on one control law in one number format. The check counts violations of the expected behaviour; the bound is 0.
 fn subject<N: Reported>(
     stages: &str,
     settings: &Settings,
@@ -119,7 +119,7 @@ fn subject<N: Reported>(
     }
 }
 
-/// A law in the state before its first tick.
+/// A law in one number format, in the state before its first tick.
 struct Subject<N: Reported> {
     fresh: Controller<N>,
     limit: Force<N>,
@@ -127,7 +127,7 @@ struct Subject<N: Reported> {
 }
 
 impl<N: Reported> Subject<N> {
-    /// Whether a force is within the limit; false for a force that is no number.
+    /// Whether a force is within the law's force limit; false for NaN.
     fn is_within(&self, force: Force<N>) -> bool {
         force <= self.limit && force >= -self.limit
     }
@@ -136,8 +136,8 @@ impl<N: Reported> Subject<N> {
         CountScale::new(40_000, Si::ZERO)
     }
 
-    /// Whether the law runs on measured states and without a guard. Estimator and guard have memories of their own,
-    /// which go on outside the wall.
+    /// Whether the law runs on measured states and without a guard. Such a law must forget everything outside the wall; estimator
+    /// and guard keep their states there.
     fn is_alone(&self) -> bool {
         self.settings.states == StatesKind::Measured && !self.settings.guard.on
     }
@@ -146,12 +146,12 @@ impl<N: Reported> Subject<N> {
         self.settings.law == LawKind::Spring && self.is_alone()
     }
 
-    /// Moves far out of the wall, because an augmented surface may lie far outside of it.
+    /// Moves the knob far out of the wall, because a wall that a law has moved out may begin far outside of its configured surface.
     fn leave(&self, law: &mut Controller<N>) {
         law.tick(Position::from_f64(-1e9));
     }
 
-    /// A press of some counts in a number of ticks, answered by a fresh law; then out.
+    /// Forces of the law in a press that goes `counts` deep and out again in 200 ticks, with a jitter of one count.
     fn press(&self, law: &mut Controller<N>, counts: f64) -> Vec<Force<N>> {
         let Some(scale) = self.scale() else {
             return Vec::new();
@@ -165,7 +165,7 @@ impl<N: Reported> Subject<N> {
             .collect()
     }
 
-    /// Ticks at which a law that has left the wall answers other than a fresh one.
+    /// Number of ticks in which a law that was used, and then left the wall, gives another force than a law that was never used.
     fn remembers(&self, law: &Controller<N>) -> f64 {
         if !self.is_alone() {
             return 0.0;
@@ -190,7 +190,7 @@ fn zero_and_one_count(_: Effort) -> Result<Vec<Finding>> {
             let e = scale.penetration::<N>(count);
             let force = law.tick(e);
             let ideal = stiffness * e.to_f64();
-            // A force step of the format, and half of it for the product.
+            // One step of force of the format, and half a step for the product.
             let step = 1.5 * Position::<N>::quantum().to_f64();
             let wrong = !subject.is_within(force)
                 || (count <= 0 && subject.is_alone() && force != Force::zero())
@@ -207,7 +207,7 @@ fn bounces(_: Effort) -> Result<Vec<Finding>> {
         let mut law = subject.fresh;
         let mut broken = 0.0;
         for bounce in 0..1000 {
-            // From deep presses to a graze.
+            // From deep presses to slight touches.
             let counts = 500.0 * (-f64::from(bounce) / 120.0).exp();
             let mut fresh = subject.fresh;
             let (a, b) = (
@@ -237,7 +237,7 @@ fn saturation(_: Effort) -> Result<Vec<Finding>> {
         };
         let mut broken = 0.0;
         for tick in 0..120_000_u32 {
-            // A turn's quarter inside: fifteen times the limit at 5 N·m/rad.
+            // A quarter of a turn inside: fifteen times the force limit at 5 N·m/rad.
             let count = i64::from(tick.min(10_000)) + (2.0 * random.uniform()).round() as i64;
             let force = law.tick(scale.penetration(count));
             broken += f64::from(u8::from(!subject.is_within(force)));
@@ -248,13 +248,13 @@ fn saturation(_: Effort) -> Result<Vec<Finding>> {
     every_law!(check)
 }
 
-/// Depths of a lean that stay within the force limit, counts: the thesis' walls reach it at 637.
+/// Depths of a long press that stay within the force limit, encoder counts; the limit is reached at 637 counts.
 const WITHIN_THE_LIMIT: [u32; 4] = [75, 150, 300, 600];
-/// Ten times as deep as the limit reaches.
+/// Depth of a long press that is ten times as deep as the force limit reaches, encoder counts.
 const BEYOND_THE_LIMIT: u32 = 6_000;
 
 fn windup(_: Effort) -> Result<Vec<Finding>> {
-    /// How far outside the law still pushes after a minute at a depth, rad.
+    /// Distance outside the wall's surface at which the law stops pushing, after a press of one minute at this depth, rad.
     fn outside<N: Reported>(subject: &Subject<N>, depth: u32) -> f64 {
         let (mut law, mut random) = (subject.fresh, Random::new(8));
         let Some(scale) = subject.scale() else {
@@ -264,7 +264,7 @@ fn windup(_: Effort) -> Result<Vec<Finding>> {
             let count = i64::from(tick.min(depth)) + (2.0 * random.uniform()).round() as i64;
             law.tick(scale.penetration(count));
         }
-        // Out again, as fast as a hand pulls, until nothing pushes any more.
+        // The knob goes out as fast as a hand pulls, until the wall no longer pushes.
         for tick in 0..100_000_u32 {
             let count = i64::from(depth) - 10 * i64::from(tick);
             let e = scale.penetration::<N>(count);
@@ -286,7 +286,7 @@ fn windup(_: Effort) -> Result<Vec<Finding>> {
                 ..Settings::thesis()
             };
             let mut finding = subject::<Fixed32>("", &settings, more::<Fixed32>);
-            // Ten counts a tick, and as much again for the surface itself.
+            // Ten counts per tick, and as much again for the position of the surface.
             finding.bound = 20.0 * std::f64::consts::TAU / 40_000.0;
             finding.value = finding.value.max(0.0);
             finding
@@ -374,7 +374,7 @@ fn switching(_: Effort) -> Result<Vec<Finding>> {
         for tick in 0..20_000_u32 {
             if tick % 20 == 10 {
                 let kind = LawKind::ALL[tick as usize / 20 % LawKind::ALL.len()];
-                // Every other change is one of this law's stiffness, the rest are of the law.
+                // Every other change is one of the law's stiffness; the rest change the law itself.
                 let other = Settings {
                     law: if tick % 40 == 10 {
                         kind
@@ -384,7 +384,7 @@ fn switching(_: Effort) -> Result<Vec<Finding>> {
                     k_desired: Si::saturating_from_num(random.decades(0.5, 50.0)),
                     ..subject.settings
                 };
-                // A format that does not hold the other settings keeps the law that it has.
+                // If the format cannot hold the other settings, the law stays as it is.
                 if let Ok(next) = Controller::<N>::new(&other) {
                     law.resume(&next);
                     last = (next, other);
@@ -442,8 +442,8 @@ fn drift(effort: Effort) -> Result<Vec<Finding>> {
                     }
                 }
             }
-            // These go on adjusting a bound or an offset; the force of one count at the desired stiffness is the least that they
-            // can be told of.
+            // These laws keep adjusting a bound or an offset. The force of one count at the requested stiffness is the least change
+            // that they can react to.
             let adjusts = matches!(law, LawKind::Fba | LawKind::Sfa | LawKind::SfaContinuous);
             let count_n_m = settings.k_desired.to_num::<f64>() * std::f64::consts::TAU / 40_000.0;
             let bound = if adjusts { count_n_m } else { 0.0 };

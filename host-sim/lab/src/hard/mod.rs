@@ -1,7 +1,9 @@
-//! Hard cases, by name: what breaks simulators and control laws, each with a source of the right answer.
+//! Hard cases, each with a name: situations in which simulators and control laws fail, with an independent source of the right
+//! answer.
 //!
-//! A case measures each of its subjects (a plant, an integrator, a law in a number format) and has a bound for the
-//! value. A known failure is expected by name, with its boundary computed: it would be a surprise if it held.
+//! A case measures each of its subjects (a plant, an integration method, a law in a number format) and has a bound for the value.
+//! Known failures are listed by name, with the limit at which they begin. A known failure that stays within its bound counts as
+//! unexpected.
 
 mod closed;
 mod integrators;
@@ -19,23 +21,23 @@ use touchstone_sim::error::Result;
 
 use crate::report::ProgramVersion;
 
-/// How much is done.
+/// How long the cases run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Effort {
-    /// 10^9 ticks where the sample does 10^7 or fewer.
+    /// Runs 10^9 ticks where the short form runs 10^7 or fewer.
     pub long: bool,
 }
 
-/// The finding for one subject.
+/// Result of one case for one subject.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
-    /// Plant, integrator, or law with its number format.
+    /// Plant, integration method, or law with its number format.
     pub subject: String,
     /// The measured value, in the case's unit.
     pub value: f64,
-    /// Largest allowed value.
+    /// Largest value at which the subject passes.
     pub bound: f64,
-    /// Why it is known to be more; absent: it must hold.
+    /// Why the value is known to exceed its bound; absent if the value must be within the bound.
     pub fails_because: Option<String>,
 }
 
@@ -49,7 +51,7 @@ impl Finding {
         }
     }
 
-    /// The finding as a known failure.
+    /// Marks the finding as a known failure.
     fn failing(self, because: impl Into<String>) -> Self {
         Finding {
             fails_because: Some(because.into()),
@@ -57,19 +59,19 @@ impl Finding {
         }
     }
 
-    /// Whether the value is within its bound; a value that is no number is not.
+    /// Whether the value is within its bound; false for NaN.
     #[must_use]
     pub fn holds(&self) -> bool {
         self.value <= self.bound
     }
 
-    /// Whether it came out as it must.
+    /// Whether the finding is as expected: within its bound, or beyond it for a known failure.
     #[must_use]
     pub fn is_as_expected(&self) -> bool {
         self.holds() == self.fails_because.is_none()
     }
 
-    /// Share of the bound that is used: 0 at best, 1 at the bound.
+    /// Value divided by its bound: 0 at best, 1 at the bound.
     #[must_use]
     pub fn used(&self) -> f64 {
         if self.value == 0.0 {
@@ -82,42 +84,42 @@ impl Finding {
     }
 }
 
-/// A case.
+/// A hard case: a situation in which simulators or control laws fail.
 #[derive(Clone, Copy)]
 pub struct Case {
     /// Name of the case.
     pub name: &'static str,
     /// The difficulty that the case tests.
     pub about: &'static str,
-    /// What knows the answer.
+    /// Independent source of the right answer, in words.
     pub oracle: &'static str,
-    /// Unit of values and bounds.
+    /// Unit of the measured values and their bounds.
     pub unit: &'static str,
-    /// Finds out.
+    /// Runs the case; returns one finding per subject.
     run: fn(Effort) -> Result<Vec<Finding>>,
 }
 
-/// One case's outcome.
+/// Results of one hard case.
 #[derive(Debug, Clone, Serialize)]
 pub struct Outcome {
     /// Name of the case.
     pub name: &'static str,
     /// The difficulty that the case tests.
     pub about: &'static str,
-    /// What knows the answer.
+    /// Independent source of the right answer, in words.
     pub oracle: &'static str,
-    /// Unit of values and bounds.
+    /// Unit of the measured values and their bounds.
     pub unit: &'static str,
-    /// Whether everything came out as it must, failures that are expected included.
+    /// Whether every finding is as expected, known failures included.
     pub passed: bool,
-    /// Every subject.
+    /// Findings for every subject (plant, integration method, or law in a number format).
     pub findings: Vec<Finding>,
-    /// Time it took, s.
+    /// Time that the case took, s.
     pub seconds: f64,
 }
 
 impl Outcome {
-    /// The finding that uses most of its bound, of those that must hold.
+    /// The finding closest to or furthest beyond its bound, known failures left out.
     #[must_use]
     pub fn worst(&self) -> Option<&Finding> {
         self.findings
@@ -126,7 +128,7 @@ impl Outcome {
             .max_by(|a, b| a.used().total_cmp(&b.used()))
     }
 
-    /// What did not come out as it must.
+    /// Findings that should be within their bound and are not, or the reverse.
     pub fn surprises(&self) -> impl Iterator<Item = &Finding> {
         self.findings
             .iter()
@@ -134,22 +136,22 @@ impl Outcome {
     }
 }
 
-/// Everything that was found.
+/// Results of all hard cases.
 #[derive(Debug, Clone, Serialize)]
 pub struct Hard {
-    /// Version of this layout.
+    /// Version of the results' format.
     pub schema_version: u32,
-    /// The program.
+    /// Version of the program.
     pub program: ProgramVersion,
-    /// Whether the long form ran.
+    /// Whether the long form with 10^9 ticks ran.
     pub long: bool,
     /// Whether every case passed.
     pub passed: bool,
-    /// Every case.
+    /// Results of every case.
     pub cases: Vec<Outcome>,
 }
 
-/// All cases, in the order of the table.
+/// All hard cases, in the order of the table.
 #[must_use]
 pub fn cases() -> Vec<Case> {
     [
@@ -163,10 +165,10 @@ pub fn cases() -> Vec<Case> {
     .concat()
 }
 
-/// Runs cases side by side. `on_case` is called as each ends.
+/// Runs the cases in parallel. `on_case` is called when a case ends.
 ///
 /// # Errors
-/// A shipped scene that cannot be run.
+/// A shipped scene cannot be run.
 pub fn run(
     cases: &[Case],
     effort: Effort,
@@ -183,7 +185,7 @@ pub fn run(
                 about: case.about,
                 oracle: case.oracle,
                 unit: case.unit,
-                // A case that looked at nothing has shown nothing.
+                // A case without findings has not passed.
                 passed: !findings.is_empty() && findings.iter().all(Finding::is_as_expected),
                 findings,
                 seconds: start.elapsed().as_secs_f64(),

@@ -1,4 +1,4 @@
-//! Hard cases of the parts around a law: the encoder's counter, and the virtual mass.
+//! Hard cases of the parts around a law: the encoder's counter and the virtual mass.
 
 use super::random::Random;
 use super::{Case, Effort, Finding};
@@ -44,7 +44,7 @@ fn wrap(_: Effort) -> Result<Vec<Finding>> {
         Finding::new("16 bits", off_short as f64, 0.0),
         Finding::new("32 bits", off_long as f64, 0.0),
     ];
-    // A wall in another turn: the scale is exact to 1.4e-10 rad a turn, and a position to its step.
+    // A wall in another turn: the scale is exact to 1.4e-10 rad per turn, and a position to its step.
     for turns in [-100_i64, -1, 1, 100] {
         let surface = Si::saturating_from_num(std::f64::consts::TAU * turns as f64);
         let (Some(near), Some(far)) = (
@@ -65,7 +65,8 @@ fn wrap(_: Effort) -> Result<Vec<Finding>> {
     Ok(found)
 }
 
-/// Shakes the mass, and adds up the energy that the HIP's port takes; returns the least sum over the total throughput.
+/// Moves the virtual mass at random and sums the energy that goes in at the hand's point. Returns the most energy that came out,
+/// divided by the sum of all energies that flowed.
 fn shaken(inertia: f64, stiffness: f64, damping: f64, ground: f64) -> f64 {
     let gain = |value: f64| Stiffness::<f64>(value);
     let total = gain(inertia + stiffness + damping + ground);
@@ -85,7 +86,7 @@ fn shaken(inertia: f64, stiffness: f64, damping: f64, ground: f64) -> f64 {
         } else {
             0.0
         };
-        // Kept near where it began, or sums of large numbers would hide what is looked for.
+        // The position stays near its start, because sums of large numbers would hide the effect.
         let moved = moved - 0.01 * e;
         e += moved;
         let (position, change) = (Position::<f64>::from_f64(e), Position::from_f64(moved));
@@ -114,7 +115,7 @@ fn virtual_mass(_: Effort) -> Result<Vec<Finding>> {
                 1e-12,
             ));
         }
-        // z² + (k/M - 2) z + 1 for a mass without damping: on the circle up to k/M = 4.
+        // z² + (k/M - 2) z + 1 for a mass without damping: eigenvalues on the unit circle up to k/M = 4.
         let ratio = stiffness / inertia;
         let half = 1.0 - 0.5 * ratio;
         let radius = if half.abs() <= 1.0 {
@@ -124,7 +125,7 @@ fn virtual_mass(_: Effort) -> Result<Vec<Finding>> {
         };
         let grown = semi_implicit_growth(ratio);
         let name = format!("semi-implicit Euler, m = 1e{decade} k T²");
-        // Bounded by the ratio of the axes of its ellipse.
+        // The bound is the ratio of the axes of the motion's ellipse.
         let bound = 4.0 / (1.0 - half * half).abs().sqrt().max(1e-3);
         let finding = Finding::new(name, grown, bound);
         found.push(if radius > 1.0 {
@@ -136,7 +137,7 @@ fn virtual_mass(_: Effort) -> Result<Vec<Finding>> {
     Ok(found)
 }
 
-/// Largest position over 2000 ticks of a mass on a spring with `k T²/m`, from a position of 1.
+/// Largest position in 2000 ticks of a mass on a spring, integrated by semi-implicit Euler from position 1; `ratio` is `k T²/m`.
 fn semi_implicit_growth(ratio: f64) -> f64 {
     let (mut position, mut moved, mut largest) = (1.0_f64, 0.0_f64, 1.0_f64);
     for _ in 0..2000 {

@@ -1,4 +1,4 @@
-//! Cases of the exact plants.
+//! Hard cases of the plants (device and hand) that are integrated exactly.
 
 use super::random::Random;
 use super::{Case, Effort, Finding};
@@ -85,15 +85,14 @@ pub(super) fn torque(random: &mut Random) -> [f64; 2] {
     [0.05 * random.uniform(), 0.3 * random.uniform()]
 }
 
-/// Worst gap of the energy account over this many ticks of random torques, as a share of the energy that moved in that
-/// tick.
+/// Largest gap in the energy balance of a tick under random torques, divided by the energy that flowed in that tick.
 fn audit<const N: usize, S: Stepper<State = State<N>>>(plant: &S, ticks: u32, seed: u64) -> f64 {
     let mut random = Random::new(seed);
     let mut state = State::<N>::at_rest(0.1);
     let mut worst = 0.0_f64;
     let mut held = torque(&mut random);
     for tick in 0..ticks {
-        // Now and then, so that a device has time to stop.
+        // The torque changes only now and then, so that the device has time to stop.
         if tick % 16 == 0 {
             held = torque(&mut random);
         }
@@ -102,7 +101,7 @@ fn audit<const N: usize, S: Stepper<State = State<N>>>(plant: &S, ticks: u32, se
         let loss = plant.step_with_loss(&mut state, u, r).total_j();
         let work = u * (state.position() - from);
         let after = plant.stored_energy_j(&state, r);
-        // The angle itself is rounded, and with it the torque's work.
+        // The angle itself is rounded, and so is the torque's work.
         let rounding = u.abs() * f64::EPSILON * state.position().abs();
         let throughput = work.abs() + stored + after + loss + rounding / 1e-12;
         worst =
@@ -111,7 +110,7 @@ fn audit<const N: usize, S: Stepper<State = State<N>>>(plant: &S, ticks: u32, se
     worst
 }
 
-/// All four plants of a device and a hand, with and without friction.
+/// Runs an expression with each of the four plants: bare device and device with hand, each without and with friction.
 macro_rules! each_plant {
     ($device:expr, $hand:expr, $interval:expr, |$name:ident, $plant:ident| $body:expr) => {{
         let (device, hand, interval) = ($device, $hand, $interval);
@@ -175,7 +174,7 @@ fn zero_damping(_: Effort) -> Result<Vec<Finding>> {
         ..KNOB
     };
     let mut found = Vec::new();
-    // Each tick rounds four sums; the errors add up like a walk at best, and at worst in a line.
+    // Each tick rounds four sums. The errors add up like a random walk at best, and linearly at worst.
     let bound = f64::from(TICKS) * 4.0 * f64::EPSILON;
     if let Ok(plant) = HeldLinear::new(&device, &UNDAMPED, PERIOD_S) {
         let mut state = State::from_array([0.2, 1.0, -0.1, 0.0]);
@@ -199,7 +198,7 @@ fn zero_damping(_: Effort) -> Result<Vec<Finding>> {
             bound,
         ));
     }
-    // One whole turn of a device at half the break-away torque: what dry friction alone takes is F |x|.
+    // One whole turn of a device at half the break-away torque. Dry friction alone takes the energy F |x|.
     let sticky = Device {
         damping: 0.0,
         ..STICKY
@@ -209,7 +208,7 @@ fn zero_damping(_: Effort) -> Result<Vec<Finding>> {
         for _ in 0..1000 {
             plant.step(&mut state, 0.0, 0.0);
         }
-        // J v²/(2 F): there it stops, and stays.
+        // The device stops at J v²/(2 F), and stays there.
         let expected = 0.5 * sticky.inertia * 25.0 / friction.kinetic;
         found.push(Finding::new(
             "bare, friction only",
@@ -265,7 +264,8 @@ fn independent(_: Effort) -> Result<Vec<Finding>> {
     Ok(found)
 }
 
-/// Largest difference of the exact plant from the reference over the largest angle, and the events on the way.
+/// Largest difference of the exact plant's angle from the reference, divided by the largest angle, and the number of stops and
+/// starts.
 fn compare(device: &Device, hand: Option<&Hand>, held: &[[f64; 2]]) -> (f64, u64) {
     let mut reference = Reference::new(device, hand, None, 4);
     let mut known = [Double::ZERO; 4];
@@ -355,7 +355,7 @@ fn break_away(_: Effort) -> Result<Vec<Finding>> {
             });
             found.push(Finding::new(format!("bare, {sign:+}"), off, 0.0));
         }
-        // A hand whose pad does not strain while the device rests adds nothing.
+        // A hand whose pad is not strained while the device rests changes nothing.
         if let Ok(plant) = HeldCoulomb::new(&device, &LIGHT, PERIOD_S) {
             let mut state = State::at_rest(0.0);
             let off = tick_of(&mut |torque| {
@@ -380,7 +380,8 @@ fn denormals(_: Effort) -> Result<Vec<Finding>> {
             before = state.velocity();
         }
         found.push(Finding::new("bare, ticks that rise", f64::from(rises), 0.0));
-        // Rounding stops it at the last denormals, some 250 of them: b T/J is 4e-3 and half a step of 1/250 is none.
+        // Rounding stops the device at the last denormal numbers, some 250 of them: b T/J is 4e-3, and half a step of 1/250 rounds
+        // to zero.
         found.push(Finding::new("bare, what is left", state.velocity(), 1e-321));
         let way = KNOB.inertia / KNOB.damping;
         found.push(Finding::new(

@@ -1,16 +1,16 @@
 //! Random numbers that are the same on every machine.
 
-/// A small generator (xorshift).
+/// Random number generator (xorshift).
 #[derive(Debug, Clone)]
 pub struct Random(u64);
 
 impl Random {
-    /// The generator of a seed above 0; each seed has its own stream.
+    /// Creates the generator of a seed above 0; each seed gives an independent sequence of random numbers.
     pub fn new(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
     }
 
-    /// Uniform in `[-1, 1)`.
+    /// Draws a number evenly in `[-1, 1)`.
     pub fn uniform(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -18,7 +18,7 @@ impl Random {
         (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
-    /// Between two positive numbers, uniform in its logarithm.
+    /// Draws a number between two positive numbers, evenly on a logarithmic scale.
     pub fn decades(&mut self, least: f64, most: f64) -> f64 {
         let share = 0.5 * (self.uniform() + 1.0);
         least * (most / least).powf(share)

@@ -1,10 +1,10 @@
-//! The JSON schema of what `touchstone hard` finds. `docs/schema/hard.schema.json` is its text.
+//! JSON schema of the results of `touchstone hard`. The file `docs/schema/hard.schema.json` holds its text.
 
 use serde_json::Value;
 
 use crate::report::plain_schema::{array, document, object, program};
 
-/// The schema.
+/// The JSON schema of the results of `touchstone hard`.
 #[must_use]
 pub fn schema() -> Value {
     let finding = object(

@@ -1,4 +1,5 @@
-//! Cases of what must not matter to the exact plants: how a step is divided, the sign and the size of everything.
+//! Hard cases of symmetry: a plant's motion must not depend on how a step is divided, and must follow the sign and scale of its
+//! inputs.
 
 use super::plant::{KNOB, PERIOD_S, STICKY, each_plant, torque};
 use super::random::Random;
@@ -54,7 +55,7 @@ fn half_steps(_: Effort) -> Result<Vec<Finding>> {
                     .zip(&once)
                     .map(|(a, b)| (a - b).abs())
                     .fold(0.0, f64::max);
-                // 1000 ticks of states of order 1, each rounded a few times.
+                // 1000 ticks with states of order 1, each rounded a few times.
                 found.push(Finding::new(format!("{kind}, {name}"), off, 1e-11));
             }
         }
@@ -102,7 +103,7 @@ fn jitter(_: Effort) -> Result<Vec<Finding>> {
                     a.step(&mut parts, u, r);
                     b.step(&mut parts, u, r);
                     all.step(&mut once, u, r);
-                    // What decays within the interval decays to the rounding of what it was.
+                    // A state that decays within the interval keeps the rounding error of its initial size.
                     let scale = State::from_array(begin);
                     worst[$index] = worst[$index].max(relative(&parts, &once, &scale));
                 }
@@ -120,7 +121,8 @@ fn jitter(_: Effort) -> Result<Vec<Finding>> {
         .collect())
 }
 
-/// Largest difference of two states over their largest entries before or after, angles and velocities apart.
+/// Largest difference of two states, divided by the largest entry of `b` or `before`; angles and velocities each have their own
+/// scale.
 fn relative<const N: usize>(a: &State<N>, b: &State<N>, before: &State<N>) -> f64 {
     let (a, b, before) = (a.to_array(), b.to_array(), before.to_array());
     let mut worst = 0.0_f64;
@@ -141,15 +143,15 @@ fn mirror(_: Effort) -> Result<Vec<Finding>> {
     }))
 }
 
-/// Number of ticks at which the scaled plant does not move `factor` times as far as the other does under inputs
-/// smaller by `factor`.
+/// Number of ticks in which the states differ. `plant` gets random inputs, `scaled` the same inputs times `factor`; its state
+/// should be exactly `factor` times the state of `plant`.
 fn scaled<const N: usize, S: Stepper<State = State<N>>>(plant: &S, scaled: &S, factor: f64) -> f64 {
     let mut random = Random::new(17);
     let (mut state, mut other) = (State::<N>::at_rest(0.0), State::<N>::at_rest(0.0));
     let mut differ = 0.0;
     for tick in 0..5000 {
         let [u, r] = torque(&mut random);
-        // Some ticks of rest for the device to stop in.
+        // Some ticks without torque, so that the device can stop.
         let u = if tick % 64 < 32 { u } else { 0.0 };
         plant.step(&mut state, u, r);
         scaled.step(&mut other, factor * u, factor * r);

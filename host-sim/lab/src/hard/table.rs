@@ -1,10 +1,10 @@
-//! The cases for a terminal.
+//! Results of the hard cases as a text table for a terminal.
 
 use std::fmt::Write;
 
 use super::{Hard, Outcome};
 
-/// One case's line.
+/// Line of the table for one case.
 #[must_use]
 pub fn line(outcome: &Outcome) -> String {
     let failing = outcome
@@ -32,7 +32,7 @@ pub fn line(outcome: &Outcome) -> String {
     )
 }
 
-/// The whole table, with the expected failures and the unexpected ones.
+/// The whole table, followed by the known failures and the unexpected findings.
 #[must_use]
 pub fn render(hard: &Hard) -> String {
     let mut out = String::new();

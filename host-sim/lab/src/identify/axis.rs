@@ -1,74 +1,77 @@
-//! What an axis of a haptic device has, from the forces that were commanded and the positions that were read while it was moved about.
+//! Identifies mass, damping and friction of one axis of a haptic device from the commanded forces and the positions that were read
+//! while the device was moved about.
 //!
-//! `M dv/dt + b v + F_c sign(v) + c = F`, each side times a bump `φ` that begins and ends with nothing, and integrated over it by parts:
+//! The equation of motion is `M dv/dt + b v + F_c sign(v) + c = F`. Each side is multiplied by a bump function `φ`, which is zero
+//! at its ends, and integrated by parts:
 //!
 //! ```text
 //! M ∫φ'' x  -  b ∫φ' x  +  F_c ∫φ sign(v)  +  c ∫φ  =  ∫φ F
 //! ```
 //!
-//! (Shinbrot's modulating functions.) So nothing measured is differentiated, and where the bumps begin does not matter. Every bump is an equation, and least squares
-//! solve them all; `c` is what is always there, a weight that is not compensated or a motor's offset.
+//! These are Shinbrot's modulating functions. So no measured value is differentiated, and the start of a bump does not matter.
+//! Every bump gives one equation; all are solved by least squares. `c` is a constant force: a weight that is not compensated, or a
+//! motor's offset.
 
 use super::Estimate;
 use nalgebra::{Matrix4, Vector4};
 
-/// Properties of an axis, SI.
+/// Identified properties of an axis, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisMechanics {
-    /// Mass that it moves, kg.
+    /// Mass that moves with the axis, kg.
     pub mass_kg: Estimate,
     /// Viscous damping, N·s/m.
     pub damping_n_s_per_m: Estimate,
-    /// Dry friction while it moves, N.
+    /// Dry friction while the axis moves, N.
     pub friction_n: Estimate,
-    /// Force that is always there, N.
+    /// Constant force, such as a weight that is not compensated, N.
     pub offset_n: Estimate,
-    /// Share of the force that mass, damping and friction do not explain: rms residual of the equations over the rms
-    /// of their forces.
+    /// Fraction of the force that mass, damping and friction do not explain: rms residual of the equations divided by the rms of
+    /// their forces.
     pub unexplained: f64,
 }
 
-/// Why nothing was found.
+/// Why an axis was not identified.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Unidentified {
-    /// The record is too short: it holds less than one swing.
+    /// The record is too short for the equations; the value is its length in seconds.
     #[error("{0:.2} s of motion are too short")]
     TooShort(f64),
-    /// The axis did not move, or not in a way that separates mass from damping.
+    /// The axis moved too little, or not in a way that separates mass from damping; the value is the travel in millimetres.
     #[error("it moved by {0:.3} mm alone, too little to tell mass and damping")]
     Still(f64),
-    /// The motion does not follow from the commands: a hand holds the device, or ticks were missed.
+    /// The forces do not explain the motion, because a hand holds the device or ticks were missed.
     #[error(
         "its forces do not explain its motion: a mass of {mass_kg:.3} ± {uncertainty_kg:.3} kg"
     )]
     Unexplained {
         /// The mass that fits best, kg.
         mass_kg: f64,
-        /// How far it may be off, kg.
+        /// Uncertainty of the mass, kg.
         uncertainty_kg: f64,
     },
 }
 
-/// Length of a bump, s: a few periods of the slowest motions that can be distinguished from an offset.
+/// Length of a bump function, s: a few periods of the slowest motions that can be distinguished from a constant force.
 const BUMP_S: f64 = 0.4;
-/// Bumps a second.
+/// Number of bump functions (equations) per second of the record.
 const BUMPS_PER_S: f64 = 40.0;
-/// Time before and after a position that is used for the direction of its motion, s.
+/// The direction of motion at a tick is taken from the positions this much earlier and later, s.
 const AROUND_S: f64 = 3e-3;
-/// Least travel, counts.
+/// Least travel that is enough for an identification, encoder counts.
 const LEAST_COUNTS: f64 = 50.0;
 
-/// `φ = (s (1 - s))³` and its derivatives by `s`.
+/// Value, first and second derivative of the bump function `φ = (s (1 - s))³`.
 fn bump(s: f64) -> [f64; 3] {
     let (p, d) = (s * (1.0 - s), 1.0 - 2.0 * s);
     [p * p * p, 3.0 * p * p * d, 6.0 * p * (d * d - p)]
 }
 
-/// Identifies an axis from positions at ticks, m, and the force from each to the next, N. `count_m` is the step of a
-/// position.
+/// Identifies an axis from the positions at the ticks in m and the force from each tick to the next in N. `count_m` is the size of
+/// a position count in m.
 ///
 /// # Errors
-/// Too little data.
+/// The record is too short, the axis moved too little, or the forces do not explain the motion.
 pub fn mechanics(
     position_m: &[f64],
     force_n: &[f64],
@@ -96,7 +99,7 @@ pub fn mechanics(
     }
     let direction = |tick: usize| {
         let moved = position_m[tick + around] - position_m[tick - around];
-        // Less than a count is no motion.
+        // A displacement below half a count does not show a direction.
         if moved.abs() < 0.5 * count_m {
             0.0
         } else {
@@ -107,7 +110,7 @@ pub fn mechanics(
     let mut start = around;
     while start + length + around < ticks {
         let (mut row, mut right) = (Vector4::zeros(), 0.0);
-        // Places count from the bump's first, so that no digits are lost to where the device is.
+        // Positions are relative to the bump's first one, so that the device's position costs no digits.
         let home = position_m[start];
         for i in 0..length {
             let s = i as f64 / length as f64;
@@ -119,7 +122,7 @@ pub fn mechanics(
                 value * direction(start + i),
                 value,
             );
-            // A force is held for a tick, whose middle is here.
+            // A force acts for a whole tick, so the bump is taken in the middle of the tick.
             let middle = bump((i as f64 + 0.5) / length as f64)[0];
             right += middle * force_n[start + i];
         }
@@ -132,7 +135,7 @@ pub fn mechanics(
         normal += row * row.transpose();
         sides += row * *right;
     }
-    // By the size of each column, so that their units do not matter for what can be told.
+    // Columns are scaled to equal size, so that their units do not matter for the condition of the matrix.
     let scale = normal
         .diagonal()
         .map(|x| 1.0 / x.max(f64::MIN_POSITIVE).sqrt());
@@ -147,7 +150,7 @@ pub fn mechanics(
         left += (right - row.dot(&found)).powi(2);
         all += right * right;
     }
-    // Bumps overlap: as many equations as there are bumps side by side are independent.
+    // Bumps overlap. Only as many equations are independent as bumps fit side by side into the record.
     let independent = (ticks as f64 / length as f64).max(5.0);
     let variance = left / equations.len() as f64 * (equations.len() as f64 / (independent - 4.0));
     let of = |i: usize| Estimate {
@@ -155,7 +158,7 @@ pub fn mechanics(
         uncertainty: (variance * inverse[(i, i)]).sqrt() * scale[i],
     };
     let mass = of(0);
-    // A mass that may as well be none is no measurement; what is no number is none either.
+    // A mass that may be zero within its uncertainty is no result, nor is NaN.
     let told = mass.value - 2.0 * mass.uncertainty;
     if told.is_nan() || told <= 0.0 {
         return Err(Unidentified::Unexplained {
@@ -182,7 +185,7 @@ mod tests {
     const RATE_HZ: u32 = 4000;
     const COUNT_M: f64 = 1e-5;
 
-    /// Moved about by three sines on a soft spring, in counts.
+    /// Simulated positions and forces of an axis that three sines move on a soft spring, rounded to counts.
     fn moved(stepper: &impl Stepper<State = State<2>>, offset_n: f64) -> (Vec<f64>, Vec<f64>) {
         let mut state = State::<2>::at_rest(0.0);
         let (mut positions, mut forces) = (Vec::new(), Vec::new());
@@ -271,7 +274,7 @@ mod tests {
         let stepper = BareLinear::new(&device, 1.0 / f64::from(RATE_HZ)).expect("plant");
         let (positions, forces) = moved(&stepper, 0.0);
         assert!(mechanics(&positions, &forces, RATE_HZ, COUNT_M).is_ok());
-        // As where a hand pushes: what is known of the force is some other motion's.
+        // The forces are those of another motion, as if a hand pushed too.
         let others: Vec<f64> = (0..forces.len())
             .map(|i| (31.0 * i as f64 / f64::from(RATE_HZ)).sin())
             .collect();

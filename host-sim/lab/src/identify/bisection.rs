@@ -1,11 +1,12 @@
-//! Algorithm 2.1 as an instrument: bisects the damping that FBA may count on, and so measures what a device has.
+//! Measures the damping of a device by Algorithm 2.1 of the thesis: bisection on the damping `c_i` that the force bounding approach
+//! (FBA) assumes.
 //!
-//! FBA shows at most `2 c_i/T` of whatever stiffness is asked for, and that is stable just as long as the device really
-//! damps with `c_i`. So the largest `c_i` with which a press against a wall that is far too stiff still comes to rest is the
-//! damping of the device and of whatever holds it, up to what dry friction adds.
+//! FBA limits the stiffness to `2 c_i/T`, however stiff the requested wall is. That is stable as long as the real damping is at
+//! least `c_i`. So a press against a wall that is far too stiff comes to rest up to a certain `c_i`. The largest such `c_i` is the
+//! damping of device and finger together, plus what dry friction adds.
 //!
-//! Near the limit a press neither grows nor dies quickly: net damping is what is left of `b - c_i`. So a trial is judged by
-//! whether the motion grows from the second quarter of the hold to the last, not by how large it is.
+//! Near the limit a motion neither grows nor decays quickly, because the remaining damping `b - c_i` is small. So a trial is judged
+//! by whether the motion grows from the second quarter of the hold to the last, not by its size.
 
 use super::swing::Mechanics;
 use touchstone_control::{LawKind, StatesKind};
@@ -13,27 +14,27 @@ use touchstone_sim::error::Result;
 use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::Scene;
 
-/// Settings of the identification.
+/// Settings of the bisection for the device's damping.
 #[derive(Debug, Clone, Copy)]
 pub struct Search {
-    /// Lower end of the interval, N·m·s/rad.
+    /// Lower end of the searched interval of damping, N·m·s/rad.
     pub low: f64,
-    /// Upper end of the interval, N·m·s/rad.
+    /// Upper end of the searched interval of damping, N·m·s/rad.
     pub high: f64,
-    /// Bisections; the result is good to `(high - low)/2^steps`.
+    /// Number of bisections per press; the result is exact to `(high - low)/2^steps`.
     pub steps: u32,
 }
 
-/// One step of the bisection.
+/// One step of the bisection: a press with one assumed damping.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trial {
-    /// Damping that FBA counted on, N·m·s/rad.
+    /// Damping that the law (force bounding approach, FBA) assumed, N·m·s/rad.
     pub damping: f64,
     /// Motion in the second quarter of the hold, peak to peak, rad.
     pub early_rad: f64,
-    /// Motion in the last quarter, rad.
+    /// Motion in the last quarter of the hold, peak to peak, rad.
     pub late_rad: f64,
-    /// Whether the HIP stayed inside the wall in the last quarter.
+    /// Whether the knob stayed inside the wall in the last quarter of the hold.
     pub held: bool,
 }
 
@@ -41,15 +42,15 @@ impl Trial {
     /// Whether the press comes to rest.
     #[must_use]
     pub fn settles(&self) -> bool {
-        // An oscillation that throws the HIP out of the wall has stopped growing for another reason.
+        // A knob that the oscillation has thrown out of the wall is no evidence for an oscillation that stops growing.
         self.held && (self.late_rad < self.early_rad || self.late_rad < REST_RAD)
     }
 }
 
-/// Motion that counts as rest, rad: a tenth of a step of a good encoder.
+/// Peak-to-peak motion below which the knob counts as at rest, rad: a tenth of a count of a good encoder.
 const REST_RAD: f64 = 1e-5;
 
-/// The HIP's range in two windows of ticks.
+/// Records the knob's range of motion in two windows of ticks.
 struct Windows {
     bounds: [(u64, u64); 2],
     ranges: [(f64, f64); 2],
@@ -57,7 +58,7 @@ struct Windows {
 
 impl Windows {
     fn new(scene: &Scene) -> Self {
-        // The hold's second half, as the scene gives it, and the quarter before.
+        // The second half of the hold as the scene gives it, and the quarter before.
         let (middle, end) = scene
             .hold_window_s()
             .unwrap_or((0.0, scene.timing.duration_s));
@@ -88,48 +89,50 @@ impl Recorder for Windows {
     }
 }
 
-/// How the verdict changes over the interval that was given.
+/// Where the limit lies relative to the searched interval.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bracket {
-    /// The press settles at the lower end and grows at the upper one: the limit lies between.
+    /// The press comes to rest with the least damping that was tried, and grows with the largest, so the limit lies between.
     Holds,
-    /// Settles at the upper end too: the device damps more than that.
+    /// The press comes to rest even with the largest damping that was tried: the device has more damping than that.
     TooLow,
-    /// Grows at the lower end already: the device damps less than that, or the press never rests.
+    /// The press grows even with the least damping that was tried: the device has less damping than that, or the press never rests.
     TooHigh,
 }
 
-/// Result of the identification.
+/// Result of the identification: the device's damping with its uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identified {
-    /// Damping that FBA may count on, N·m·s/rad: the mean over the presses.
+    /// Damping of the device, N·m·s/rad: the largest that the force bounding approach (FBA) may assume in its law, as the mean over
+    /// the presses.
     pub damping: f64,
-    /// Uncertainty of the damping, N·m·s/rad: the largest of half the last interval, the spread between the presses,
-    /// and what dry friction adds.
+    /// Uncertainty of the damping, N·m·s/rad: the largest of half the last interval, the spread between the presses, and the
+    /// damping that dry friction adds.
     pub uncertainty: f64,
-    /// What dry friction adds at the amplitude by which it was judged, N·m·s/rad: `4 F_k/(π A ω)` takes as much out of a cycle.
+    /// Damping that dry friction adds at the amplitude of the last trial, N·m·s/rad. By its describing function it is `4 F_k/(π A
+    /// ω)`.
     pub friction_share: f64,
-    /// The last interval's half width, N·m·s/rad.
+    /// Resolution of the bisection, N·m·s/rad: half the width of the last interval of damping.
     pub resolution: f64,
-    /// What each press gave: its torque as a share of the scene's, and the damping, N·m·s/rad.
+    /// Results of the presses: the torque as a fraction of the scene's, and the damping in N·m·s/rad.
     pub presses: Vec<(f64, f64)>,
-    /// The bisections of all presses, in order.
+    /// The trials of all presses, in order.
     pub trials: Vec<Trial>,
-    /// True damping of the simulated plant: the device and, with a hand, its pad, N·m·s/rad.
+    /// True damping of the simulated plant, N·m·s/rad: the device's, plus that of the finger pad if there is a hand.
     pub plant: f64,
 }
 
-/// The presses, as shares of the scene's push.
+/// Torques of the presses, as fractions of the scene's push.
 pub const PRESSES: [f64; 3] = [1.0, 0.6, 1.4];
 
-/// Bisects. FBA against a wall of four times what it can show replaces the scene's law and stiffness.
+/// Runs the bisection for every press. The scene's law is replaced by the force bounding approach (FBA), its wall by one of four
+/// times the stiffness that FBA can render.
 ///
-/// With the result of [`super::swing`], dry friction's part is separated.
-///
-/// `Ok(Err(bracket))`: the verdict does not change within the interval, so nothing can be concluded.
+/// If `mechanics` from [`super::swing`] is given, the damping that dry friction adds is calculated. `Ok(Err(bracket))`: the limit
+/// is outside the searched interval, so there is no result.
 ///
 /// # Errors
-/// A scene that cannot run.
+/// The scene cannot be run.
 pub fn identify(
     scene: &Scene,
     search: Search,
@@ -148,7 +151,7 @@ pub fn identify(
             Ok(trial.settles())
         };
         let (mut low, mut high) = (search.low, search.high);
-        // Without any damping to count on FBA shows nothing, and that settles.
+        // If FBA assumes no damping, it renders no force, and the press comes to rest.
         if low > 0.0 && !settles(low)? {
             return Ok(Err(Bracket::TooHigh));
         }
@@ -196,11 +199,11 @@ pub fn identify(
     }))
 }
 
-/// One press with FBA that counts on this damping.
+/// Simulates one press with the force bounding approach (FBA) that assumes this damping of the device.
 fn try_out(scene: &Scene, damping: f64) -> Result<Trial> {
     let mut scene = scene.clone();
     scene.law.kind = LawKind::Fba;
-    // The algorithm asks what FBA makes of what is measured.
+    // The algorithm examines FBA on measured states.
     scene.law.states = StatesKind::Measured;
     scene.law.guard.on = false;
     scene.law.device_damping_n_m_s_per_rad = damping;
@@ -253,7 +256,7 @@ mod tests {
 
     #[test]
     fn dry_friction_shows_as_uncertainty() {
-        // A quarter of a thousandth of a N·m makes half of the damping that FBA finds: that must be said.
+        // Dry friction of 0.25 mN·m accounts for half of the damping that FBA finds, so the uncertainty must include it.
         let found = found("thesis-knob", 0.0, 2e-3).unwrap();
         assert!(found.uncertainty > 10.0 * found.resolution, "{found:?}");
         assert!(

@@ -1,9 +1,11 @@
-//! The cogging of a real knob, from the current that a slow and even turn takes at each place, and what is left of it when a map is played.
+//! Measures the cogging of a real knob from the current that a slow, even turn needs at each angle. Also measures what remains of
+//! the cogging when the device compensates it by a map.
 //!
-//! What is examined is what the device sends while it sweeps (`touchstone_drive::sweep`): two turns each way, with the position from the
-//! encoder's own zero. In a turn forward `J a = k_t i + T(x) - F`, in one back `J a = k_t i + T(x) + F`: the mean of both is without the
-//! friction `F`, and the current that holds the cogging is `-T/k_t = i - J a/k_t`. What the acceleration takes follows from the motion itself:
-//! a ripple `δ` of `n` periods a turn is `a = -(n ω)² δ`. Two such means, of other turns, say how well it repeats.
+//! The data are those that the device sends during a sweep (`touchstone_drive::sweep`): two turns in each direction, with positions
+//! from the encoder's own zero. Forward `J a = k_t i + T(x) - F`, backward `J a = k_t i + T(x) + F`. The mean of both does not
+//! contain the friction `F`, so the current that compensates the cogging is `-T/k_t = i - J a/k_t`. The acceleration follows from
+//! the motion: a ripple `δ` with `n` periods per turn has `a = -(n ω)² δ`. The means of two different turns show how well the
+//! measurement repeats.
 
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -12,117 +14,118 @@ use touchstone_protocol::settings::cogging::{
     CURRENT_BITS, CoggingHarmonic, CoggingMap, HARMONICS,
 };
 
-/// A device's data of one control tick of a sweep.
+/// Data that a device sends for one control tick of a sweep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SweepTick {
-    /// Number of the tick.
+    /// Number of the control tick.
     pub tick: u32,
-    /// The direction of the turn.
+    /// Direction of the turn in which the data were measured.
     pub part: MeasuringPart,
-    /// Position from the encoder's own zero, counts.
+    /// Position from the encoder's own zero, encoder counts.
     pub count: i32,
     /// Current along the rotor's q axis, A.
     pub current_a: f64,
 }
 
-/// Known properties of the knob.
+/// Properties of the knob that the caller has to give.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownKnob {
     /// Control rate, Hz.
     pub rate_hz: f64,
-    /// Counts of a revolution.
+    /// Encoder counts per turn.
     pub counts_per_rev: f64,
-    /// N·m/A.
+    /// Torque constant, N·m/A.
     pub torque_constant_n_m_per_a: f64,
     /// Inertia of rotor and knob, kg·m².
     pub inertia_kg_m2: f64,
-    /// The electrical angle falls when the count rises.
+    /// Whether the motor's electrical angle falls when the encoder count rises.
     pub against: bool,
-    /// The largest current that a map may have, A.
+    /// Largest current that a cogging map may have, A.
     pub most_a: f64,
 }
 
-/// A sweep, as harmonics over a turn.
+/// Harmonics of a sweep over a turn of the shaft.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Swept {
-    /// The current that holds the cogging, by orders from 1, A: `re cos(n θ) - im sin(n θ)`.
+    /// Current that compensates the cogging, A, one entry per harmonic from order 1: `re cos(n θ) - im sin(n θ)`.
     current_a: Vec<Complex<f64>>,
-    /// Half of the difference of the two pairs of turns.
+    /// Half of the difference between the results of two pairs of turns, A, per harmonic.
     apart_a: Vec<Complex<f64>>,
-    /// The shaft's ripple around an even motion, rad.
+    /// Ripple of the shaft's angle around an even motion, rad, per harmonic.
     ripple_rad: Vec<Complex<f64>>,
-    /// Half of the mean difference of both ways: friction and damping, N·m.
+    /// Half of the torque difference between the two directions, N·m: friction and damping.
     pub drag_n_m: f64,
 }
 
-/// A map, and how good it is.
+/// A cogging map and its quality.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredCogging {
-    /// The map for the device to keep.
+    /// The cogging map, in the form that the device stores.
     pub map: CoggingMap,
-    /// Effective value of its torque, N·m.
+    /// Torque of the cogging map, root mean square, N·m.
     pub rms_n_m: f64,
-    /// The map's largest torque, N·m.
+    /// Largest torque of the map, N·m.
     pub peak_n_m: f64,
-    /// What does not repeat between turns, as an effective value, in parts of the map's.
+    /// Difference between turns, root mean square, as a fraction of the map's torque.
     pub unrepeated: f64,
 }
 
-/// Why no map can be computed.
+/// Why no cogging map was calculated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoMap {
-    /// The sweep is not whole.
+    /// Data of the sweep are missing.
     #[error("the sweep is not whole: a turn is missing, or {lost} records in a row were lost")]
     Incomplete {
-        /// The longest gap, ticks.
+        /// Longest gap in the data, ticks.
         lost: u32,
     },
-    /// No order stands out of what does not repeat.
+    /// No harmonic of the cogging exceeds the noise.
     #[error("no cogging stands out: less than {n_m:.1e} N·m of any order")]
     Nothing {
-        /// What would have stood out.
+        /// Torque from which on a harmonic would have exceeded the noise, N·m.
         n_m: f64,
     },
-    /// The turns disagree.
+    /// The turns differ too much from each other.
     #[error("the turns disagree by {percent:.0} % of what they have in common")]
     DoesNotRepeat {
-        /// Difference, % of the common part.
+        /// Difference between the turns, % of the map.
         percent: f64,
     },
-    /// The map is larger than the device can play.
+    /// The cogging needs more current than a map may have.
     #[error(
         "the cogging takes {ampere:.3} A, more than the {most:.3} A of a map (a quarter of motor.current_limit_a)"
     )]
     TooLarge {
-        /// Current that the cogging takes.
+        /// Largest current that compensates the cogging, A.
         ampere: f64,
-        /// The most that a map may have.
+        /// Largest current that a map may have, A.
         most: f64,
     },
 }
 
-/// Orders that are examined.
+/// Number of harmonics that are examined.
 const ORDERS: usize = 255;
-/// Turns of each way.
+/// Turns of the shaft per direction in a sweep.
 const TURNS: usize = 2;
-/// Longest gap in the telemetry, ticks.
+/// Longest gap that is accepted in the telemetry, ticks.
 const LOST_MOST: u32 = 50;
-/// An order stands out if it is this many times the median difference of the turns over all orders. With noise alone,
-/// one sweep of twenty would have one: `255 · 2^-(3.5²)`.
+/// A harmonic is kept in the map if it exceeds the median difference between turns by this factor. With noise alone, one sweep in
+/// twenty would have such a harmonic: `255 · 2^-(3.5²)`.
 const OUTSTANDING: f64 = 3.5;
-/// The amplitude must also be this many times the difference between the two directions.
+/// A harmonic is kept in the map only if its amplitude also exceeds its own difference between two pairs of turns by this factor.
 const ITS_OWN: f64 = 2.0;
-/// Orders up to this are slow.
+/// Harmonics up to this order count as slow; a hand at the knob or a loose part shows in them.
 const SLOW: usize = 12;
-/// Slow orders may differ by this many times the median difference, or by this share of the map.
+/// Turns disagree if slow harmonics differ by more than this factor times the median difference, and by more than the fraction
+/// `UNREPEATED_MOST` of the map.
 const SLOW_MOST: f64 = 5.0;
 const UNREPEATED_MOST: f64 = 0.2;
 
 impl Swept {
-    /// Sorts a device's telemetry.
+    /// Calculates harmonics from a device's telemetry.
     ///
     /// # Errors
-    /// [`NoMap::Incomplete`].
+    /// [`NoMap::Incomplete`]: data are missing.
     pub fn new(ticks: &[SweepTick], known: &KnownKnob) -> Result<Self, NoMap> {
         let way = |part| -> Vec<&SweepTick> { ticks.iter().filter(|it| it.part == part).collect() };
         let (there, back) = (way(MeasuringPart::Forward), way(MeasuringPart::Backward));
@@ -151,10 +154,10 @@ impl Swept {
         })
     }
 
-    /// The map from these turns.
+    /// Calculates the cogging map of this sweep.
     ///
     /// # Errors
-    /// [`NoMap`].
+    /// No harmonic exceeds the noise, the turns differ too much, or the current is too large for a map; see [`NoMap`].
     pub fn map(&self, known: &KnownKnob) -> Result<MeasuredCogging, NoMap> {
         let constant = known.torque_constant_n_m_per_a;
         let mut apart: Vec<f64> = self.apart_a.iter().map(|it| it.norm()).collect();
@@ -176,7 +179,7 @@ impl Swept {
                 n_m: floor * constant,
             });
         }
-        // What noise does is alike at all orders; what a hand or a loose part does is slow, and is not the same in the next turn.
+        // Noise is equal in all orders. A hand or a loose part shows in slow orders and differs from turn to turn.
         let slow = rms(&self.apart_a[..SLOW]) / (0.5 * SLOW as f64).sqrt();
         let unrepeated = slow / rms_a;
         if slow > SLOW_MOST * noise && unrepeated > UNREPEATED_MOST {
@@ -203,7 +206,7 @@ impl Swept {
                 most: known.most_a,
             });
         }
-        // Within 4 A: the check above and the largest current limit leave less.
+        // The value is below 4 A because of the check above and the largest current limit, so it fits into 16 bits.
         let bits = |ampere: f64| (ampere * f64::from(1 << CURRENT_BITS)).round() as i16;
         let harmonics = found.iter().map(|(order, it)| CoggingHarmonic {
             order: *order as u8,
@@ -220,7 +223,7 @@ impl Swept {
         })
     }
 
-    /// The shaft's ripple at the orders of a map, effective value, rad.
+    /// Ripple of the shaft's angle in the harmonics of a map, root mean square, rad.
     #[must_use]
     pub fn ripple_rad(&self, map: &CoggingMap) -> f64 {
         let of = |it: &CoggingHarmonic| self.ripple_rad.get(usize::from(it.order).checked_sub(1)?);
@@ -233,13 +236,13 @@ impl Swept {
     }
 }
 
-/// Effective value of the sum of harmonics.
+/// Root mean square of the sum of harmonics.
 fn rms(harmonics: &[Complex<f64>]) -> f64 {
     let squares: f64 = harmonics.iter().map(|it| it.norm_sqr()).sum();
     (0.5 * squares).sqrt()
 }
 
-/// One turn in one direction.
+/// Harmonics of one turn in one direction.
 struct Turn {
     current_a: Vec<Complex<f64>>,
     ripple_rad: Vec<Complex<f64>>,
@@ -247,7 +250,7 @@ struct Turn {
 }
 
 impl Turn {
-    /// The last turn of a way, or the one before it.
+    /// Harmonics of the last turn in a direction (`back_by` 0), or of the one before it (1).
     fn new(way: &[&SweepTick], back_by: usize, known: &KnownKnob) -> Result<Self, NoMap> {
         let incomplete = NoMap::Incomplete { lost: 0 };
         let (Some(first), Some(last)) = (way.first(), way.last()) else {
@@ -255,7 +258,7 @@ impl Turn {
         };
         let sign = f64::from((last.count - first.count).signum());
         let turn = known.counts_per_rev;
-        // How far it is still to the end, counts.
+        // Distance to the end of the turns, encoder counts.
         let left = |it: &SweepTick| sign * f64::from(last.count - it.count);
         let (from, to) = (turn * (back_by + 1) as f64, turn * back_by as f64);
         let inside = |it: &&&SweepTick| left(it) < from && left(it) >= to;
@@ -280,7 +283,8 @@ impl Turn {
             false => it.current_a,
         };
         let time = |it: &SweepTick| f64::from(it.tick.wrapping_sub(ticks[0].tick)) / known.rate_hz;
-        // Time by place, as the motion is even but for its ripple: a straight line through all of it, and what is left of the place.
+        // Time over position: a straight line is fitted, because the motion is even except for its ripple. The residual of the
+        // position is the ripple.
         let count = ticks.len() as f64;
         let sum =
             |of: &dyn Fn(&SweepTick) -> f64| ticks.iter().map(|it| of(it)).sum::<f64>() / count;
@@ -288,7 +292,7 @@ impl Turn {
         let speed = sum(&|it| (time(it) - t) * (angle(it) - x)) / sum(&|it| (time(it) - t).powi(2));
         let ripple = |it: &SweepTick| angle(it) - x - speed * (time(it) - t);
         let direction = speed.signum();
-        // How much of the turn a record stands for: half of the way to its neighbours, around the turn.
+        // Angle that a record stands for: half of the distance to each neighbour, across the ends of the turn too.
         let whole = TAU * direction;
         let share = |index: usize| {
             let at = |index: usize, turns: f64| angle(ticks[index]) + turns * whole;

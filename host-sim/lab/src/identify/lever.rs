@@ -1,50 +1,50 @@
-//! An axis of a translational device as a knob on a lever, and a knob's law back along the axis. So that what knows knobs, `touchstone tune`
-//! above all, serves such axes.
+//! Treats an axis of a translational device as a knob on a lever, and converts a knob's law settings back to the axis. So tools for
+//! knobs, above all `touchstone tune`, work for such axes.
 //!
-//! On a lever of a length `r` a mass is an inertia `M r²`, and so are damping and stiffness; a force is a moment `F r`, a length an angle `x/r`. Times and
-//! energies stay, and with them everything that a law does.
+//! On a lever of length `r` a mass becomes an inertia `M r²`; damping and stiffness are converted alike. A force becomes a torque
+//! `F r`, a length an angle `x/r`. Times and energies stay the same, so a law behaves the same.
 
 use std::fmt::Write;
 use touchstone_control::settings::FilterSettings;
 use touchstone_control::{EstimatorSettings, Settings, Si};
 
-/// A lever.
+/// A lever that converts between an axis and a knob.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lever {
     /// Length of the lever, m.
     pub length_m: f64,
 }
 
-/// Known properties of an axis, SI.
+/// Properties of a translational axis that the caller has to give, SI units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisOfDevice {
-    /// Text for people.
+    /// Name of the axis, for people.
     pub name: String,
-    /// Mass that it moves, kg.
+    /// Mass that moves with the axis, kg.
     pub mass_kg: f64,
-    /// Damping, N·s/m.
+    /// Viscous damping, N·s/m.
     pub damping_n_s_per_m: f64,
-    /// Dry friction, N.
+    /// Dry friction of the axis, N.
     pub friction_n: f64,
-    /// Longest force, N.
+    /// Largest force of the axis, N.
     pub force_n: f64,
-    /// Step of a position, m.
+    /// Size of a position count, m.
     pub count_m: f64,
-    /// Time from a position until its force acts, s.
+    /// Time from reading a position until its force acts, s.
     pub delay_s: f64,
     /// Control rate, Hz.
     pub rate_hz: u32,
-    /// Wanted stiffness, N/m.
+    /// Requested stiffness of the wall, N/m.
     pub k_desired_n_per_m: f64,
 }
 
-/// The inertia of the thesis' knob, for which the hands of one axis are made, kg·m².
+/// Inertia of the thesis' knob, kg·m²; the simulated hands for one axis are made for such a knob.
 const KNOB_KG_M2: f64 = 1e-4;
-/// Share of the longest force with which a wall is pressed.
+/// Fraction of the largest force with which the simulated hand presses the wall.
 pub const PRESS_SHARE: f64 = 2.0 / 3.0;
 
 impl Lever {
-    /// A lever on which this mass has the thesis knob's inertia.
+    /// Creates the lever on which an axis with this mass has the inertia of the thesis' knob.
     #[must_use]
     pub fn of(mass_kg: f64) -> Self {
         Self {
@@ -52,7 +52,7 @@ impl Lever {
         }
     }
 
-    /// The scene of an axis on this lever.
+    /// Text of the scene file (TOML) of this axis as a knob on the lever.
     #[must_use]
     pub fn scene(&self, axis: &AxisOfDevice) -> String {
         let r = self.length_m;
@@ -94,7 +94,8 @@ impl Lever {
         text
     }
 
-    /// A knob's settings along the axis. Guard and estimator of a knob are its own: [`Lever::estimator`].
+    /// Converts a knob's law settings to the axis. Guard and estimator are not converted; for the estimator see
+    /// [`Lever::estimator`].
     #[must_use]
     pub fn settings(&self, knob: &Settings) -> Settings {
         let filter = &knob.filter;
@@ -114,7 +115,7 @@ impl Lever {
         }
     }
 
-    /// A knob's estimator settings, converted to the axis.
+    /// Converts a knob's estimator settings to the axis.
     #[must_use]
     pub fn estimator(&self, knob: &EstimatorSettings) -> EstimatorSettings {
         EstimatorSettings {
@@ -124,7 +125,7 @@ impl Lever {
         }
     }
 
-    /// Converts an inertia, a damping or a stiffness.
+    /// Converts an inertia, a damping or a stiffness from knob to axis.
     fn linear(&self, knob: Si) -> Si {
         Si::saturating_from_num(knob.to_num::<f64>() / (self.length_m * self.length_m))
     }

@@ -1,14 +1,14 @@
-//! What a device has, measured as on a real one: from the torque that was commanded and the counts that were read.
+//! Identification of a device's properties, as on a real device: only commanded torques and encoder counts are used.
 //!
-//! - [`swing`] pushes the free device, lets it coast to rest, at several speeds and both ways, and fits inertia, viscous damping
-//!   and dry friction at once;
-//! - [`motor`] does so with a real knob, of whose motor nothing is known yet: resistance, inductance and flux come first;
-//! - [`cogging`] makes a map of what a slow and even turn of a real knob takes;
-//! - [`eccentricity`] tells what the encoder's disc or magnet out of the axis makes of the angle;
+//! - [`swing`] pushes the free device at several speeds in both directions, lets it coast to rest, and fits inertia, viscous
+//!   damping and dry friction at once;
+//! - [`motor`] does the same with a real knob whose motor is unknown, and first measures resistance, inductance and flux;
+//! - [`cogging`] makes a cogging map from the current that a slow, even turn of a real knob needs;
+//! - [`eccentricity`] measures the error of the angle from an encoder disc or magnet that is off the axis;
 //! - [`axis`] fits mass, damping and friction of an axis of a haptic device that was moved about;
-//! - [`bisection`] is Algorithm 2.1 of the thesis: the damping that FBA may count on, with a finger at the device. Dry friction
-//!   counts there as damping, by an amount that depends on how hard the finger presses; so the presses are repeated, and the
-//!   spread is part of the result.
+//! - [`bisection`] is Algorithm 2.1 of the thesis: the largest damping that the force bounding approach may assume, with a finger
+//!   on the device. Dry friction counts as damping there, by an amount that depends on how hard the finger presses. So presses are
+//!   repeated, and their spread is part of the result.
 
 pub mod axis;
 pub mod bisection;

@@ -1,8 +1,9 @@
-//! The motor of a real knob: resistance, inductance and flux from the voltages of its current loop, then inertia, damping and friction
-//! from [`super::swing`], the torque being what the flux makes of the current.
+//! Identifies the motor of a real knob: resistance, inductance and flux from the voltages of its current loop, then inertia,
+//! damping and friction by [`super::swing`], with torques calculated from current and flux.
 //!
-//! What is examined is what the device sends while it measures (`touchstone_drive::measurement`): a current that turns far faster than
-//! the rotor can follow, at two sizes; pushes both ways to two speeds, each of which ends in a coast.
+//! The data are those that the device sends during a measurement (`touchstone_drive::measurement`). First a current of two sizes
+//! turns far faster than the rotor can follow. Then the device is pushed to two speeds in both directions; each push ends in a
+//! coast.
 
 use super::swing::{self, Estimate, Mechanics, Swing, Torques};
 use nalgebra::Complex;
@@ -10,100 +11,101 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use touchstone_protocol::MeasuringPart;
 
-/// A device's data of one control tick.
+/// Data that a device sends for one control tick of the motor's measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorTick {
-    /// Number of the tick.
+    /// Number of the control tick.
     pub tick: u32,
-    /// The part of the measurement.
+    /// Part of the measurement to which the tick belongs.
     pub part: MeasuringPart,
-    /// Position, counts.
+    /// Position, encoder counts.
     pub count: i32,
-    /// Current `d + jq` in the frame that the loop worked in just before, A.
+    /// Current `d + jq` in the rotating frame that the current loop has just used, A.
     pub current_a: Complex<f64>,
-    /// Voltage in the same frame, V.
+    /// Voltage in the same frame as the current, V.
     pub voltage_v: Complex<f64>,
 }
 
-/// Known properties of the motor.
+/// Properties of the motor that the caller has to give.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownMotor {
     /// Control rate, Hz.
     pub rate_hz: f64,
-    /// Counts of a revolution.
+    /// Encoder counts per turn.
     pub counts_per_rev: f64,
-    /// Pole pairs, which the alignment has confirmed.
+    /// Pole pairs; the motor's alignment has confirmed them.
     pub pole_pairs: f64,
-    /// Turns of the fast field in a second.
+    /// Electrical turns per second of the fast current.
     pub fast_field_hz: f64,
 }
 
-/// A motor with its knob.
+/// Identified properties of a motor with its knob.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredMotor {
-    /// Resistance of a phase to the star point, with the bridge's, Ω.
+    /// Resistance of one phase to the star point, including the bridge's, Ω.
     pub resistance_ohm: Estimate,
-    /// Inductance of a phase to the star point, H.
+    /// Inductance of one phase to the star point, H.
     pub inductance_h: Estimate,
-    /// Flux linkage, Wb.
+    /// Flux linkage of the motor, Wb.
     pub flux_linkage_wb: Estimate,
-    /// Torque constant `3/2 p λ`, N·m for an ampere of a phase's amplitude.
+    /// Torque constant `3/2 p λ`, N·m per ampere of phase amplitude.
     pub torque_constant_n_m_per_a: Estimate,
-    /// Inertia, damping, friction.
+    /// Inertia, damping and friction of rotor and knob.
     pub mechanics: Mechanics,
 }
 
 /// Why the motor cannot be identified.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotMeasured {
-    /// The measurement is not whole.
+    /// Data of the measurement are missing.
     #[error("the measurement is not whole: {part} is missing")]
     Incomplete {
-        /// The missing part.
+        /// Name of the missing part of the measurement.
         part: &'static str,
     },
-    /// Too many records were lost on the way.
+    /// Too many records in a row were lost in transmission.
     #[error("{lost} records in a row were lost on the way")]
     Lost {
-        /// How many.
+        /// Number of records lost in a row.
         lost: u32,
     },
     /// A push was too short: it reached its speed after too few samples.
     #[error("a push lasted {ticks} ticks, too short for the voltage to be seen to rise")]
     ShortPush {
-        /// Duration, ticks.
+        /// Duration of the push, ticks.
         ticks: usize,
     },
-    /// A value that no motor has.
+    /// A calculated value is not possible for a motor.
     #[error("the {what} comes out as {value:.3e}, which no motor has")]
     Absurd {
-        /// The quantity that is wrong.
+        /// Name of the quantity whose value is not possible.
         what: &'static str,
-        /// The value.
+        /// The value that is not possible, in its SI unit.
         value: f64,
     },
-    /// The motion is not that of a free knob.
+    /// The motion does not fit a free knob.
     #[error("the motion is none of a free knob: {0}")]
     Motion(#[from] swing::NotFound),
-    /// Ways and speeds disagree about the inertia.
+    /// The swings give different inertias, because a hand holds the knob, for example.
     #[error("the swings disagree about the inertia by {percent:.0} %")]
     Disagree {
-        /// Four standard uncertainties, %.
+        /// Four standard uncertainties of the inertia, % of the inertia.
         percent: f64,
     },
 }
 
-/// Gaps up to this are filled by straight lines.
+/// Longest gap in the data that is filled by interpolation, ticks.
 const LOST_MOST: u32 = 5;
-/// Half of the ticks over which a speed is taken.
+/// Half length of the window for a speed, ticks: a speed is the difference of positions this many ticks before and after.
 const HALF_WINDOW: usize = 4;
-/// Largest allowed share of four standard uncertainties in the inertia; a hand at the knob exceeds it.
+/// Largest accepted uncertainty of the inertia: four standard uncertainties as a fraction of the inertia. A hand at the knob
+/// exceeds it.
 const DISAGREEMENT_MOST: f64 = 0.1;
 
 /// Identifies the motor from a device's data.
 ///
 /// # Errors
-/// [`NotMeasured`].
+/// Data are missing, a value is not possible, or the motion is not that of a free knob; see [`NotMeasured`].
 pub fn motor(
     ticks: &[MotorTick],
     known: &KnownMotor,
@@ -123,7 +125,7 @@ pub fn motor(
 
     let pushes: Vec<Range<usize>> = of(MeasuringPart::Push).map(|(_, it)| it.clone()).collect();
     let coasts: Vec<Range<usize>> = of(MeasuringPart::Coast).map(|(_, it)| it.clone()).collect();
-    // Fast there and back, slow there and back.
+    // The pushes in order: fast forward and backward, slow forward and backward.
     let [there, back, _, _] = pushes.as_slice() else {
         return Err(NotMeasured::Incomplete { part: "a push" });
     };
@@ -131,7 +133,7 @@ pub fn motor(
         return Err(NotMeasured::Incomplete { part: "a coast" });
     }
     let flux = |pushes: &[&Range<usize>]| flux(&ticks, pushes, resistance.value, known);
-    // Each way by itself: what differs between them is what the model does not know.
+    // Each direction is also fitted alone; the difference between the two shows what the model does not contain.
     let (both, ways) = (flux(&[there, back])?, [flux(&[there])?, flux(&[back])?]);
     let linkage = positive("flux", [both.abs(), ways[0].abs(), ways[1].abs()])?;
     let constant = 1.5 * known.pole_pairs;
@@ -143,19 +145,19 @@ pub fn motor(
             of_swing(&ticks, whole, constant * both, known)
         })
         .collect();
-    // A tick tells the current at its end, and in the first tick of a push, one of the slow ones' thirty-five, that is a third more than
-    // its mean: less than a percent, which a fit that believed it would make good by friction.
+    // A tick reports the current at its end. In the first of a slow push's 35 ticks it is a third more than the mean current, an
+    // error of less than a percent. A fit that took the torques as exact would attribute it to friction.
     let mechanics = swing::mechanics(&swings, 1.0 / known.rate_hz, Torques::Unsure)?;
     let inertia = mechanics.inertia_kg_m2;
     let disagreement = 4.0 * inertia.uncertainty / inertia.value;
-    // What is no number is refused, too.
+    // NaN is refused too.
     if disagreement.is_nan() || disagreement > DISAGREEMENT_MOST {
         return Err(NotMeasured::Disagree {
             percent: 100.0 * disagreement,
         });
     }
-    // The rotor is not held: in the fast field it swings by `k_t I/(J ω²)`, and its back-EMF, half of which turns with the field, looks
-    // like a capacitor in the way.
+    // The rotor is not held. In the fast field it oscillates by `k_t I/(J ω²)`. Half of its back-EMF turns with the field and looks
+    // like a capacitor in series.
     let reaction =
         constant * known.pole_pairs * linkage.value.powi(2) / (2.0 * inertia.value * omega.powi(2));
     let inductance = impedance.map(|z| z.im / omega + reaction);
@@ -171,7 +173,8 @@ pub fn motor(
     })
 }
 
-/// A value with an uncertainty from the difference of two parts of the data.
+/// An estimate from the value for all data, and the values for two parts of the data. Half the difference of the parts is the
+/// uncertainty.
 fn positive(
     what: &'static str,
     [value, first, second]: [f64; 3],
@@ -185,7 +188,7 @@ fn positive(
     })
 }
 
-/// The data with one entry for every tick.
+/// The data with missing ticks interpolated, one entry per tick.
 fn filled(ticks: &[MotorTick]) -> std::result::Result<Vec<MotorTick>, NotMeasured> {
     let mut all: Vec<MotorTick> = Vec::with_capacity(ticks.len());
     for tick in ticks {
@@ -209,7 +212,7 @@ fn filled(ticks: &[MotorTick]) -> std::result::Result<Vec<MotorTick>, NotMeasure
     Ok(all)
 }
 
-/// Where each part begins and ends.
+/// Index range of each part of the measurement.
 fn parts(ticks: &[MotorTick]) -> Vec<(MeasuringPart, Range<usize>)> {
     let mut start = 0;
     ticks
@@ -222,7 +225,8 @@ fn parts(ticks: &[MotorTick]) -> Vec<(MeasuringPart, Range<usize>)> {
         .collect()
 }
 
-/// `ΔV/ΔI` between two currents: from the last quarter of a second of each, and from its two halves.
+/// Impedance `ΔV/ΔI` between the two currents: from the last quarter of a second of each current, and from the two halves of that
+/// time.
 fn impedance(
     ticks: &[MotorTick],
     low: &Range<usize>,
@@ -239,7 +243,7 @@ fn impedance(
             });
         (sum.0 / count, sum.1 / count)
     };
-    // Less the last two: their readings may belong to what came next.
+    // The last two ticks are left out, because their readings may belong to the next part.
     let last = |range: &Range<usize>, from: usize, to: usize| {
         let end = range.end.saturating_sub(2);
         let at = |back: usize| end.saturating_sub(back).max(range.start);
@@ -251,8 +255,8 @@ fn impedance(
     })
 }
 
-/// The slope of `v_q - R i_q` over the electrical speed, in Wb, with a separate level for each push (the dead time's
-/// part); negative where the electrical angle falls when the count rises.
+/// Flux linkage in Wb: slope of `v_q - R i_q` over the electrical speed. Each push has its own offset, for the voltage lost to dead
+/// time. The slope is negative if the electrical angle falls when the count rises.
 fn flux(
     ticks: &[MotorTick],
     pushes: &[&Range<usize>],
@@ -289,7 +293,7 @@ fn flux(
     Ok(product / square)
 }
 
-/// A push and its coast. The current that a tick reports is that of the period before it.
+/// The swing of a push with its coast. The current that a tick reports acted in the period before it.
 fn of_swing(ticks: &[MotorTick], whole: Range<usize>, constant: f64, known: &KnownMotor) -> Swing {
     let per_count = TAU / known.counts_per_rev;
     let first = ticks[whole.start].count;

@@ -1,8 +1,8 @@
-//! Inertia, viscous damping and dry friction from swings: push, let go, coast to rest.
+//! Identifies inertia, viscous damping and dry friction from swings: the device is pushed, released, and coasts to rest.
 //!
-//! Coasting tells damping from friction: `J dv/dt = -b v - F_k sign(v)` slows a fast device by its damping and a slow one by its
-//! friction. What the pushes add is the scale, since their torque is known. The fit compares whole motions, predicted by the exact
-//! plant, with the counts that were read: no differentiation, and so no noise of one.
+//! The coast separates damping from friction: in `J dv/dt = -b v - F_k sign(v)` damping dominates at high speed, friction at low
+//! speed. The pushes give the scale, because their torque is known. The fit compares whole motions, predicted by the exact plant,
+//! with the counts that were read. So no measured value is differentiated, which would add noise.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use touchstone_sim::error::Result;
@@ -10,25 +10,25 @@ use touchstone_sim::run::plan;
 use touchstone_sim::scene::Scene;
 use touchstone_world::plant::{BareCoulomb, Coulomb, Device, Kinematics as _, State, Stepper as _};
 
-/// Commanded torque and counts of one swing, one entry a tick.
+/// Commanded torque and read angle of one swing, one entry per tick.
 #[derive(Debug, Clone, Default)]
 pub struct Swing {
-    /// Torque that was held from this sample to the next, N·m.
+    /// Torque from this sample to the next, N·m.
     pub torque_n_m: Vec<f64>,
-    /// Angle as it was read, rad.
+    /// Angle as read from the encoder, rad.
     pub angle_rad: Vec<f64>,
 }
 
-/// How a device is swung.
+/// How the device is pushed: torque, angles and times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Swings {
-    /// Torque of a push, N·m; above the device's friction, below its limit.
+    /// Torque of a push, N·m; above the device's friction and below its torque limit.
     pub torque_n_m: f64,
-    /// Angles over which the pushes last, rad: each is one speed, both ways.
+    /// Angles over which the pushes act, rad. Each gives one speed, in both directions.
     pub pushes_rad: [f64; 3],
-    /// Longest push, s: a device that has not moved by then is held, or pushed too weakly.
+    /// Longest push, s. A device that has not turned far enough by then is held, or pushed too weakly.
     pub longest_push_s: f64,
-    /// Time in which a device must have come to rest, s; one that has not is pushed again while it moves.
+    /// Time for the coast after each push, s. A device that has not come to rest by then is pushed again while it moves.
     pub coast_s: f64,
 }
 
@@ -43,16 +43,16 @@ impl Default for Swings {
     }
 }
 
-/// A value with its uncertainty.
+/// An estimated value with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
-    /// The value.
+    /// The estimated value.
     pub value: f64,
-    /// Standard uncertainty: the larger of the fit's residual and the spread between swings.
+    /// Standard uncertainty: the larger of the fit's own uncertainty and the spread between swings.
     pub uncertainty: f64,
 }
 
-/// Properties that the swings show.
+/// Identified properties of a device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mechanics {
     /// Inertia, kg·m².
@@ -61,40 +61,40 @@ pub struct Mechanics {
     pub damping_n_m_s_per_rad: Estimate,
     /// Dry friction while sliding, N·m.
     pub friction_n_m: Estimate,
-    /// Residual between model and reading, rms, rad. More than some encoder steps: the device has a property that
-    /// inertia, damping and friction do not explain.
+    /// Residual between predicted and read angles, root mean square, rad. If it exceeds a few encoder counts, the device has
+    /// properties besides inertia, damping and friction.
     pub residual_rms_rad: f64,
 }
 
-/// Why nothing was found.
+/// Why the device was not identified.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotFound {
-    /// A push moved nothing.
+    /// A push did not turn the device far enough.
     #[error(
         "a push of {torque_n_m} N·m did not turn the device by {wanted_rad} rad within {within_s} s"
     )]
     DidNotMove {
-        /// The push's torque, N·m.
+        /// Torque of the push, N·m.
         torque_n_m: f64,
-        /// How far it should have gone, rad.
+        /// Angle by which the push should have turned the device, rad.
         wanted_rad: f64,
-        /// Time available for it, s.
+        /// Time that was available for the push, s.
         within_s: f64,
     },
-    /// The fit did not converge.
+    /// The fit failed or leaves too large a residual.
     #[error(
         "no inertia, damping and friction explain the motion: {residual_rad:.2e} rad rms are left"
     )]
     NoFit {
-        /// Residual, rms, rad.
+        /// Residual between predicted and read angles, root mean square, rad.
         residual_rad: f64,
     },
 }
 
-/// Swings the device of a scene, without a hand, and reads it through the scene's encoder.
+/// Simulates swings of the scene's device without a hand, read through the scene's encoder.
 ///
 /// # Errors
-/// A plant that cannot be built.
+/// The plant cannot be built. The inner error is a push that did not turn the device.
 pub fn swing(scene: &Scene, swings: &Swings) -> Result<std::result::Result<Vec<Swing>, NotFound>> {
     let period_s = scene.timing.period_s();
     let mut device = plan::device(scene);
@@ -133,7 +133,7 @@ pub fn swing(scene: &Scene, swings: &Swings) -> Result<std::result::Result<Vec<S
             tick(&plant, &mut state, 0.0, read, &mut swing);
         }
         done.push(swing);
-        // A hand would stop it; the next swing is one from rest.
+        // A hand would stop the device here; the next swing starts from rest.
         state = State::at_rest(state.position());
     }
     Ok(Ok(done))
@@ -151,8 +151,8 @@ fn tick(
     plant.step(state, torque, 0.0);
 }
 
-/// The angles of a device with these parameters in a swing from rest, less their mean; its torque is the commanded one
-/// times a factor.
+/// Predicted angles of a device with these parameters in a swing from rest, minus their mean. The commanded torque is multiplied by
+/// `torques`.
 fn predicted(
     parameters: &DVector<f64>,
     swing: &Swing,
@@ -178,25 +178,26 @@ fn predicted(
     Some(angles)
 }
 
-/// Where within its first count a swing began is not known: the mean takes that out of reading and model alike.
+/// Subtracts the mean from the angles. It is subtracted from read and predicted angles alike, because the start within the first
+/// encoder count is unknown.
 fn centre(angles: &mut [f64]) {
     let mean = angles.iter().sum::<f64>() / angles.len().max(1) as f64;
     angles.iter_mut().for_each(|angle| *angle -= mean);
 }
 
-/// A fit by Gauss–Newton steps, halved while they make things worse.
+/// Result of a fit by Gauss–Newton steps; a step is halved while it makes the fit worse.
 struct Fit {
     parameters: Vector3<f64>,
-    /// Variances of the parameters.
+    /// Variances of inertia, damping and friction.
     variance: Vector3<f64>,
     residual_rms: f64,
-    /// Share by which the torques differ from the commanded ones, rms.
+    /// Deviation of the torques from the commanded ones, root mean square, as a fraction.
     torques_apart: f64,
 }
 
-/// Fits inertia, damping and friction. Where the torques are uncertain, it also fits a factor for each swing's torque
-/// but the last; the mean of the factors is 1. So the pushes' mean sets the scale, and their differences do not
-/// distort the coasts, which alone separate damping from friction.
+/// Fits inertia, damping and friction. If the torques are uncertain, it also fits a factor on each swing's torque; the mean of the
+/// factors is 1. So the mean of the pushes sets the scale. Differences between the pushes do not distort the coasts, which alone
+/// separate damping from friction.
 fn fit(swings: &[Swing], period_s: f64, start: Vector3<f64>, torques: Torques) -> Option<Fit> {
     let measured: Vec<Vec<f64>> = swings
         .iter()
@@ -227,7 +228,7 @@ fn fit(swings: &[Swing], period_s: f64, start: Vector3<f64>, torques: Torques) -
     let mut at = whole(start, 1.0);
     let mut r = residuals(&at)?;
     let mut normal = DMatrix::identity(3 + own, 3 + own);
-    // Quadratic near the end; forty steps are far more than any device has needed.
+    // Convergence is quadratic near the end; forty steps are far more than any device has needed.
     for _ in 0..40 {
         let scale = at.abs().sup(&smallest);
         let mut columns = Vec::with_capacity(3 + own);
@@ -242,7 +243,7 @@ fn fit(swings: &[Swing], period_s: f64, start: Vector3<f64>, torques: Torques) -
                 .map(|(m, r)| (r - m) / step * scale[index]);
             columns.push(slopes.collect::<Vec<_>>());
         }
-        // In parameters of size one, so that kg·m² and N·m weigh the same.
+        // The parameters are scaled to size one, so that kg·m² and N·m have equal weight.
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         normal = DMatrix::from_fn(3 + own, 3 + own, |i, j| product(&columns[i], &columns[j]));
         let gradient = DVector::from_fn(3 + own, |i, _| product(&columns[i], &r));
@@ -275,7 +276,7 @@ fn fit(swings: &[Swing], period_s: f64, start: Vector3<f64>, torques: Torques) -
     })
 }
 
-/// The factor on a swing's torque, from a fit's parameters.
+/// The factor on the torque of swing `index`, from the parameters of the fit.
 fn times(parameters: &DVector<f64>, index: usize) -> f64 {
     let own = parameters.len() - 3;
     match parameters.get(3 + index) {
@@ -285,19 +286,19 @@ fn times(parameters: &DVector<f64>, index: usize) -> f64 {
     }
 }
 
-/// How well the torques of swings are known.
+/// How exactly the torques of the swings are known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Torques {
-    /// The torques are as commanded.
+    /// The torques are exactly as commanded.
     Exact,
-    /// Known only as the mean over all swings; a single swing may differ by some percent.
+    /// Only the mean torque over all swings is exact; the torque of a single swing may differ by some percent.
     Unsure,
 }
 
-/// Fits inertia, damping and friction to swings.
+/// Fits inertia, damping and friction to swings (pushes with the coasts that follow).
 ///
 /// # Errors
-/// [`NotFound`].
+/// The fit failed or leaves too large a residual.
 pub fn mechanics(
     swings: &[Swing],
     period_s: f64,
@@ -308,7 +309,7 @@ pub fn mechanics(
     };
     let start = guess(swings, period_s).ok_or(none.clone())?;
     let all = fit(swings, period_s, start, torques).ok_or(none.clone())?;
-    // Each speed with its way back: what differs between them is what the model does not know.
+    // Each speed is also fitted alone, with both directions. The difference between speeds shows what the model does not contain.
     let half = swings.len() / 2;
     let parts: Vec<Vector3<f64>> = (0..half)
         .filter_map(|index| {
@@ -324,7 +325,7 @@ pub fn mechanics(
             .map(|part| (part[index] - value).powi(2))
             .sum::<f64>()
             / (count * (count - 1.0)).max(1.0);
-        // What the torques differ by is not known of their mean, either: the scale of all three.
+        // The mean of the torques is as uncertain as their differences show; it scales all three parameters.
         let scale = (value * all.torques_apart).powi(2) / swings.len() as f64;
         Estimate {
             value,
@@ -335,7 +336,7 @@ pub fn mechanics(
         .iter()
         .flat_map(|swing| &swing.angle_rad)
         .fold(0.0_f64, |most, angle| most.max(angle.abs()));
-    // A twentieth of the whole way is no noise of an encoder.
+    // A residual of a twentieth of the whole motion cannot be encoder noise.
     if !all.residual_rms.is_finite() || all.residual_rms > 0.05 * furthest {
         return Err(NotFound::NoFit {
             residual_rad: all.residual_rms,
@@ -349,7 +350,8 @@ pub fn mechanics(
     })
 }
 
-/// Where the fit begins: `x = u t²/(2 J)` of the longest push, and a tenth of its torque each for damping and friction.
+/// Start values of the fit: inertia `J` from `x = u t²/(2 J)` of the longest push; damping and friction each take a tenth of its
+/// torque.
 fn guess(swings: &[Swing], period_s: f64) -> Option<Vector3<f64>> {
     let (torque, time, way) = swings
         .iter()
@@ -384,7 +386,7 @@ mod tests {
     fn within(estimate: Estimate, truth: f64, share: f64, floor: f64) {
         let error = (estimate.value - truth).abs();
         assert!(error <= share * truth + floor, "{estimate:?} for {truth}");
-        // Four standard uncertainties cover what is wrong.
+        // The errors are within four standard uncertainties.
         assert!(
             error <= 4.0 * estimate.uncertainty + floor,
             "{estimate:?} for {truth}"
@@ -431,7 +433,7 @@ mod tests {
 
     #[test]
     fn a_lie_about_the_torque_shows_in_the_inertia() {
-        // The fit can say no: with twice the torque told, everything doubles, and nothing hides it.
+        // With torques twice as large as the true ones, all parameters double; the fit must show that.
         let scene = Scene::load("thesis-knob").unwrap();
         let mut swings = swing(&scene, &Swings::default()).unwrap().unwrap();
         for swing in &mut swings {

@@ -1,4 +1,4 @@
-//! Cost of a tick: by counted instructions, and by the clock.
+//! Computing cost of a simulated tick (control period): in counted instructions, and in measured time.
 
 use std::collections::BTreeMap;
 
@@ -10,18 +10,18 @@ use touchstone_sim::scene::Scene;
 
 use crate::accuracy::clock::{Spread, Work, race};
 
-/// Counted by `cargo xtask bench --ladder --write`.
+/// Instruction counts, written by `cargo xtask bench --ladder --write`.
 const COUNTED: &str = include_str!("ladder.txt");
-/// Repeats of a timed run.
+/// How often each simulated run is timed.
 pub(super) const REPEATS: u32 = 15;
 
-/// Counted instructions a tick by configuration.
+/// Counted instructions per tick for each configuration: the bare loop, and the loop with one law, effect or pair of effects.
 pub struct Ladder {
     counted: BTreeMap<&'static str, f64>,
 }
 
 impl Ladder {
-    /// The one that was counted last.
+    /// The instruction counts that were stored last.
     pub fn known() -> Self {
         let counted = COUNTED
             .lines()
@@ -35,7 +35,7 @@ impl Ladder {
         Some(self.counted.get(name)? - self.counted.get("bare")?)
     }
 
-    /// Instructions that an effect adds when it is the only one.
+    /// Instructions per tick that an effect adds when no other effect is on.
     pub fn alone(&self, name: &str) -> Option<f64> {
         self.beyond_bare(&format!("with:{name}"))
     }
@@ -45,7 +45,8 @@ impl Ladder {
             .or_else(|| self.beyond_bare(&format!("with:{b}+{a}")))
     }
 
-    /// The bare loop, the law, each effect, and what each pair adds beyond both.
+    /// Predicted instructions per tick: bare loop, law, each effect alone, and what each pair of effects adds beyond the sum of the
+    /// two. `None` if a count is missing.
     pub fn predicted(&self, scene: &Scene, names: &[&str]) -> Option<f64> {
         let mut sum = *self.counted.get("bare")?;
         if scene.law.kind != LawKind::Spring {
@@ -61,7 +62,7 @@ impl Ladder {
             let alone = self.alone(name)?;
             sum += alone;
             for other in &names[at + 1..] {
-                // A pair that no scene can have adds nothing.
+                // A pair of effects that exclude each other adds nothing.
                 if let Some(both) = self.together(name, other) {
                     sum += both - alone - self.alone(other)?;
                 }
@@ -71,10 +72,10 @@ impl Ladder {
     }
 }
 
-/// Time of a tick, and the time saved without each effect, ns.
+/// Measured computing time of a tick, and for each effect in `named` the time that a tick without it saves, ns.
 ///
 /// # Errors
-/// A scene that cannot be run.
+/// The scene cannot be run.
 pub fn times(
     scene: &Scene,
     named: &[&Effect],
@@ -93,7 +94,7 @@ pub fn times(
     let mut work: Vec<Work<'_>> = scenes
         .iter()
         .map(|scene| -> Work<'_> {
-            // Each has been run once: it is not refused.
+            // Each scene has been run once before, so it is not refused.
             Box::new(move || f64::from(u8::from(run::simulate(scene, None).is_ok())))
         })
         .collect();

@@ -1,4 +1,4 @@
-//! The linear part of a scene's device and hand: its states and eigenvalues.
+//! States and eigenvalues of the linear part of a scene's device and hand.
 
 use nalgebra::DMatrix;
 use serde::Serialize;
@@ -8,18 +8,18 @@ use touchstone_sim::scene::Scene;
 use touchstone_world::plant::Invalid;
 use touchstone_world::plant::train::{Friction, Links};
 
-/// An eigenvalue, 1/s.
+/// An eigenvalue of the linear part of device and hand, 1/s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Eigenvalue {
-    /// Real part: growth where positive.
+    /// Real part, 1/s; the motion grows where it is positive.
     pub re_per_s: f64,
-    /// Imaginary part; one of each conjugate pair, not negative.
+    /// Imaginary part, rad/s, not negative: one value stands for a conjugate pair.
     pub im_rad_per_s: f64,
-    /// Frequency of a swinging pair without its damping, Hz; `None` for one that does not swing.
+    /// Undamped frequency of an oscillating pair, Hz; `None` for a real eigenvalue.
     pub frequency_hz: Option<f64>,
 }
 
-/// The names of what changes between two ticks.
+/// Names of the state variables of device and hand.
 pub fn states(scene: &Scene) -> Vec<String> {
     let links = train::links(scene);
     let device = if links.transmission.is_some() {
@@ -66,7 +66,7 @@ fn matrix(links: &Links) -> std::result::Result<DMatrix<f64>, Invalid> {
     }
 }
 
-/// Eigenvalues of the linear part, the slowest first.
+/// Eigenvalues of the linear part, the smallest magnitude first.
 ///
 /// # Errors
 /// The plant's parameters are not valid.
@@ -77,7 +77,7 @@ pub fn eigenvalues(scene: &Scene) -> Result<Vec<Eigenvalue>> {
     let mut found: Vec<Eigenvalue> = matrix
         .complex_eigenvalues()
         .iter()
-        // One of a pair; a hair below the axis is rounding.
+        // One value of each conjugate pair. A tiny negative imaginary part would be rounding.
         .filter(|value| value.im >= 0.0)
         .map(|value| Eigenvalue {
             re_per_s: value.re,

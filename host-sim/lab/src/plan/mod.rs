@@ -1,5 +1,5 @@
-//! How a scene's run is built: states, eigenvalues, how the plant crosses a tick and why, the cost of every effect,
-//! and which omitted effects would change the result.
+//! How the simulator runs a scene: states, eigenvalues, integration of the plant over a tick and the reason for it, computing cost
+//! of every effect, and which omitted effects would change the result.
 
 mod cost;
 mod equations;
@@ -22,14 +22,14 @@ use crate::report::ProgramVersion;
 pub use equations::Eigenvalue;
 pub use omitted::{Moved, Omitted};
 
-/// Options of a plan.
+/// Options for the description of how a scene is simulated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Asked {
-    /// Share by which an output may move before an effect is listed.
+    /// Relative change of a result above which an omitted effect is listed.
     pub tolerance: f64,
-    /// Whether runs are timed.
+    /// Whether the computing time of a tick is measured.
     pub times: bool,
-    /// Whether effects that the scene does not name are tried.
+    /// Whether effects that the scene does not have are tried.
     pub omitted: bool,
 }
 
@@ -43,48 +43,49 @@ impl Default for Asked {
     }
 }
 
-/// An effect that a scene names.
+/// An effect that the scene has, such as friction or a current loop.
 #[derive(Debug, Clone, Serialize)]
 pub struct Named {
-    /// Name of the effect.
+    /// Name of the simulated effect.
     pub name: &'static str,
-    /// Where it stands in the loop.
+    /// Where in the loop the effect acts.
     pub place: &'static str,
-    /// Instructions a tick that it adds alone at its typical magnitude, of the ladder.
+    /// Instructions per tick that the effect adds alone at its typical magnitude, as counted.
     pub instructions: Option<f64>,
-    /// Time of this scene's tick with the effect less that without it, least of the repeats, ns; `None` where it was
-    /// not measured, or the scene needs the effect.
+    /// Computing time per tick that the effect adds to this scene, ns: the difference of the least measured times with and without
+    /// it. `None` if it was not measured, or if the scene cannot run without the effect.
     pub ns: Option<f64>,
 }
 
-/// A scene's plan.
+/// How the simulator runs a scene.
 #[derive(Debug, Clone, Serialize)]
 pub struct Planned {
-    /// Version of this layout.
+    /// Version of the results' format.
     pub schema_version: u32,
-    /// The program.
+    /// Version of the program.
     pub program: ProgramVersion,
-    /// The scene.
+    /// Name of the scene.
     pub scene: String,
-    /// What changes between two ticks.
+    /// Names of the state variables of device and hand.
     pub states: Vec<String>,
-    /// Eigenvalues of the linear part.
+    /// Eigenvalues of the linear part of device and hand.
     pub eigenvalues: Vec<Eigenvalue>,
-    /// How the plant crosses a tick.
+    /// How the plant (device and hand) is integrated over a tick, in words.
     pub tier: String,
-    /// Substeps of a tick; 1 for an exact step.
+    /// Substeps per tick; 1 for an exact step.
     pub substeps: u32,
-    /// The code of the fault.
+    /// Reasons for this integration, one sentence each.
     pub reasons: Vec<String>,
-    /// Effects that the scene names.
+    /// Effects that the scene has, with their computing cost.
     pub effects: Vec<Named>,
-    /// Instructions a tick by the ladder: the bare loop, the law, each effect and what each pair adds beyond both, at typical magnitudes.
+    /// Predicted instructions per tick from counts: bare loop, law, each effect, and what each pair of effects adds, at typical
+    /// magnitudes.
     pub predicted_instructions: Option<f64>,
-    /// Measured time of a tick without a recorder.
+    /// Measured computing time per tick of a run without a recorder.
     pub measured: Option<Spread>,
-    /// Effects that it does not name, tried one by one.
+    /// Effects that the scene does not have, each tried alone.
     pub omitted: Vec<Omitted>,
-    /// Share by which an output may move before an effect is listed.
+    /// Relative change of a result above which an omitted effect is listed.
     pub tolerance: f64,
 }
 
@@ -103,7 +104,7 @@ pub fn steps(scene: &Scene, asked: Asked) -> u64 {
     rounds + tried
 }
 
-/// Plans a scene, and measures what the options want. `step` is called after each round of timing and for each effect that is tried.
+/// Describes how the simulator runs a scene, with the measurements that the options request. `step` is called after each round of timing and for each effect that is tried.
 ///
 /// # Errors
 /// A scene that cannot be run.
@@ -159,7 +160,7 @@ pub fn plan(
     })
 }
 
-/// How the plant crosses a tick, in how many substeps, and why.
+/// How the plant is integrated over a tick, the number of substeps, and the reasons.
 fn tier(scene: &Scene) -> (String, u32, Vec<String>) {
     let timing = &scene.timing;
     let mut reasons = Vec::new();

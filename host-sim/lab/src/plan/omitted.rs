@@ -1,4 +1,5 @@
-//! Effects that a scene does not name, each tried at its typical magnitude: which of them would change what the scene shows?
+//! Tries effects that a scene does not have, each alone at its typical magnitude, and finds those that would change the scene's
+//! results.
 
 use serde::Serialize;
 use touchstone_control::LawKind;
@@ -8,48 +9,47 @@ use touchstone_sim::run::effects::{EFFECTS, Effect, Place, exclude_each_other};
 use touchstone_sim::run::record::Summary;
 use touchstone_sim::scene::Scene;
 
-/// An output that an effect moves.
+/// A result that an effect changes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Moved {
-    /// The output's name in the results.
+    /// Name of the result, as in `results.json`.
     pub output: &'static str,
-    /// The value without the effect; `None` where the run has none.
+    /// The result without the effect; `None` if the run has none.
     pub without: Option<f64>,
-    /// The output with the effect.
+    /// The result with the effect; `None` if the run has none.
     pub with: Option<f64>,
 }
 
-/// An effect that the scene does not name.
+/// An effect that the scene does not have, and what it would change.
 #[derive(Debug, Clone, Serialize)]
 pub struct Omitted {
-    /// Name of the effect.
+    /// Name of the simulated effect.
     pub name: &'static str,
-    /// The field or table that would name it.
+    /// Key or table of the scene file that would add the effect.
     pub field: &'static str,
-    /// The magnitude at which it was tried.
+    /// Magnitude at which the effect was tried, in words.
     pub typical: &'static str,
-    /// The source of the typical value.
+    /// Source of the typical magnitude.
     pub source: &'static str,
-    /// Verdict with the effect, where it differs.
+    /// Verdict on the run with the effect, if it differs from that without.
     pub verdict: Option<&'static str>,
-    /// Outputs that it moves by more than the tolerance.
+    /// Results that the effect changes by more than the tolerance.
     pub moves: Vec<Moved>,
-    /// Why it was not tried.
+    /// Reason why the effect was not tried.
     pub not_tried: Option<String>,
 }
 
-/// An output, and a change of it too small to matter.
+/// A result of a run, and the change of it that is negligible.
 struct Output {
     name: &'static str,
     of: fn(&Summary) -> Option<f64>,
-    /// The negligible change in the output's unit, for a count of this many radians.
+    /// Negligible change in the result's unit; the argument is the size of an encoder count in rad.
     floor: fn(f64) -> f64,
 }
 
-/// Torques below a thousandth of the thesis' press, N·m.
+/// Negligible change of a torque, N·m: a thousandth of the thesis' press.
 const TORQUE_N_M: f64 = 1e-4;
-/// A negligible energy: it lifts a grain of a milligram by a hundredth of a millimetre, and is what a sum of many
-/// ticks rounds to, J.
+/// Negligible change of an energy, J. Rounding of sums over many ticks is of this size.
 const ENERGY_J: f64 = 1e-7;
 
 const OUTPUTS: &[Output] = &[
@@ -100,7 +100,7 @@ const OUTPUTS: &[Output] = &[
     },
 ];
 
-/// Displacement of the start that shows the loop's own sensitivity, rad: far below anything a scene is about.
+/// Change of the start angle with which the loop's own sensitivity is measured, rad.
 const NUDGE_RAD: f64 = 1e-9;
 
 /// The effects that a scene could name and does not.
@@ -112,7 +112,8 @@ pub fn untried(scene: &Scene) -> impl Iterator<Item = &'static Effect> {
     })
 }
 
-/// Tries every effect that the scene does not name; `step` is called for each.
+/// Simulates the scene with each effect that it does not have, one at a time, and calls `step` for each. Effects that exclude one of the
+/// scene's are left out.
 ///
 /// # Errors
 /// A scene that cannot be run.
@@ -173,8 +174,8 @@ pub fn all(scene: &Scene, tolerance: f64, step: &mut dyn FnMut()) -> Result<Vec<
         .collect())
 }
 
-/// The output, if the effect moves it: by more than the tolerance, by more than a negligible change, and by more than
-/// three times what a tiny displacement of the start does.
+/// Returns the result if the effect changes it: by more than the tolerance, more than a negligible change, and more than three
+/// times the change that a start moved by [`NUDGE_RAD`] makes.
 fn moved(
     output: &Output,
     [plain, nudged, with]: [&Summary; 3],
@@ -194,6 +195,6 @@ fn moved(
     let least = (tolerance * a.abs().max(b.abs()))
         .max((output.floor)(count))
         .max(3.0 * by_itself);
-    // A run that left all numbers has moved.
+    // A result that became infinite or NaN counts as changed.
     ((b - a).abs() > least || !(b - a).is_finite()).then_some(told)
 }

@@ -1,10 +1,10 @@
-//! The JSON schema of a plan. `docs/schema/plan.schema.json` is its text.
+//! JSON schema of the description of how a scene is simulated. The file `docs/schema/plan.schema.json` holds its text.
 
 use serde_json::{Value, json};
 
 use crate::report::plain_schema::{array, document, object, program};
 
-/// The schema.
+/// The JSON schema of the description of how a scene is simulated.
 #[must_use]
 pub fn schema() -> Value {
     let eigenvalue = object(

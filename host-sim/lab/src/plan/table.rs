@@ -1,10 +1,10 @@
-//! A plan for a terminal.
+//! How the simulator runs a scene, as text for a terminal.
 
 use std::fmt::Write;
 
 use super::{Omitted, Planned};
 
-/// Everything, in the order of its questions.
+/// Formats all results as text.
 #[must_use]
 pub fn render(plan: &Planned) -> String {
     let mut out = String::new();

@@ -35,7 +35,7 @@ fn the_documented_schema_is_this_one() {
     );
 }
 
-/// The table of `docs/effects.md`.
+/// Rows of the table of effects in `docs/effects.md`.
 fn rows() -> String {
     let row = |effect: &touchstone_sim::run::effects::Effect| {
         format!(
@@ -85,7 +85,7 @@ fn a_plan_obeys_its_schema_and_says_all_of_its_parts() {
     assert_eq!(found.states.len(), 4);
     let named: Vec<_> = found.effects.iter().map(|effect| effect.name).collect();
     assert_eq!(named, ["encoder", "hand"]);
-    // Named or omitted, or excluded by what is named: nothing is forgotten.
+    // Every effect is in the scene, omitted, or excluded by one in the scene.
     assert_eq!(named.len() + found.omitted.len(), EFFECTS.len());
     let text = table::render(&found);
     assert!(text.contains("tier: exact step\n"), "{text}");
@@ -158,7 +158,7 @@ fn what_is_omitted_is_told_where_it_matters_and_not_where_it_does_not() {
         times: false,
         ..Asked::default()
     };
-    // A hard wall with a spring by itself at the edge of its stability: a period of delay decides.
+    // A hard wall as a plain spring, at the limit of its stability, where a period of delay decides.
     let sets = [
         "law.kind=spring",
         "law.guard.on=false",
@@ -178,7 +178,7 @@ fn what_is_omitted_is_told_where_it_matters_and_not_where_it_does_not() {
         delay.verdict.is_some() || !delay.moves.is_empty(),
         "{delay:?}"
     );
-    // A limit of five times the press moves nothing.
+    // A torque limit of five times the press changes nothing.
     let limit = effect("torque-limit");
     assert!(
         limit.verdict.is_none() && limit.moves.is_empty(),

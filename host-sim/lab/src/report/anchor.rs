@@ -1,6 +1,6 @@
-//! Where a link within the page leads.
+//! Identifiers of places in the report page, for links within the page.
 
-/// Identifier of a row of a matrix.
+/// Identifier of one stiffness (a table row) of a matrix of runs.
 pub fn row_id(matrix: usize, row: usize) -> String {
     format!("m{matrix}-k{row}")
 }

@@ -1,22 +1,22 @@
-//! The columns of a trace, named once for every file format: name, unit, meaning and where the numbers are.
+//! The columns of a trace file for every file format: name, unit, meaning and values.
 
 use touchstone_sim::run::record::Trace;
 
 /// One column of a trace file.
 pub struct Column {
-    /// Name in CSV and Parquet: the field of [`Trace`], whose ending spells the unit.
+    /// Name of the column in CSV and Parquet: the name of the field in [`Trace`], whose ending is the unit.
     pub name: &'static str,
-    /// Unit in the form used in metadata.
+    /// Unit of the column, in the form used in metadata.
     pub unit: &'static str,
-    /// Meaning in a few words.
+    /// Meaning of the column in a few words.
     pub meaning: &'static str,
-    /// The column's numbers in a trace.
+    /// Returns the column's values from a trace.
     pub values: fn(&Trace) -> &[f64],
 }
 
 macro_rules! columns {
     ($($field:ident, $unit:literal, $meaning:literal;)*) => {
-        /// Every column, in the order in which files have them.
+        /// Every column, in the order of the files.
         pub const COLUMNS: &[Column] = &[$(Column {
             name: stringify!($field),
             unit: $unit,
@@ -29,7 +29,7 @@ macro_rules! columns {
             let Trace { $($field: _),* } = trace;
         };
 
-        /// A trace from its columns, in the order of [`COLUMNS`].
+        /// Builds a trace from columns in the order of [`COLUMNS`].
         #[cfg(test)]
         pub(super) fn from_columns(columns: Vec<Vec<f64>>) -> Trace {
             let mut columns = columns.into_iter();
@@ -55,7 +55,7 @@ columns! {
     guard_account_j, "J", "what the energy guard would still pay the hand (NaN: there is none)";
 }
 
-/// Samples that every column has. They are equally long by [`Trace`]'s promise; were they not, no reader should panic.
+/// Number of samples in every column. The columns of a [`Trace`] have equal length; the shortest counts, so that no reader panics.
 pub fn len(trace: &Trace) -> usize {
     let len = COLUMNS
         .iter()

@@ -1,4 +1,5 @@
-//! Two runs of the reader's choice over each other. The traces are embedded as whole numbers; the page's script draws them.
+//! Section of the page in which a reader chooses two runs to draw over each other. Traces are embedded as integers; the page's
+//! script draws them.
 
 use std::fmt::Write;
 
@@ -13,12 +14,13 @@ use super::quantity::plain;
 use super::svg::escape;
 use touchstone_sim::run::record::Trace;
 
-/// Ticks of a trace that are embedded at most; of longer ones, the extremes of each stretch.
+/// Most ticks of a trace that are embedded in the page. Of a longer trace, which is divided into stretches, only the lowest and
+/// highest angle of each stretch are embedded.
 const MOST: usize = 4000;
-/// Steps from the lowest to the highest value of a column.
+/// Number of integer steps from the lowest to the highest value of a column.
 const STEPS: f64 = 8000.0;
 
-/// The section with its data; nothing where fewer than two runs kept a trace.
+/// Writes the section that compares two runs, with its data; nothing if fewer than two runs have a recorded trace.
 pub fn section(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     let traced: Vec<(usize, &Trace)> = input
         .runs
@@ -34,7 +36,7 @@ pub fn section(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     let (a, b) = first
         .and_then(|table| picture::pair(input.runs, table))
         .unwrap_or((traced[0].0, traced[1].0));
-    // What all runs share is not repeated in their names.
+    // Conditions that all runs share are left out of their names.
     let conditions: Vec<Condition> = traced
         .iter()
         .map(|(index, _)| Condition::of(&input.runs[*index].summary))
@@ -78,7 +80,7 @@ pub fn section(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     page.push_str("}</script>\n</section>\n");
 }
 
-/// A trace in whole numbers: of each column the lowest value, the step, and the differences from tick to tick in steps.
+/// A trace as integers. Each column has its lowest value, the size of a step, and the differences from tick to tick in steps.
 fn embedded(trace: &Trace, k_desired: f64) -> serde_json::Value {
     let kept = kept(&trace.angle_rad);
     let column = |values: &[f64]| {
@@ -107,7 +109,8 @@ fn embedded(trace: &Trace, k_desired: f64) -> serde_json::Value {
     })
 }
 
-/// Which ticks are embedded: all, or the lowest and the highest of each stretch in their order.
+/// Indices of the ticks that are embedded in the page. A long trace is divided into stretches, of which only the ticks with the
+/// lowest and the highest value are embedded.
 fn kept(values: &[f64]) -> Vec<usize> {
     if values.len() <= MOST {
         return (0..values.len()).collect();
@@ -145,7 +148,7 @@ mod tests {
             let mut sum = 0;
             for (difference, value) in data[key][2].as_array().unwrap().iter().zip(values) {
                 sum += difference.as_i64().unwrap();
-                // Half a step, and the step's own rounding over all of them.
+                // Half a step, plus the rounding of the step over all steps.
                 let off = (low + step * sum as f64 - value).abs();
                 assert!(off <= step * (0.5 + 1e-7 * STEPS), "{key}: {off} {step}");
             }

@@ -1,6 +1,6 @@
-//! Checks that the colours of `page.css` can be read, in the light and in the dark theme.
+//! Tests that the colours of `page.css` have enough contrast in the light and the dark theme.
 
-/// A colour of the style sheet: `variables` is the light or the dark block.
+/// A colour of the style sheet. `variables` is the block of variables of the light or the dark theme.
 fn colour(variables: &str, name: &str) -> [f64; 3] {
     let hex = variables
         .split(&format!("--{name}: #"))
@@ -9,7 +9,7 @@ fn colour(variables: &str, name: &str) -> [f64; 3] {
     [0, 2, 4].map(|i| f64::from(u8::from_str_radix(&hex[i..i + 2], 16).unwrap()) / 255.0)
 }
 
-/// Contrast as WCAG 2 defines it.
+/// Contrast of two colours as WCAG 2 defines it.
 fn contrast(a: [f64; 3], b: [f64; 3]) -> f64 {
     let linear = |c: f64| {
         if c <= 0.04045 {

@@ -1,4 +1,4 @@
-//! A trace as CSV: one header line, one line a tick, columns of [`COLUMNS`].
+//! A trace as CSV: one header line, one line per tick, with the columns of [`COLUMNS`].
 
 use std::io::{self, Write};
 
@@ -6,11 +6,11 @@ use super::columns::{self, COLUMNS};
 use std::fmt::Display;
 use touchstone_sim::run::record::Trace;
 
-/// Writes every `every`th tick of `trace`, from the first on. Every number has enough digits to read the very same
-/// `f64` back; a value that does not exist is `NaN`.
+/// Writes every `every`th tick of `trace`, beginning with the first. Every number has enough digits to read back the same `f64`; a
+/// missing value is `NaN`.
 ///
 /// # Errors
-/// The system's message when writing failed.
+/// The operating system's error if writing failed.
 pub fn write(out: impl Write, trace: &Trace, every: usize) -> io::Result<()> {
     let mut csv = ::csv::Writer::from_writer(out);
     csv.write_record(COLUMNS.iter().map(|column| column.name))?;
@@ -27,8 +27,8 @@ pub fn write(out: impl Write, trace: &Trace, every: usize) -> io::Result<()> {
     csv.flush()
 }
 
-/// A decimal as every table of the program has it: with a point, for a reader that sees thousands of rows of `0` takes the column for one
-/// of integers, and rounds or refuses what follows.
+/// A number with a decimal point, as in every table of the program. Without it, a reader that sees thousands of rows of `0` may
+/// take the column for integers, and round or refuse later values.
 pub fn decimal(number: impl Display) -> String {
     let mut text = number.to_string();
     let digits = text.strip_prefix('-').unwrap_or(&text);
@@ -38,7 +38,7 @@ pub fn decimal(number: impl Display) -> String {
     text
 }
 
-/// A number's shortest exact decimal form, with an exponent where plain digits would be long.
+/// Shortest decimal form that reads back the same `f64`; with an exponent where plain digits would be long.
 struct Decimal {
     text: [u8; 32],
     len: usize,

@@ -1,23 +1,23 @@
-//! Thins traces to what a plot can show, so that a page of many plots stays small. Extremes are kept.
+//! Reduces traces to the points that a plot can show, so that a page with many plots stays small. Extremes are kept.
 //!
-//! Coordinates are those of the drawing: [`super::svg::FINE`] steps to a pixel of the plot's nominal size.
+//! Coordinates are in fine steps of the drawing: [`super::svg::FINE`] of them are a pixel at the plot's nominal size.
 
 use std::collections::HashSet;
 
 /// A point of a drawing, in fine steps.
 pub type Point = (i32, i32);
 
-/// A line to simplify may deviate by this many fine steps: a sixth of a pixel.
+/// Largest deviation of a simplified line, fine steps: a sixth of a pixel.
 const TOLERANCE: f64 = 1.6;
 
-/// Width of a column of [`series`], fine steps: half a pixel, so that an enlarged plot or a dense screen still looks sharp.
+/// Width of a column in [`series`], fine steps: half a pixel, so that an enlarged plot or a dense screen looks sharp.
 const COLUMN: i32 = 5;
 
-/// Beyond this many points a position–force path is drawn on coarser and coarser grids.
+/// Most points of a position–force path. A path with more points is drawn on coarser grids.
 const PATH_POINTS: usize = 6000;
 
-/// A time series, its points in order of `x`: of each column the first, the lowest, the highest and the last sample are kept
-/// (nothing else is visible), then points on straight stretches are dropped. A NaN ends a stretch.
+/// Reduces a time series with points in order of `x`. Of each column half a pixel wide, the first, lowest, highest and last sample
+/// are kept; others are not visible. Then points on straight stretches are dropped. A NaN ends a stretch.
 pub fn series(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<Point>> {
     let mut stretches = Vec::new();
     let mut stretch: Vec<Point> = Vec::new();
@@ -66,10 +66,11 @@ pub fn series(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<Point>> {
     stretches
 }
 
-/// A path that may turn back on itself: points that do not move the pen visibly are dropped, then Douglas–Peucker.
+/// Reduces a path that may turn back on itself. Points that do not move the pen visibly are dropped, then Douglas–Peucker
+/// simplifies.
 ///
-/// An oscillation draws the same lines over and over. Where that would need too many points, each line of a grid is drawn
-/// once and the grid is made coarser, from a tenth of a pixel up to three pixels.
+/// An oscillation draws the same lines repeatedly. If the path still has too many points, it is rounded to a grid and each line of
+/// the grid is drawn once. The grid becomes coarser until the points suffice, from a tenth of a pixel up to three pixels.
 pub fn path(stretches: Vec<Vec<(f64, f64)>>) -> Vec<Vec<Point>> {
     let snap = |stretch: &Vec<(f64, f64)>, grid: f64| {
         let mut points: Vec<Point> = stretch
@@ -100,7 +101,7 @@ pub fn path(stretches: Vec<Vec<(f64, f64)>>) -> Vec<Vec<Point>> {
     kept
 }
 
-/// Splits a path so that no line between two points is drawn a second time, in either direction.
+/// Splits a path into pieces so that no line between two points is drawn a second time, in either direction.
 fn draw_once(points: &[Point], drawn: &mut HashSet<(Point, Point)>) -> Vec<Vec<Point>> {
     let mut stretches = Vec::new();
     let mut stretch: Vec<Point> = Vec::new();
@@ -119,7 +120,7 @@ fn draw_once(points: &[Point], drawn: &mut HashSet<(Point, Point)>) -> Vec<Vec<P
     stretches
 }
 
-/// Douglas–Peucker without recursion: the fewest corners found such that no point is further than [`TOLERANCE`] off the line.
+/// Douglas–Peucker without recursion: reduces the corners so that no point is further than [`TOLERANCE`] from the line.
 fn simplify(points: &[Point]) -> Vec<Point> {
     if points.len() < 3 {
         return points.to_vec();
@@ -148,7 +149,8 @@ fn simplify(points: &[Point]) -> Vec<Point> {
         .collect()
 }
 
-/// Squared distance of `p` from the line segment `a`–`b`. The segment, not the infinite line: a spike beyond an end counts.
+/// Squared distance of `p` from the line segment `a`–`b`. The segment counts, not the infinite line, so that a spike beyond an end
+/// is kept.
 fn distance_squared(p: Point, a: Point, b: Point) -> f64 {
     let d = |p: Point, q: Point| {
         (
@@ -195,7 +197,7 @@ mod tests {
         });
         let lines = series(wave);
         assert!(lines[0].len() <= 4 * 2401 / 5, "{}", lines[0].len());
-        // Every column reaches both edges, whatever its samples hit.
+        // Every column reaches both edges, whichever samples it contains.
         for columns in lines[0].chunks(8) {
             assert!(columns.iter().any(|p| p.1 < 110) && columns.iter().any(|p| p.1 > 890));
         }

@@ -1,50 +1,50 @@
-//! A figure as data: axes with units, lines with their meaning. The renderer chooses colours, dashes and pixels.
+//! A figure as data: axes with units, and lines with their roles. The renderer chooses colours, dashes and pixels.
 //!
-//! All numbers are SI. `svg.rs` is one renderer; the page's script, which reads the same lines as JSON, is another.
+//! All numbers are in SI units. `svg.rs` renders figures as SVG; the page's script renders the same lines from JSON.
 
 use serde::Serialize;
 
-/// A figure.
+/// A figure: axes and lines.
 #[derive(Debug, Clone, Serialize)]
 pub struct Figure {
     /// The title above the figure.
     pub title: String,
-    /// What the figure shows, in a sentence or two, computed from the runs.
+    /// What the figure shows, in one or two sentences with numbers from the runs.
     pub description: String,
-    /// Horizontal axis.
+    /// Horizontal axis of the figure.
     pub x: Axis,
-    /// Vertical axis.
+    /// Vertical axis of the figure.
     pub y: Axis,
-    /// The inside of the wall.
+    /// Which side of the figure is inside the wall.
     pub wall: Option<Wall>,
-    /// Lines, those behind first.
+    /// Lines in drawing order; later ones cover earlier ones.
     pub lines: Vec<Line>,
 }
 
-/// The half of a figure that is inside the wall.
+/// The part of a figure that is inside the wall.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub enum Wall {
-    /// Right of this place.
+    /// The wall is to the right of this coordinate of the horizontal axis.
     RightOf(f64),
-    /// The wall is above this coordinate.
+    /// The wall is above this coordinate of the vertical axis.
     Above(f64),
 }
 
-/// One axis.
+/// One axis of a figure.
 #[derive(Debug, Clone, Serialize)]
 pub struct Axis {
-    /// Title without the unit.
+    /// Title of the axis without the unit.
     pub title: String,
-    /// SI unit; empty for a plain number.
+    /// SI unit of the axis; empty for a plain number.
     pub unit: String,
-    /// Ends.
+    /// Lower and upper end of the axis.
     pub range: Range,
-    /// Marked places with their labels; `None`: round numbers, chosen by the renderer.
+    /// Coordinates of the marks, with their labels; `None` for round numbers that the renderer chooses.
     pub marks: Option<Vec<(f64, String)>>,
 }
 
 impl Axis {
-    /// An axis over `range`, with round marks.
+    /// Creates an axis over `range` with round marks.
     pub fn new(title: &str, unit: &str, range: Range) -> Self {
         Axis {
             title: title.to_owned(),
@@ -54,8 +54,8 @@ impl Axis {
         }
     }
 
-    /// An axis of decimal logarithms over `range`, which is one of logarithms too; marked by powers of ten, and between them where
-    /// there are few.
+    /// Creates an axis of decimal logarithms over `range`, which also is in logarithms. Powers of ten are marked, and values
+    /// between them if there are few powers.
     pub fn powers_of_ten(title: &str, unit: &str, range: Range) -> Self {
         let mut axis = Axis::new(title, unit, range);
         let width = axis.range.max - axis.range.min;
@@ -72,7 +72,7 @@ impl Axis {
             .filter(|power| power % every == 0)
             .flat_map(|power| {
                 steps.iter().map(move |step| {
-                    // By its digits: a product would carry rounding into the label.
+                    // The label is parsed from its digits, because a product would carry rounding into it.
                     let label = match format!("{step}e{power}") {
                         far if !(-3..=4).contains(&power) => far,
                         near => near.parse().map_or(near, |value: f64| value.to_string()),
@@ -86,7 +86,7 @@ impl Axis {
         axis
     }
 
-    /// Where `value` lies, 0 at the lower end, 1 at the upper.
+    /// Relative position of `value` on the axis: 0 at the lower end, 1 at the upper.
     pub fn place(&self, value: f64) -> f64 {
         (value - self.range.min) / (self.range.max - self.range.min)
     }
@@ -95,48 +95,48 @@ impl Axis {
 /// One line of a figure.
 #[derive(Debug, Clone, Serialize)]
 pub struct Line {
-    /// Role of the line, used as the name of its style: `hip`, `surf`, `force`, …
+    /// Role of the line, which is also the name of its CSS class: `hip`, `surf`, `force`, …
     pub role: &'static str,
-    /// Name for legend and read-out; empty: it needs none.
+    /// Name in the legend and in read-outs; empty for a line without.
     pub name: String,
-    /// Where it runs.
+    /// Points or position of the line.
     pub shape: Shape,
 }
 
-/// The course of a line.
+/// Geometry of a line.
 #[derive(Debug, Clone, Serialize)]
 pub enum Shape {
-    /// Points in order of x; NaN makes a gap.
+    /// Points in order of x; a NaN makes a gap.
     Series(Vec<(f64, f64)>),
-    /// Stretches that may turn back.
+    /// Several stretches of points; a stretch may turn back.
     Path(Vec<Vec<(f64, f64)>>),
-    /// Across the whole figure at this height.
+    /// Horizontal line across the figure at this y.
     Horizontal(f64),
-    /// From bottom to top at this place.
+    /// Vertical line across the figure at this x.
     Vertical(f64),
-    /// Filled rectangles: left, right, bottom, top.
+    /// Filled rectangles, each as left, right, bottom, top.
     Tiles(Vec<[f64; 4]>),
-    /// Single places, each with a sign.
+    /// Single points, each with a sign.
     Signs(Vec<(f64, f64, Sign)>),
 }
 
-/// A sign at a place, for a verdict: distinguished by shape as well as by colour.
+/// A sign for a verdict. Signs differ in shape as well as in colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Sign {
-    /// A full dot.
+    /// The sign is a full dot.
     Dot,
-    /// An open triangle.
+    /// The sign is an open triangle.
     Triangle,
-    /// Two waves.
+    /// The sign is two waves.
     Waves,
-    /// A cross.
+    /// The sign is a cross.
     Cross,
-    /// An open circle.
+    /// The sign is an open circle.
     Ring,
 }
 
 impl Figure {
-    /// Axes without lines.
+    /// Creates a figure without lines.
     pub fn new(title: &str, x: Axis, y: Axis) -> Self {
         Figure {
             title: title.to_owned(),
@@ -148,7 +148,7 @@ impl Figure {
         }
     }
 
-    /// Adds a line.
+    /// Adds a line to the figure.
     pub fn line(&mut self, role: &'static str, name: &str, shape: Shape) {
         self.lines.push(Line {
             role,
@@ -161,14 +161,14 @@ impl Figure {
 /// An interval that grows to include values. Empty until the first finite value.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Range {
-    /// Lower end.
+    /// Lower end of the interval.
     pub min: f64,
-    /// Upper end.
+    /// Upper end of the interval.
     pub max: f64,
 }
 
 impl Range {
-    /// An empty range.
+    /// An empty interval, to which values can be added.
     pub const EMPTY: Range = Range {
         min: f64::INFINITY,
         max: f64::NEG_INFINITY,
@@ -191,7 +191,7 @@ impl Range {
         }
     }
 
-    /// The smallest interval that includes both.
+    /// The smallest interval that includes both intervals.
     pub fn union(self, other: Range) -> Self {
         Range {
             min: self.min.min(other.min),
@@ -199,7 +199,7 @@ impl Range {
         }
     }
 
-    /// The part inside `limits`; `limits` is not empty.
+    /// The part of the interval that is inside `limits`, which must not be empty.
     pub fn within(self, limits: Range) -> Self {
         Range {
             min: self.min.max(limits.min),
@@ -207,7 +207,7 @@ impl Range {
         }
     }
 
-    /// Wider by these shares of its width.
+    /// The interval, extended below and above by these fractions of its width.
     pub fn padded(self, below: f64, above: f64) -> Self {
         let width = self.max - self.min;
         Range {
@@ -216,10 +216,10 @@ impl Range {
         }
     }
 
-    /// Itself, or something that can be drawn if it is empty or a single value.
+    /// The interval itself, or one that can be drawn if it is empty or has zero width.
     pub fn or_unit(self) -> Self {
         if self.min < self.max && (self.max - self.min).is_finite() {
-            // Narrower than an f64 can divide, ticks and places would be NaN.
+            // In a range narrower than `f64` can divide, ticks and positions would be NaN.
             let least = self.min.abs().max(self.max.abs()) * 1e-9;
             if self.max - self.min > least {
                 self

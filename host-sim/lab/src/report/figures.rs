@@ -1,24 +1,24 @@
-//! The figures of a run, as data: position–force, force, positions, stiffness, hand, energies.
+//! The figures of a run, as data: force over position, and force, positions, stiffness, hand and energies over time.
 
 use super::figure::{Axis, Figure, Range, Shape, Wall};
 use super::label;
 use super::quantity::with_unit;
 use super::view::{Ranges, View};
 
-/// The kind of figure.
+/// The types of figures of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// Force against position, thesis Figs. 5.2–5.5.
+    /// Force over position, thesis Figs. 5.2–5.5.
     PositionForce,
-    /// Force against time.
+    /// Force over time.
     Force,
-    /// Positions against time, thesis Fig. 5.6.
+    /// Positions over time, thesis Fig. 5.6.
     Trajectory,
-    /// Displayed stiffness against time, thesis Fig. 5.7.
+    /// Displayed stiffness over time, thesis Fig. 5.7.
     Stiffness,
-    /// The hand and its rest point against time.
+    /// Angles of the hand and of its rest point over time.
     Hand,
-    /// Observed and true energy against time.
+    /// Energy over time: as the law observes it, and the true one.
     Energy,
 }
 
@@ -33,7 +33,7 @@ impl Kind {
         Kind::Energy,
     ];
 
-    /// Figures that are drawn for all laws side by side: those in which laws differ at a glance.
+    /// Figures that are drawn side by side for all laws, because laws differ visibly in them.
     pub const SIDE_BY_SIDE: [Kind; 4] = [
         Kind::PositionForce,
         Kind::Trajectory,
@@ -41,7 +41,7 @@ impl Kind {
         Kind::Energy,
     ];
 
-    /// Heading.
+    /// Heading of the figure.
     pub fn title(self) -> &'static str {
         match self {
             Kind::PositionForce => "Force against position",
@@ -53,7 +53,7 @@ impl Kind {
         }
     }
 
-    /// Short name for identifiers.
+    /// Short name of the figure, for identifiers in the page.
     pub fn key(self) -> &'static str {
         match self {
             Kind::PositionForce => "f",
@@ -67,7 +67,8 @@ impl Kind {
 }
 
 impl View<'_> {
-    /// One figure. `detail` adds the lines that only matter to one run: offset, filter mass, device losses.
+    /// Creates one figure of the run. With `detail` it has the lines that matter only for a single run: offset, virtual mass,
+    /// device losses.
     pub fn figure(&self, kind: Kind, ranges: &Ranges, detail: bool) -> Figure {
         let mut figure = match kind {
             Kind::PositionForce => self.position_force(ranges),
@@ -189,7 +190,8 @@ impl View<'_> {
     fn trajectory(&self, ranges: &Ranges, detail: bool) -> Figure {
         let trace = self.trace;
         let mut range = ranges.angle;
-        // The offset is zero for most laws and the mass is the device for most: a line on top of another only confuses.
+        // For most laws the offset is zero, and the virtual mass is at the device's position. A line that coincides with another is
+        // left out.
         let far = |a: &[f64], b: &[f64]| self.contact.clone().any(|i| (a[i] - b[i]).abs() > 1e-9);
         let shifted = detail && far(&trace.surface_shifted_rad, &trace.surface_rad);
         let mass = detail && far(&trace.mass_rad, &trace.angle_rad);
@@ -218,7 +220,7 @@ impl View<'_> {
 
     fn hand(&self, ranges: &Ranges) -> Figure {
         let trace = self.trace;
-        // A rest point deep in the wall is how a hand presses; it would squeeze device and hand into a line.
+        // The rest point of a pressing hand is deep in the wall; a range with it would squeeze device and hand into one line.
         let near = Range::of(trace.hand_rad.iter().chain(&trace.angle_rad).copied());
         let wide = near.padded(0.5, 0.5);
         let rest = Range::of(trace.rest_rad.iter().copied());

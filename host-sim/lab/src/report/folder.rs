@@ -1,4 +1,4 @@
-//! A folder of results that are not runs of scenes: whole or not at all, and never over what another command left.
+//! Writes a folder of results other than runs of scenes: either all files or none, and never over files of another command.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,11 +7,11 @@ use super::previous;
 use super::staging::{Staging, io_error};
 use touchstone_sim::error::Result;
 
-/// Writes files, one of which is the `results.json` that names `command` and lists them all.
+/// Writes files into a folder. One of them is `results.json`, which names `command` and lists all files.
 ///
 /// # Errors
-/// [`touchstone_sim::error::Error::Io`], on one line and with the fix, where the folder holds the results of another command or
-/// cannot be written; then nothing in it has changed.
+/// [`touchstone_sim::error::Error::Io`], one line with the remedy: the folder holds the results of another command or cannot be
+/// written. Then nothing in the folder has changed.
 pub fn publish(
     folder: &Path,
     command: &str,

@@ -1,4 +1,4 @@
-//! `index.html`: one file, no network, readable without its script.
+//! The report page `index.html`: a single file that needs no network and can be read without its script.
 
 use std::fmt::Write;
 
@@ -12,8 +12,8 @@ use super::try_cell;
 use super::view::View;
 use super::{Block, PARQUET, ProgramVersion, ReportInput, Section, anchor, compare, runs, summary};
 
-/// The whole page: heading, picture, words and one table first; everything else is folded below. `origin` lists the
-/// files beside the page; with the default the page has no links to files.
+/// The whole page. Heading, picture, sentences and one table come first; everything else is folded below. `origin` lists the files
+/// beside the page; with the default value the page has no links to files.
 pub fn render(input: &ReportInput, origin: &Origin) -> String {
     let matrices = matrices(input.runs);
     let rows: Vec<(usize, usize)> = matrices
@@ -22,7 +22,7 @@ pub fn render(input: &ReportInput, origin: &Origin) -> String {
         .flat_map(|(m, matrix)| (0..matrix.stiffnesses.len()).map(move |r| (m, r)))
         .collect();
     let several = input.runs.len() > 1;
-    // A row of figures needs no other row: draw them on all cores, and put them together in order.
+    // Rows of figures do not depend on each other, so all cores draw them; they are joined in order.
     let rows: Vec<String> = if several {
         rows.into_par_iter()
             .map(|(m, r)| runs::row(input, origin, &matrices[m], m, r))
@@ -75,7 +75,7 @@ fn head(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     if !input.intro.is_empty() {
         let _ = writeln!(page, "<p>{}</p>", escape(input.intro));
     }
-    // The first screen is a picture, also on a phone: words and notes come after it.
+    // The picture is on the first screen, also on a phone; text and notes follow.
     summary::picture(page, input);
     let _ = writeln!(
         page,
@@ -125,7 +125,7 @@ fn head(page: &mut String, input: &ReportInput, matrices: &[Matrix]) {
     }
 }
 
-/// A caller's section.
+/// Writes a section that the caller has composed.
 pub(super) fn write_section(page: &mut String, section: &Section, folded: bool) {
     let (id, title) = (anchor(&section.title), escape(&section.title));
     let end = if folded {
@@ -145,7 +145,7 @@ pub(super) fn write_section(page: &mut String, section: &Section, folded: bool) 
     page.push_str(end);
 }
 
-/// A table that scrolls sideways where the page is narrow.
+/// Writes a table that scrolls sideways on a narrow page.
 pub(super) fn table<Text: AsRef<str>, Row: AsRef<[Text]>>(
     page: &mut String,
     caption: &str,
@@ -239,7 +239,7 @@ pub(super) fn signature(page: &mut String, program: &ProgramVersion) {
     );
 }
 
-/// A heading as an identifier.
+/// Converts a heading to an identifier for links.
 fn anchor(title: &str) -> String {
     let safe: String = title
         .chars()
@@ -283,7 +283,7 @@ mod tests {
         render(&input, &Origin::default())
     }
 
-    /// Values of an attribute, in order.
+    /// Values of an HTML attribute in the page, in order.
     fn values<'a>(page: &'a str, attribute: &'a str) -> impl Iterator<Item = &'a str> {
         page.split(attribute)
             .skip(1)
@@ -302,7 +302,7 @@ mod tests {
         for label in values(&page, "aria-labelledby=\"").flat_map(str::split_whitespace) {
             assert!(distinct.contains(label), "{label}");
         }
-        // Two in the picture; three laws: four kinds side by side, and six for each run.
+        // Two plots in the picture; with three laws four types side by side, and six for each run.
         assert_eq!(page.matches("class=\"plot\"").count(), 2 + 12 + 18);
         for tag in [
             "svg", "figure", "article", "section", "details", "summary", "table", "tr", "ul", "dl",
@@ -347,7 +347,7 @@ mod tests {
         }
         let bare = page(&runs);
         assert_eq!(bare.matches("<li id=\"run-").count(), 3);
-        // What the laws show needs no trace.
+        // The displayed stiffness of the laws needs no trace.
         assert_eq!(bare.matches("class=\"plot\"").count(), 1);
         assert!(page(&runs[..1]).contains("No trace was kept"));
         assert!(page(&[]).contains("Nothing was run"));

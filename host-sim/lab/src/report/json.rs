@@ -1,4 +1,4 @@
-//! `results.json`: every run's summary in SI units, and the unit of every number.
+//! `results.json`: the summary of every run in SI units, and the unit of every number.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use super::measures::{MEASURES, SETTINGS};
 use super::origin::{Input, Origin, ProgramVersion, RunFiles, SCHEMA_VERSION};
 use touchstone_sim::run::record::Summary;
 
-/// Unit of every numeric field of a run. `1` marks a plain count.
+/// Unit of every numeric field of a run; `1` for a number without unit.
 pub fn units() -> BTreeMap<&'static str, &'static str> {
     let settings = SETTINGS.iter().map(|(field, unit, _)| (*field, *unit));
     settings
@@ -25,7 +25,7 @@ struct Results<'a> {
     program: ProgramVersion,
     command: &'a str,
     inputs: &'a [Input],
-    /// The spacing of trace rows in ticks, if files were written.
+    /// Number of ticks per row of a trace file; absent if no files were written.
     #[serde(skip_serializing_if = "Option::is_none")]
     trace_every: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -49,14 +49,14 @@ struct Entry<'a> {
     trace_parquet: Option<&'a str>,
 }
 
-/// What `--json` prints: as [`written`], without files.
+/// Output of `--json`: as [`written`], without files.
 pub fn render(input: &ReportInput) -> String {
     text(input, &Origin::default(), None)
 }
 
-/// The text of `results.json`; `files` are all that the report's folder holds.
+/// Text of `results.json`; `files` are all files in the report's folder.
 ///
-/// A field that does not apply is `null`; so is a number that is not finite, for JSON has no other way to say so.
+/// A field that does not apply is `null`. A number that is not finite is `null` too, because JSON has no such numbers.
 pub fn written(input: &ReportInput, origin: &Origin, files: &[String]) -> String {
     text(input, origin, Some(files))
 }
@@ -94,7 +94,7 @@ fn text(input: &ReportInput, origin: &Origin, files: Option<&[String]>) -> Strin
     text
 }
 
-/// The origin of a trace for its file: keys and values.
+/// Metadata of a trace file that say where the trace comes from, as keys and values.
 pub fn trace_origin(
     input: &ReportInput,
     inputs: &[Input],
@@ -115,7 +115,7 @@ pub fn trace_origin(
     more
 }
 
-/// The sidecar of a trace's CSV file.
+/// Text of the metadata file beside a trace's CSV file.
 pub fn sidecar(csv: &str, origin: &[(&'static str, String)]) -> String {
     let columns: Vec<[&str; 4]> = COLUMNS
         .iter()
@@ -124,7 +124,8 @@ pub fn sidecar(csv: &str, origin: &[(&'static str, String)]) -> String {
     tabular(csv, &columns, origin)
 }
 
-/// The sidecar of a CSV file, in the W3C's vocabulary for tabular data: columns with name, type, meaning and unit, and where it is from.
+/// Text of the metadata file beside a CSV file, in the W3C's vocabulary for tabular data: name, type, meaning and unit of each
+/// column, and the origin of the data.
 pub fn tabular(csv: &str, columns: &[[&str; 4]], origin: &[(&'static str, String)]) -> String {
     let columns: Vec<Value> = columns
         .iter()
@@ -136,7 +137,7 @@ pub fn tabular(csv: &str, columns: &[[&str; 4]], origin: &[(&'static str, String
     let notes: serde_json::Map<String, Value> = origin
         .iter()
         .map(|(key, value)| {
-            // What is JSON already, and only that, is not quoted once more.
+            // Values that are JSON already are not quoted again.
             let value = match *key {
                 "schema_version" | "program" | "inputs" | "trace_every" | "sweep" => {
                     serde_json::from_str(value).unwrap_or_default()
@@ -165,7 +166,7 @@ mod tests {
     use touchstone_control::LawKind;
     use touchstone_sim::run::record::Run;
 
-    /// A run in which no field is `None`.
+    /// A run in which no field is `None`, for tests.
     fn complete() -> Run {
         let mut run = synthetic::run(LawKind::EnhancedSfa, 2.5, 0.01);
         let s = &mut run.summary;

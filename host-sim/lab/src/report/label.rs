@@ -1,19 +1,19 @@
-//! The words that a reader sees for laws, verdicts and the conditions of a run.
+//! Texts for readers: names and explanations of laws, verdicts and the conditions of a run.
 
 use super::figure::Sign;
 use super::quantity::{grouped, plain};
 use touchstone_control::LawKind;
 use touchstone_sim::run::record::{Summary, Verdict};
 
-/// Name and explanation of a law.
+/// Name and explanation of a control law.
 pub struct LawWords {
-    /// Short name for people.
+    /// Short name of the law for readers.
     pub name: &'static str,
-    /// The meaning of the label in a clause.
+    /// What the law does, in a clause.
     pub meaning: &'static str,
 }
 
-/// The words for a law. A law more is one arm more.
+/// Name and explanation of a law. A new law needs one more arm here.
 pub fn law_words(law: LawKind) -> LawWords {
     let (name, meaning) = match law {
         LawKind::Spring => ("Spring", "force in proportion to the penetration"),
@@ -42,38 +42,38 @@ pub fn law_words(law: LawKind) -> LawWords {
     LawWords { name, meaning }
 }
 
-/// A law's short name for people.
+/// Short name of a law for readers.
 pub fn law(law: LawKind) -> &'static str {
     law_words(law).name
 }
 
-/// A run's name for people: its law's, unless the report gives it another.
+/// Name of a run for readers: the name of its law, unless the report gives the run another.
 pub fn run_name(run: &Summary) -> &'static str {
     run.shown_as.unwrap_or(law(run.law))
 }
 
-/// A law's place in tables: simplest first.
+/// Position of a law in tables; the simplest law comes first.
 pub fn law_order(law: LawKind) -> usize {
     law as usize
 }
 
-/// Name, explanation and style of a verdict.
+/// Name, explanation and style of a verdict on a run.
 pub struct VerdictWords {
-    /// The name in one word.
+    /// Name of the verdict in one or two words.
     pub name: &'static str,
-    /// Name in results and of its style.
+    /// Name of the verdict in results, and of its CSS class.
     pub key: &'static str,
-    /// A sign, so that colour is never the only difference.
+    /// A character that stands for the verdict, so that colour is never the only difference.
     pub sign: &'static str,
-    /// The sign in a figure.
+    /// The verdict's sign in a figure.
     pub mark: Sign,
-    /// Colour in a terminal, ANSI.
+    /// ANSI colour code of the verdict in a terminal.
     pub ansi: &'static str,
-    /// The meaning of the setting.
+    /// Meaning of the verdict.
     pub meaning: &'static str,
 }
 
-/// The words for a verdict. A verdict more is one arm more.
+/// Name, explanation and style of a verdict. A new verdict needs one more arm here.
 pub fn verdict_words(verdict: Verdict) -> VerdictWords {
     let (name, sign, mark, ansi) = match verdict {
         Verdict::Passive => ("passive", "✓", Sign::Dot, "32"),
@@ -93,20 +93,20 @@ pub fn verdict_words(verdict: Verdict) -> VerdictWords {
     }
 }
 
-/// A verdict in a word.
+/// Name of a verdict for readers.
 pub fn verdict(verdict: Verdict) -> &'static str {
     verdict_words(verdict).name
 }
 
-/// The conditions of a run apart from the law and the desired stiffness. Runs of one table share them.
+/// The conditions of a run apart from control law and requested stiffness. Runs in one table share them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Condition {
-    /// Each part in words, always in the same order: scene, grip, encoder, rate, number format.
+    /// The conditions in words, always in the same order: scene, grip, encoder, rate, number format.
     pub parts: [String; 5],
 }
 
 impl Condition {
-    /// The condition of a run.
+    /// The conditions of a run, from its summary.
     pub fn of(summary: &Summary) -> Self {
         let rate = f64::from(summary.rate_hz);
         Condition {
@@ -131,13 +131,13 @@ impl Condition {
         }
     }
 
-    /// All parts in one line.
+    /// All conditions of the run in one line of text.
     pub fn text(&self) -> String {
         self.parts.join(" · ")
     }
 }
 
-/// A file name without ending for a run's trace; it has everything that usually varies within a report.
+/// Name of a run's trace file without ending. It contains everything that usually differs between runs of a report.
 pub fn file_stem(summary: &Summary) -> String {
     let counts = summary
         .encoder_counts_per_rev
@@ -158,8 +158,8 @@ pub fn file_stem(summary: &Summary) -> String {
         .to_owned()
 }
 
-/// `text` with every character replaced that a file name may not have: a scene's name comes from a file and may hold
-/// anything, even a path separator.
+/// `text` with every character replaced that a file name must not contain. The name of a scene comes from a file and may contain
+/// any character, even a path separator.
 pub fn safe(text: &str) -> String {
     let safe = |c: char| {
         if c.is_ascii_alphanumeric() || c == '.' || c == '-' || c == '_' {

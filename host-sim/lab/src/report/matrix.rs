@@ -1,20 +1,20 @@
-//! Sorts runs into tables: one for each set of conditions, desired stiffness downwards, laws across.
+//! Sorts runs into tables, one for each set of conditions: requested stiffness downwards, control laws across.
 
 use super::label::{self, Condition};
 use touchstone_control::LawKind;
 use touchstone_sim::run::record::{Run, Summary};
 
-/// A column: a law, or one of its settings that the report names.
+/// A column of a table: a control law, or one set of its settings to which the report gives a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Column {
-    /// A name in place of the law's own. It is the first field, so that named columns are sorted last.
+    /// Name of the column in place of the law's own. It is the first field, so that columns with such a name are sorted last.
     shown_as: Option<&'static str>,
-    /// The law.
+    /// The control law of the column.
     pub law: LawKind,
 }
 
 impl Column {
-    /// Where a run stands.
+    /// The column in which a run stands.
     pub fn of(run: &Summary) -> Self {
         Self {
             shown_as: run.shown_as,
@@ -22,39 +22,39 @@ impl Column {
         }
     }
 
-    /// Whether the report names it.
+    /// Whether the report gives the column a name of its own, instead of the law's name.
     pub fn is_named(self) -> bool {
         self.shown_as.is_some()
     }
 
-    /// The column's heading.
+    /// Heading of the column.
     pub fn name(self) -> &'static str {
         self.shown_as.unwrap_or(label::law(self.law))
     }
 }
 
-/// Runs under the same conditions as a table of `k_de` × law.
+/// Runs under the same conditions, as a table of requested stiffness `k_de` × control law.
 pub struct Matrix {
     /// The conditions that the runs share.
     pub condition: Condition,
-    /// The parts of `condition` that are not the same throughout the report; empty if there is one table only.
+    /// The conditions that differ between the report's tables, in words; empty if there is only one table.
     pub distinction: String,
-    /// Rows: desired stiffness, N·m/rad, rising.
+    /// Requested stiffness of each row, N·m/rad, ascending.
     pub stiffnesses: Vec<f64>,
-    /// Columns.
+    /// Control law of each column.
     pub laws: Vec<Column>,
-    /// `cells[row][column]` holds indices into the runs, several if the same cell was run more than once.
+    /// Indices of the runs in `cells[row][column]`; several if the same cell was run more than once.
     pub cells: Vec<Vec<Vec<usize>>>,
 }
 
 impl Matrix {
-    /// All runs of a row, left to right.
+    /// Indices of all runs in a row, from left to right.
     pub fn row(&self, row: usize) -> impl Iterator<Item = usize> + '_ {
         self.cells[row].iter().flatten().copied()
     }
 }
 
-/// The tables of a report, in the order in which their conditions first appear.
+/// Sorts the runs of a report into tables, in the order in which their conditions first appear.
 pub fn matrices(runs: &[Run]) -> Vec<Matrix> {
     let conditions: Vec<Condition> = runs.iter().map(|run| Condition::of(&run.summary)).collect();
     let mut distinct: Vec<&Condition> = Vec::new();

@@ -1,27 +1,27 @@
-//! The measures of a run, defined once for table, page, `results.json` and its schema. A new measure is one new row.
+//! The measures of a run, defined once for table, page, `results.json` and its schema. A new measure needs one new row here.
 
 use super::quantity::{grouped, significant, with_unit};
 use touchstone_sim::run::record::Summary;
 
-/// One measure.
+/// A measure of a run.
 pub struct Measure {
-    /// Name in `results.json`: the field of [`Summary`].
+    /// Name of the measure in `results.json`: the name of the field in [`Summary`].
     pub field: &'static str,
-    /// Name for people.
+    /// Name of the measure for readers.
     pub words: &'static str,
-    /// SI unit; `1` is a plain count.
+    /// SI unit; `1` for a number without unit.
     pub unit: &'static str,
-    /// Meaning, in the schema.
+    /// Meaning of the measure, for the schema.
     pub meaning: &'static str,
     /// The measure's value; `None` where it does not apply.
     pub value: fn(&Summary) -> Option<f64>,
-    /// The number as people read it.
+    /// Formats the measure's value for readers.
     pub shown: fn(&Summary, f64) -> String,
 }
 
 macro_rules! measures {
     ($($field:ident, $words:literal, $unit:literal, $meaning:literal, $value:expr, $shown:expr;)*) => {
-        /// Every measure, in the order in which people read them.
+        /// Every measure, in the order in which readers see them.
         pub const MEASURES: &[Measure] = &[$(Measure {
             field: stringify!($field),
             words: $words,
@@ -108,7 +108,7 @@ measures! {
         |s| Some(s.contact_ticks as f64), |s, x| format!("{} of {} ticks", grouped(x), grouped(s.ticks as f64));
 }
 
-/// Numbers that a run was made under: field, unit, meaning.
+/// Settings of a run that are numbers: field, unit, meaning.
 pub const SETTINGS: &[(&str, &str, &str)] = &[
     ("k_desired", "N·m/rad", "desired stiffness k_de of the wall"),
     (
@@ -120,7 +120,7 @@ pub const SETTINGS: &[(&str, &str, &str)] = &[
     ("ticks", "1", "ticks that were simulated"),
 ];
 
-/// A run's results in words and rounded numbers; `results.json` has all digits.
+/// Results of a run in words and rounded numbers, for readers; `results.json` has all digits.
 pub fn facts(s: &Summary) -> Vec<(&'static str, String)> {
     let fact = |m: &Measure| (m.value)(s).map(|value| (m.words, (m.shown)(s, value)));
     let why = s.not_judged.as_ref().map(|why| ("why", why.clone()));

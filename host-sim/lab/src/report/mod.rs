@@ -1,9 +1,9 @@
-//! Results for people and scripts after a run: terminal table, `index.html`, `summary.svg`, `results.json`, traces as
-//! CSV and Parquet, scenes with every value.
+//! Writes results for readers and scripts after a run: terminal table, `index.html`, `summary.svg`, `results.json`, traces as CSV
+//! and Parquet, and scene files with every value.
 //!
-//! [`ReportInput`] goes in; [`write::write`] makes the whole folder, from which every run can be made again,
-//! [`table::render`] the terminal's table, and [`json::render`] the output of `--json`. All numbers are in SI units;
-//! only texts for people use prefixes.
+//! [`ReportInput`] has the results. [`write::write`] writes the folder, from which every run can be repeated. [`table::render`]
+//! makes the terminal's table, and [`json::render`] the output of `--json`. All numbers are in SI units; only texts for readers use
+//! prefixes.
 
 mod anchor;
 pub mod columns;
@@ -57,80 +57,81 @@ use std::path::PathBuf;
 use touchstone_sim::run::record::Run;
 use touchstone_sim::scene::Scene;
 
-/// What a report is made of. Everything but the runs may be left empty: `ReportInput { title, command, runs, ..Default::default() }`.
+/// Contents of a report. Everything but the runs may be empty: `ReportInput { title, command, runs, ..Default::default() }`.
 ///
-/// Runs are sorted by their conditions (scene, grip, encoder, rate, number format) into tables of `k_de` × law, so the
-/// comparison of the thesis, a single run and a sweep over grips all need no more than a list. A run without a trace appears
-/// with its numbers, without plots.
+/// Runs are sorted by their conditions (scene, grip, encoder, rate, number format) into tables of requested stiffness `k_de` ×
+/// control law. So a list of runs is enough for the thesis' comparison, a single run and a sweep over grips alike. A run without a
+/// trace appears with its numbers, without plots.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ReportInput<'a> {
     /// Heading of the page.
     pub title: &'a str,
-    /// A description of the runs, in a sentence or two.
+    /// A description of the runs in one or two sentences.
     pub intro: &'a str,
-    /// The command line that makes this report again.
+    /// Command line that repeats this report.
     pub command: &'a str,
-    /// The program that ran.
+    /// Version of the program that simulated the runs.
     pub program: ProgramVersion,
-    /// The scene of each run, in their order; empty if no scenes are to be written.
+    /// The scene of each run, in the order of `runs`; empty if no scenes are to be written.
     pub scenes: &'a [Scene],
-    /// Files that the scenes were read from; recordings are found in the scenes.
+    /// Files from which the scenes were read. Recordings are not among them; the scenes name those.
     pub inputs: &'a [PathBuf],
-    /// The files to write.
+    /// Which files the report writes.
     pub files: FileOptions,
-    /// Critical stiffness `k_c` of device and rate, N·m/rad, drawn beside the displayed stiffness.
+    /// Critical stiffness `k_c` of device and control rate, N·m/rad. It is drawn beside the displayed stiffness.
     pub k_critical: Option<f64>,
-    /// The runs.
+    /// The runs with their results.
     pub runs: &'a [Run],
-    /// Warnings that a reader must know, such as settings beyond a passivity bound.
+    /// Warnings that a reader has to know, such as settings beyond a passivity bound.
     pub notes: &'a [String],
-    /// Where to read on a stiffness: `k_de` in N·m/rad, and a reference such as a figure of the thesis.
+    /// References for one requested stiffness: `k_de` in N·m/rad, and a text such as a figure number of the thesis.
     pub row_notes: &'a [(f64, String)],
-    /// Further sections, folded, between the tables and the plots.
+    /// Further sections between the tables and the plots; they are folded if there are several sections or runs.
     pub sections: &'a [Section],
-    /// The live page, whatever its scene: every run whose scene is written out can then be tried in the report.
+    /// Text of the interactive page. If given, every run whose scene is written out can be tried in the report.
     pub live_page: Option<&'a str>,
 }
 
-/// A section of the page that the caller wrote, such as the claims that were checked.
+/// A section of the page that the caller composes, for example the claims that were checked.
 #[derive(Debug, Clone, Default)]
 pub struct Section {
-    /// Heading.
+    /// Heading of the section.
     pub title: String,
-    /// Content, from top to bottom.
+    /// Parts of the section, from top to bottom.
     pub body: Vec<Block>,
-    /// Whether the section is folded at first, on a page of sections alone; a report of runs decides for itself.
+    /// Whether the section starts folded, on a page of sections alone. A report of runs folds its sections if it has several runs
+    /// or sections.
     pub folded: bool,
 }
 
-/// A piece of a [`Section`]. Texts are plain: the page escapes them.
+/// A part of a [`Section`]. Texts are plain; the page escapes them.
 #[derive(Debug, Clone)]
 pub enum Block {
-    /// A paragraph.
+    /// A paragraph of text.
     Text(String),
     /// A table with a heading row.
     Table {
         /// Caption of the table.
         caption: String,
-        /// Names of the columns, with units.
+        /// Names of the table's columns, with units.
         header: Vec<String>,
-        /// Cells, row by row.
+        /// Texts of the table's cells, row by row.
         rows: Vec<Vec<String>>,
     },
-    /// A drawing, as SVG made by this program.
+    /// A drawing as SVG that this program made.
     Figure(String),
 }
 
-/// Whether this program can write Parquet.
+/// Whether this program was built with support for Parquet files.
 pub const PARQUET: bool = cfg!(feature = "parquet");
 
-/// What [`write::write`] writes, and over what.
+/// Options on the files that [`write::write`] writes.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FileOptions {
-    /// Parquet alone, where there is [`PARQUET`].
+    /// Writes traces as Parquet only and not as CSV, if the program has [`PARQUET`].
     pub no_csv: bool,
-    /// Traces have one tick of this many; 0 and 1 both mean all.
+    /// Traces contain every `every`th tick; 0 and 1 mean all ticks.
     pub every: usize,
-    /// Replaces what another command left in the folder.
+    /// Whether files of another command in the folder are replaced.
     pub force: bool,
 }

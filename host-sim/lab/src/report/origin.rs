@@ -1,5 +1,4 @@
-//! The origin of a report, so that it can be made again: program, command, scenes with every value, inputs with their
-//! hashes.
+//! Where a report comes from, so that it can be repeated: program, command, scenes with every value, input files with their hashes.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -12,19 +11,20 @@ use super::{PARQUET, ReportInput, label};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{MotionSpec, Scene};
 
-/// Version of the layout of `results.json` and of the traces' metadata. It rises when a reader of the former could be misled.
+/// Version of the format of `results.json` and of the traces' metadata. It is raised when a reader of the previous format could be
+/// misled.
 pub const SCHEMA_VERSION: u32 = 1;
 
-/// The program that ran.
+/// Version of the program that made the results.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct ProgramVersion {
-    /// The program's name.
+    /// Name of the program.
     pub name: &'static str,
-    /// The program's version.
+    /// Version number of the program.
     pub version: &'static str,
-    /// Commit that it was built from; `None` where it was not built in a checkout.
+    /// Commit that the program was built from; `None` if it was not built from a git checkout.
     pub commit: Option<&'static str>,
-    /// Whether files of the checkout differed from that commit.
+    /// Whether files of the checkout differed from that commit when the program was built.
     pub modified: bool,
 }
 
@@ -39,18 +39,18 @@ impl Default for ProgramVersion {
     }
 }
 
-/// A file that was read.
+/// An input file that was read.
 #[derive(Debug, Clone, Serialize)]
 pub struct Input {
     /// The path as the user gave it.
     pub path: PathBuf,
-    /// Hash of its bytes, hexadecimal.
+    /// SHA-256 hash of the file's bytes, hexadecimal.
     pub sha256: String,
-    /// The file's length.
+    /// Length of the file, bytes.
     pub bytes: usize,
-    /// Where a copy lies, relative to the report's folder; a scene needs none, it is written out.
+    /// Path of the file's copy, relative to the report's folder. A scene has no copy, because it is written out with every value.
     pub copy: Option<String>,
-    /// The file's bytes, where they are to be copied.
+    /// The file's bytes; empty if no copy is written.
     #[serde(skip)]
     pub content: Vec<u8>,
 }
@@ -58,37 +58,37 @@ pub struct Input {
 /// The files that belong to one run, relative to the report's folder.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RunFiles {
-    /// A name that distinguishes the run from the others of the report, and from runs of other scenes.
+    /// A name of the run that no other run of the report has, nor a run of another scene.
     pub name: String,
-    /// The scene with every value.
+    /// The scene file with every value; absent if no scenes are written.
     pub scene: Option<SceneFile>,
-    /// Trace as CSV.
+    /// Path of the trace as CSV.
     pub csv: Option<String>,
-    /// Trace as Parquet.
+    /// Path of the trace as Parquet.
     pub parquet: Option<String>,
 }
 
-/// A scene that was written out.
+/// A scene file that was written out.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneFile {
-    /// Path, relative to the report's folder.
+    /// Path of the scene file, relative to the report's folder.
     pub path: String,
-    /// The scene's text.
+    /// Text of the scene file.
     pub text: String,
-    /// Hash of its text, hexadecimal.
+    /// SHA-256 hash of the scene's text, hexadecimal.
     pub sha256: String,
 }
 
-/// Everything that is kept beside the results.
+/// Everything that a report records about its origin.
 #[derive(Debug, Clone, Default)]
 pub struct Origin {
-    /// Files that were read.
+    /// Input files that were read.
     pub inputs: Vec<Input>,
-    /// One entry for each run.
+    /// Names and files of each run, in the order of the report.
     pub runs: Vec<RunFiles>,
 }
 
-/// Hash of `bytes`, hexadecimal.
+/// SHA-256 hash of `bytes`, hexadecimal.
 pub fn sha256(bytes: &[u8]) -> String {
     use std::fmt::Write;
     Sha256::digest(bytes)
@@ -100,16 +100,16 @@ pub fn sha256(bytes: &[u8]) -> String {
 }
 
 impl Origin {
-    /// Reads and hashes the inputs, names every run and writes out its scene.
+    /// Reads and hashes the input files, names every run, and writes out the text of its scene.
     ///
     /// # Errors
-    /// [`Error::Io`] where an input cannot be read any more.
+    /// [`Error::Io`]: an input file can no longer be read.
     pub fn of(input: &ReportInput) -> Result<Origin> {
         let mut inputs = Vec::new();
         for path in input.inputs {
             inputs.push(read(path, None)?);
         }
-        // Recordings go into the folder: a scene that names a file elsewhere could not be run again.
+        // Recordings are copied into the folder, because a scene that names a file elsewhere could not be run again.
         let mut copies: HashMap<PathBuf, String> = HashMap::new();
         for scene in input.scenes {
             if let MotionSpec::Recorded(spec) = &scene.operator.motion
@@ -138,13 +138,13 @@ impl Origin {
         let name = |(index, run): (usize, &touchstone_sim::run::record::Run)| {
             let text = texts.get(index);
             let sha256 = text.map(|text| self::sha256(text.as_bytes()));
-            // The first digits of the scene's hash: whatever differs, a trace of another scene has another name.
+            // The first digits of the scene's hash. So traces of different scenes have different names.
             let stem = match &sha256 {
                 Some(sha256) => format!("{}_{}", stems[index], &sha256[..8]),
                 None => stems[index].clone(),
             };
             let mut name = stem.clone();
-            // Compared without case: some file systems do.
+            // Names are compared without case, because some file systems do so.
             for repeat in 2.. {
                 if taken.insert(name.to_lowercase()) {
                     break;
@@ -195,7 +195,7 @@ fn read(path: &Path, copy: Option<String>) -> Result<Input> {
     })
 }
 
-/// The scenes' texts; `up` leads from a scene's folder to the report's.
+/// Texts of the scene files; `up` is the path from a scene's folder to the report's folder.
 fn written_out(scenes: &[Scene], copies: &HashMap<PathBuf, String>, up: &str) -> Vec<String> {
     let text = |scene: &Scene| {
         let mut scene = scene.clone();
@@ -209,11 +209,11 @@ fn written_out(scenes: &[Scene], copies: &HashMap<PathBuf, String>, up: &str) ->
     scenes.iter().map(text).collect()
 }
 
-/// Longest name of a trace, without its endings: file systems take 255 bytes.
+/// Longest name of a trace file without its endings, bytes; file systems accept 255.
 const STEM_MAX: usize = 160;
 
-/// Names of the runs by their conditions; where several share one, what differs between their scenes is added, or a number where that
-/// is too long for a file's name.
+/// Names of the runs from their conditions. If several runs share a name, the values in which their scenes differ are added, or a
+/// number if that would be too long for a file name.
 fn stems(input: &ReportInput) -> Vec<String> {
     let mut stems: Vec<String> = input
         .runs
@@ -263,7 +263,7 @@ fn stems(input: &ReportInput) -> Vec<String> {
     stems
 }
 
-/// The values of a scene by their dotted paths.
+/// Collects the values of a scene by their dotted keys.
 fn flatten(value: &Value, path: &str, leaves: &mut BTreeMap<String, String>) {
     match value {
         Value::Object(map) => {

@@ -1,4 +1,4 @@
-//! A folder with a page of sections, `results.json` and further files: for commands that compare more than runs.
+//! Writes a folder with a page of sections, `results.json` and further files, for commands whose results are not a list of runs.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -11,28 +11,28 @@ use super::svg::escape;
 use super::{ProgramVersion, Section, Written, html, previous};
 use touchstone_sim::error::Result;
 
-/// Content of the folder.
+/// Contents of a results folder with a page.
 #[derive(Debug, Clone, Copy)]
 pub struct Page<'a> {
-    /// Heading.
+    /// Heading of the page.
     pub title: &'a str,
-    /// A description of the work, in a sentence or two.
+    /// A description of the results in one or two sentences.
     pub intro: &'a str,
-    /// The command line that makes it again.
+    /// Command line that repeats the results.
     pub command: &'a str,
-    /// The program that ran.
+    /// Version of the program.
     pub program: ProgramVersion,
-    /// The page, from top to bottom.
+    /// Sections of the page, from top to bottom.
     pub sections: &'a [Section],
-    /// The entry in `results.json`: its name and its value.
+    /// Name and value of the results' entry in `results.json`.
     pub results: (&'a str, &'a Value),
     /// Further files: their names and texts.
     pub files: &'a [(String, String)],
-    /// Replaces what another command left in the folder.
+    /// Whether files of another command in the folder are replaced.
     pub force: bool,
 }
 
-/// A page of sections alone.
+/// HTML text of the page.
 fn html(input: &Page) -> String {
     let mut page = String::new();
     let title = escape(input.title);
@@ -56,10 +56,7 @@ fn html(input: &Page) -> String {
     page
 }
 
-/// Writes it: complete or not at all, like a report of runs.
-///
-/// # Errors
-/// Same as [`super::write()`].
+/// Writes the folder: either all files or none, as for a report of runs.
 pub fn write(page: &Page, folder: &Path) -> Result<Written> {
     let mut names: Vec<String> = page.files.iter().map(|(name, _)| name.clone()).collect();
     names.extend(["results.json", "index.html"].map(str::to_owned));

@@ -1,4 +1,5 @@
-//! A trace as Parquet, for pandas, polars, DuckDB and the like: doubles, with units and the run's summary in the metadata; and any table.
+//! A trace as a Parquet file, for pandas, polars, DuckDB and similar tools: columns of doubles, with units and the run's summary in
+//! the metadata. Also writes any other table.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -15,18 +16,18 @@ use super::columns::{self, COLUMNS};
 use touchstone_control::Choice;
 use touchstone_sim::run::record::{Run, Trace};
 
-/// Ticks in a row group: a minute at 1 kHz, some 6 MB before compression. Usual traces are one group; a long recording can
-/// still be read in parts.
+/// Ticks in a row group: a minute at 1 kHz, some 6 MB before compression. Usual traces are one group; a long recording can be read
+/// in parts.
 const GROUP: usize = 60_000;
 
-/// Writes the trace of `run`.
+/// Writes the trace of `run`, every `every`th tick from the first on.
 ///
-/// File metadata: `scene`, `law`, `summary` (the run of `results.json`), `units` (column to unit), `columns` (column
-/// to meaning), then `more`; `summary`, `units` and `columns` are JSON. A value that does not exist is NaN, not null:
-/// columns stay plain vectors. Every `every`th tick is written, from the first on.
+/// The file's metadata are `scene`, `law`, `summary` (the run's entry in `results.json`), `units` (unit per column), `columns`
+/// (meaning per column), then `more`. `summary`, `units` and `columns` are JSON. A missing value is NaN, not null, so that columns
+/// stay plain vectors.
 ///
 /// # Errors
-/// The system's message when writing failed.
+/// The operating system's error if writing failed.
 pub fn write(
     out: impl Write + Send,
     run: &Run,
@@ -35,7 +36,7 @@ pub fn write(
     more: &[(&str, String)],
 ) -> io::Result<()> {
     write_file(out, run, trace, every.max(1), more).map_err(|error| match error {
-        // The system's own error is wrapped; its kind is what decides on the advice given to the user.
+        // The operating system's error is wrapped; its kind decides about the advice to the user.
         ParquetError::External(inner) => match inner.downcast::<io::Error>() {
             Ok(error) => *error,
             Err(other) => io::Error::other(other),
@@ -121,19 +122,19 @@ fn builder<'a>(metadata: impl Iterator<Item = (&'a str, String)>) -> WriterPrope
         ))
 }
 
-/// The values of a column of a table that is no trace.
+/// Values of one column of a table that is no trace.
 #[derive(Debug, Clone)]
 pub enum Values<'a> {
-    /// Numbers; what does not exist is NaN.
+    /// Numbers; a missing value is NaN.
     Numbers(Vec<f64>),
-    /// Words.
+    /// Texts, one per row.
     Words(Vec<&'a str>),
 }
 
-/// A table of named columns of one length as a file, with its metadata.
+/// The bytes of a Parquet file with named columns of equal length and with metadata.
 ///
 /// # Errors
-/// Columns that cannot be encoded; none of ours.
+/// The columns cannot be encoded, for example because their lengths differ.
 pub fn table(columns: &[(&str, Values<'_>)], metadata: &[(&str, String)]) -> io::Result<Vec<u8>> {
     let write = || -> Result<Vec<u8>, ParquetError> {
         let fields = columns
@@ -208,7 +209,7 @@ mod tests {
     use crate::report::synthetic;
     use touchstone_control::LawKind;
 
-    /// Writes and reads back: columns and metadata.
+    /// Writes a run's trace and reads it back: trace, metadata, and number of row groups.
     fn round_trip(run: &Run, name: &str) -> (Trace, Vec<(String, String)>, usize) {
         let path =
             std::env::temp_dir().join(format!("touchstone-{}-{name}.parquet", std::process::id()));

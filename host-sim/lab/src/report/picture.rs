@@ -1,5 +1,4 @@
-//! The picture at the head of a report: how much of the desired stiffness each law displays, and two runs over each
-//! other.
+//! The picture at the top of a report: how much of the requested stiffness each law displays, and two runs drawn over each other.
 
 use std::fmt::Write;
 
@@ -14,18 +13,18 @@ use super::view::View;
 use touchstone_control::LawKind;
 use touchstone_sim::run::record::{Run, Verdict};
 
-/// Size of one of its figures.
+/// Size of each figure in the picture, pixels.
 pub const SIZE: Size = Size {
     width: 560,
     height: 300,
 };
 
-/// Whether there is one.
+/// Whether the report has such a picture.
 pub fn has(input: &ReportInput) -> bool {
     !figures(input).is_empty()
 }
 
-/// The picture's figures, one or two.
+/// The one or two figures of the picture.
 pub fn figures(input: &ReportInput) -> Vec<Figure> {
     if let [run] = input.runs {
         return View::new(run, input.k_critical).map_or(Vec::new(), |view| {
@@ -45,7 +44,7 @@ pub fn figures(input: &ReportInput) -> Vec<Figure> {
     figures
 }
 
-/// Class of a column's lines.
+/// CSS class of the lines for a column of the table.
 fn column_class(column: Column) -> &'static str {
     if column.is_named() {
         "law-h"
@@ -54,7 +53,7 @@ fn column_class(column: Column) -> &'static str {
     }
 }
 
-/// Class of a law's lines.
+/// CSS class of the lines for a law.
 pub fn law_class(law: LawKind) -> &'static str {
     match law {
         LawKind::Spring => "law-a",
@@ -67,7 +66,7 @@ pub fn law_class(law: LawKind) -> &'static str {
     }
 }
 
-/// Displayed stiffness as a share of the desired one, for each law at each desired stiffness.
+/// Figure of the displayed stiffness in percent of the requested one, for each law at each requested stiffness.
 fn shown(runs: &[Run], table: &Matrix) -> Option<Figure> {
     let share = |index: usize| {
         let s = &runs[index].summary;
@@ -86,7 +85,7 @@ fn shown(runs: &[Run], table: &Matrix) -> Option<Figure> {
     let mut x = Axis::new("desired stiffness k_de, N·m/rad", "", range);
     let mark = |(index, k): (usize, &f64)| (index as f64, plain(*k));
     x.marks = Some(table.stiffnesses.iter().enumerate().map(mark).collect());
-    // Below zero is room for the signs of walls that were lost.
+    // The space below zero is for the signs of walls that were lost.
     let range = Range {
         min: -12.0,
         max: (1.1 * top.max).min(250.0),
@@ -130,7 +129,7 @@ fn shown(runs: &[Run], table: &Matrix) -> Option<Figure> {
     Some(figure)
 }
 
-/// The meaning of those signs that occur.
+/// Explains the signs that occur, with the verdict for each.
 fn signs(runs: &[Run], members: &[usize]) -> String {
     let mut verdicts: Vec<Verdict> = members.iter().map(|&i| runs[i].summary.verdict).collect();
     verdicts.sort();
@@ -148,8 +147,8 @@ fn signs(runs: &[Run], members: &[usize]) -> String {
     format!(" {}.", names.join(", "))
 }
 
-/// The two most telling runs of the leading table. The worst law and the one nearest to the desired stiffness, at the
-/// highest stiffness that more than one law ran at.
+/// Two runs of the first table to draw over each other: the best and the worst law at the highest stiffness that more than one law
+/// ran at.
 pub fn pair(runs: &[Run], table: &Matrix) -> Option<(usize, usize)> {
     let traced = |row: usize| -> Vec<usize> {
         let members = table.row(row);
@@ -162,7 +161,7 @@ pub fn pair(runs: &[Run], table: &Matrix) -> Option<(usize, usize)> {
         s.k_displayed
             .map_or(f64::INFINITY, |k| (k / s.k_desired - 1.0).abs())
     };
-    // Of those that show what was asked for, the one with the best verdict.
+    // Of the laws that display the requested stiffness, the one with the best verdict.
     let rank = |i: usize| (off(i) > 0.05, runs[i].summary.verdict);
     let best = members
         .iter()
@@ -182,7 +181,7 @@ fn over_each_other(input: &ReportInput, table: &Matrix) -> Option<Figure> {
     let other = View::new(&input.runs[worst], input.k_critical)?;
     let ranges = view.ranges();
     let whole = other.ranges().angle.union(ranges.angle);
-    // The better run is what the axis is for; what the other does beyond is told, not drawn.
+    // The axes are those of the better run. The other run may leave them; the description says so.
     let wide = ranges.angle.padded(0.6, 0.6);
     let angle = whole.within(wide);
     let words = |run: &Run| {
@@ -239,18 +238,18 @@ fn over_each_other(input: &ReportInput, table: &Matrix) -> Option<Figure> {
     Some(figure)
 }
 
-/// The picture as a separate file, in the reader's light or dark theme.
+/// The picture as a separate SVG file that follows the reader's light or dark theme.
 pub fn alone(input: &ReportInput) -> Option<String> {
     let figures = figures(input);
     (!figures.is_empty()).then(|| standalone(input.title, &figures))
 }
 
-/// Figures side by side as a separate file, in the reader's light or dark theme.
+/// Figures side by side as a separate SVG file that follows the reader's light or dark theme.
 pub fn standalone(title: &str, figures: &[Figure]) -> String {
     drawn(title, figures, SIZE)
 }
 
-/// Same as [`standalone`], each figure of this size.
+/// Figures side by side as a separate SVG file, each with the given size. The file follows the reader's light or dark theme.
 pub fn drawn(title: &str, figures: &[Figure], size: Size) -> String {
     let css = include_str!("page.css");
     let variables = css.split("* {").next().unwrap_or_default();
@@ -311,7 +310,8 @@ pub fn drawn(title: &str, figures: &[Figure], size: Size) -> String {
     out
 }
 
-/// The lines of a figure that have a name, each with its place from the figure's left and its row; and the rows.
+/// The lines of a figure that have a name, each with its distance from the figure's left edge and its row in the legend; and the
+/// number of rows.
 fn legend(figure: &Figure, size: Size) -> (Vec<(&Line, u32, u32)>, u32) {
     let (mut x, mut row) = (40, 0);
     let mut entries = Vec::new();

@@ -1,8 +1,9 @@
-//! JSON schemas of flat records, made from lists of their fields.
+//! Builds JSON schemas of flat records from lists of their fields.
 
 use serde_json::{Map, Value, json};
 
-/// A field: name, type, meaning with unit. Types are `number`, `integer`, `string`, `boolean`; with `?` at the end also null.
+/// A field: name, type, and meaning with unit. Types are `number`, `integer`, `string` and `boolean`; a trailing `?` also allows
+/// null.
 pub type Field = (&'static str, &'static str, &'static str);
 
 fn leaf((_, kind, meaning): &Field) -> Value {
@@ -12,7 +13,7 @@ fn leaf((_, kind, meaning): &Field) -> Value {
     }
 }
 
-/// An object of these fields, and of further ones whose schemas are given.
+/// Schema of an object with these fields, and with further fields whose schemas are given.
 pub fn object(fields: &[Field], further: &[(&str, Value)]) -> Value {
     let mut properties: Map<String, Value> = fields
         .iter()
@@ -32,7 +33,7 @@ pub fn object(fields: &[Field], further: &[(&str, Value)]) -> Value {
     })
 }
 
-/// The object of [`ProgramVersion`](super::ProgramVersion).
+/// Schema of a [`ProgramVersion`](super::ProgramVersion).
 pub fn program() -> Value {
     object(
         &[
@@ -49,12 +50,12 @@ pub fn program() -> Value {
     )
 }
 
-/// An array of such objects.
+/// Schema of an array whose entries have the schema `items`.
 pub fn array(items: Value) -> Value {
     json!({"type": "array", "items": items})
 }
 
-/// The whole document.
+/// The whole schema document with title and description.
 pub fn document(title: &str, description: &str, mut object: Value) -> Value {
     object["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
     object["title"] = title.into();
@@ -62,7 +63,7 @@ pub fn document(title: &str, description: &str, mut object: Value) -> Value {
     object
 }
 
-/// The path of the first part of a value that does not fit a schema of this module; for tests.
+/// Path of the first part of a value that does not fit a schema of this module; `None` if the value fits. For tests.
 pub fn misfit(schema: &Value, value: &Value, path: &str) -> Option<String> {
     let types: Vec<&str> = match &schema["type"] {
         Value::String(one) => vec![one],
@@ -101,7 +102,8 @@ pub fn misfit(schema: &Value, value: &Value, path: &str) -> Option<String> {
         })
 }
 
-/// Checks that a file of `docs/schema` has this schema's text, or writes it where `TOUCHSTONE_WRITE_SCHEMA` is set; for tests.
+/// Checks that a file in `docs/schema` has the text of this schema. It writes the file instead if `TOUCHSTONE_WRITE_SCHEMA` is set.
+/// For tests.
 #[cfg(test)]
 pub fn is_documented(file: &str, schema: &Value) {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -1,29 +1,29 @@
-//! What an earlier report left in a folder: replaced by the same command, left alone by any other.
+//! Results of an earlier command in a folder: the same command replaces them, any other command refuses.
 
 use std::path::{Component, Path, PathBuf};
 
 use serde_json::Value;
 use touchstone_sim::error::{Error, Result};
 
-/// Results that lie in a folder.
+/// Description of the results that a folder holds.
 struct Previous {
     command: Option<String>,
     files: Vec<String>,
 }
 
-/// Refuses a folder that holds the results of another command than `command`, unless forced. Call it before a long
+/// Refuses a folder that holds the results of another command than `command`, unless `force` is set. To be called before a long
 /// run.
 ///
 /// # Errors
-/// [`Error::Io`] that names the folder, the other command and the remedy.
+/// [`Error::Io`] with the folder, the other command and the remedy.
 pub fn check(folder: &Path, command: &str, force: bool) -> Result<()> {
     stale(folder, command, force, &[]).map(drop)
 }
 
-/// The files of the earlier report that are none of `names`, relative to `folder`.
+/// Files of the earlier report that are not among `names`, relative to `folder`.
 ///
 /// # Errors
-/// Same as [`check`]; also where one of `names` is there and no report listed it.
+/// The errors of [`check`]; also if a file of `names` exists that no earlier report lists.
 pub fn stale(folder: &Path, command: &str, force: bool, names: &[String]) -> Result<Vec<PathBuf>> {
     let previous = read(folder);
     if !force {
@@ -57,7 +57,7 @@ pub fn stale(folder: &Path, command: &str, force: bool, names: &[String]) -> Res
         .into_iter()
         .filter(|file| !names.contains(file))
         .map(PathBuf::from)
-        // What a file says must not lead out of its folder.
+        // File names in an old `results.json` must not lead out of its folder.
         .filter(|file| file.components().all(|c| matches!(c, Component::Normal(_))))
         .collect())
 }
@@ -75,7 +75,7 @@ fn read(folder: &Path) -> Option<Previous> {
     })
 }
 
-/// A command without the word that only says how to treat the folder.
+/// The words of a command line, without the option that only says whether files may be replaced.
 fn plain(command: &str) -> Vec<&str> {
     let words = command.split_whitespace();
     words.filter(|word| *word != "--force").collect()

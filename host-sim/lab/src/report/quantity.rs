@@ -1,9 +1,9 @@
-//! Numbers as people read them: significant digits, SI prefixes, round tick marks.
+//! Formats numbers for readers: significant digits, SI prefixes, round tick marks.
 
-/// A unit with an SI prefix: `shown = si / factor`.
+/// A unit with an SI prefix: `shown = si / factor`, where `shown` is the number that readers see.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scale {
-    /// One shown unit in the SI unit.
+    /// Size of the prefixed unit in the SI unit, for example 0.001 for `mN·m`.
     pub factor: f64,
     /// The unit with its prefix, e.g. `mN·m`.
     pub unit: String,
@@ -19,16 +19,16 @@ const PREFIXES: [(f64, &str); 7] = [
     (1e6, "M"),
 ];
 
-/// The prefix under which `largest` (SI, sign ignored) lies in 1..1000.
+/// Chooses the prefix with which `largest` (in SI units, sign ignored) is between 1 and 1000.
 ///
-/// Quotients such as N·m/rad keep their plain unit: 500 mN·m/rad is harder to compare with 2.5 N·m/rad than 0.5 is.
+/// Quotients such as N·m/rad keep their plain unit: 500 mN·m/rad is harder to compare with 2.5 N·m/rad than 0.5 N·m/rad is.
 pub fn scale_for(largest: f64, unit: &str) -> Scale {
     let size = largest.abs();
     let plain = unit.contains('/') || !size.is_finite() || size == 0.0;
     let (factor, prefix) = if plain {
         (1.0, "")
     } else {
-        // A hair of slack, so that 0.001 written as 1e-3 minus one bit is still 1 m and not 1000 µ.
+        // A small tolerance, so that 1e-3 minus one bit is still 1 m and not 1000 µ.
         PREFIXES
             .iter()
             .rev()
@@ -42,7 +42,7 @@ pub fn scale_for(largest: f64, unit: &str) -> Scale {
     }
 }
 
-/// `value` with `digits` significant digits, without an exponent from 1e-6 to 1e9.
+/// Formats `value` with `digits` significant digits, without an exponent between 1e-6 and 1e9.
 pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "–".to_owned();
@@ -65,23 +65,23 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
-/// `value` (SI) with a prefixed unit, e.g. `1.24 mrad`.
+/// Formats `value` (in SI units) with a prefixed unit, e.g. `1.24 mrad`.
 pub fn with_unit(value: f64, unit: &str, digits: usize) -> String {
     let scale = scale_for(value, unit);
     let shown = value / scale.factor;
-    // Below a femto-unit stands the rounding of a sum, not a quantity.
+    // Less than a femto-unit is the rounding of a sum, not a quantity.
     if value != 0.0 && shown.abs() < 1e-3 {
         return format!("{value:.0e} {unit}");
     }
     format!("{} {}", significant(shown, digits), scale.unit)
 }
 
-/// The shortest decimal form of a setting: `2.5`, `20`, `0.5`.
+/// Shortest decimal form of a setting: `2.5`, `20`, `0.5`.
 pub fn plain(value: f64) -> String {
     format!("{value}")
 }
 
-/// Digits in groups of three: `40,000`. Fractions are kept as they are.
+/// Formats a number with its digits in groups of three: `40,000`. Digits of the fraction are not grouped.
 pub fn grouped(value: f64) -> String {
     let text = plain(value);
     let (whole, rest) = text.split_at(text.find('.').unwrap_or(text.len()));
@@ -98,8 +98,8 @@ pub fn grouped(value: f64) -> String {
     out + rest
 }
 
-/// Tick marks on multiples of 1, 2 or 5 powers of ten inside `min..=max`, about `wanted` of them (two fifths more at most), with
-/// their labels.
+/// Tick marks with their labels at multiples of 1, 2 or 5 times a power of ten inside `min..=max`. Their number is about `wanted`,
+/// at most two fifths more.
 pub fn ticks(min: f64, max: f64, wanted: usize) -> Vec<(f64, String)> {
     let span = max - min;
     if !(span > 0.0 && span.is_finite()) {

@@ -1,4 +1,4 @@
-//! The part of the page below the tables: for each stiffness the laws side by side, then each run.
+//! The part of the page below the tables: for each stiffness the figures of all laws side by side, then each run.
 
 use std::fmt::Write;
 
@@ -17,23 +17,23 @@ use super::try_cell;
 use super::view::{Ranges, View};
 use touchstone_sim::run::record::{Run, Verdict};
 
-/// Figures side by side, one law each.
+/// Size of figures side by side, one column per law, pixels.
 const SMALL: Size = Size {
     width: 250,
     height: 190,
 };
-/// Figures of one run in a row of three.
+/// Size of the figures of one run, three in a row, pixels.
 const MEDIUM: Size = Size {
     width: 380,
     height: 230,
 };
-/// Figures of the only run of a report, two by two.
+/// Size of the figures in a report of a single run, two in a row, pixels.
 const LARGE: Size = Size {
     width: 480,
     height: 270,
 };
 
-/// The only run of a report, unfolded.
+/// The section of a report with a single run; it is not folded.
 pub fn alone(input: &ReportInput, origin: &Origin) -> String {
     let mut page = String::from("<section class=\"alone\">\n");
     if let Some(run) = input.runs.first() {
@@ -53,7 +53,7 @@ pub fn alone(input: &ReportInput, origin: &Origin) -> String {
     page + "</section>\n"
 }
 
-/// The section of one stiffness, folded; empty where no run of it kept a trace.
+/// The section of one requested stiffness, folded; empty if none of its runs has a recorded trace.
 pub fn row(
     input: &ReportInput,
     origin: &Origin,
@@ -125,7 +125,7 @@ pub fn row(
     page
 }
 
-/// The findings at one stiffness, in words, from its runs.
+/// Results at one requested stiffness as sentences, from its runs.
 fn found(views: &[(usize, View)]) -> String {
     let mut text = String::new();
     let mut verdicts: Vec<Verdict> = views.iter().map(|(_, v)| v.run.summary.verdict).collect();
@@ -158,7 +158,7 @@ fn found(views: &[(usize, View)]) -> String {
     text.trim_end().to_owned()
 }
 
-/// Rows of small figures, one row for each kind, one column for each law, all on the same axes.
+/// Rows of small figures: one row per type of figure, one column per law, all on the same axes.
 fn side_by_side(page: &mut String, views: &[(usize, View)]) {
     let ranges: Vec<Ranges> = views.iter().map(|(_, view)| view.ranges()).collect();
     let mut shared = ranges
@@ -166,7 +166,7 @@ fn side_by_side(page: &mut String, views: &[(usize, View)]) {
         .copied()
         .reduce(Ranges::union)
         .expect("called with runs");
-    // An unstable run gives away hundreds of times what the others exchange, and would make flat lines of them.
+    // An unstable run exchanges hundreds of times more energy than others, which would become flat lines.
     let whole = shared.energy;
     let calm = views
         .iter()
@@ -186,7 +186,7 @@ fn side_by_side(page: &mut String, views: &[(usize, View)]) {
             let summary = &view.run.summary;
             let figure = view.figure(kind, &shared, false);
             let this = svg::legend(&figure);
-            // A law without an observer has a line less.
+            // A law without an observer has one line less.
             if this.len() > legend.len() {
                 legend = this;
             }
@@ -239,7 +239,7 @@ fn links(origin: &Origin, index: usize) -> String {
     format!("<span class=\"files\">{}</span>", links.join(" · "))
 }
 
-/// One run: its numbers and its figures on its own axes.
+/// The section of one run: its numbers, and its figures on axes of their own.
 fn body(
     page: &mut String,
     run: &Run,

@@ -1,4 +1,5 @@
-//! The JSON schema of `results.json`, made from the same lists as the results. `docs/schema/results.schema.json` is its text.
+//! JSON schema of `results.json`, made from the same lists as the results. The file `docs/schema/results.schema.json` holds its
+//! text.
 
 use serde_json::{Map, Value, json};
 
@@ -8,7 +9,7 @@ use super::origin::SCHEMA_VERSION;
 use touchstone_control::{Choice as _, LawKind};
 use touchstone_sim::run::record::Verdict;
 
-/// Every verdict.
+/// All verdicts that a run may have.
 const VERDICTS: &[Verdict] = &[
     Verdict::Passive,
     Verdict::Active,
@@ -18,7 +19,7 @@ const VERDICTS: &[Verdict] = &[
     Verdict::NoContact,
 ];
 
-/// The schema as text.
+/// Text of the JSON schema of `results.json`.
 pub fn results() -> String {
     let mut text = serde_json::to_string_pretty(&schema()).expect("string keys only");
     text.push('\n');

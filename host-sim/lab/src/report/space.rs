@@ -1,4 +1,4 @@
-//! The page of the comparison in three degrees of freedom: a picture, tables, claims, and the figures of every run, folded.
+//! Report page of the comparison in three degrees of freedom: a picture, tables, claims, and the folded figures of every run.
 
 use std::fmt::Write;
 use std::fs;
@@ -29,31 +29,32 @@ const SIZE: Size = Size {
 };
 const PAGE: &str = "index.html";
 const RESULTS: &str = "results.json";
-/// Names of the files in the folder.
+/// Names of the files in the report's folder.
 pub(super) const FILES: [&str; 2] = [RESULTS, PAGE];
 
-/// Content of the page.
+/// Contents of the report page.
 #[derive(Debug, Clone, Copy)]
 pub struct Input<'a> {
-    /// The command line that makes it again.
+    /// Command line that repeats the report.
     pub command: &'a str,
-    /// The program that ran.
+    /// Version of the program.
     pub program: ProgramVersion,
-    /// The files to write, and whether they may replace others.
+    /// Which files to write, and whether they may replace others.
     pub files: FileOptions,
-    /// The mechanism of the runs.
+    /// Mechanism of the simulated device.
     pub mechanism: Mechanism,
     /// Results of the tuned law on walls that were not used to choose its settings.
     pub held_out: Option<&'a HeldOut>,
-    /// The runs.
+    /// The runs with their records.
     pub runs: &'a [Record],
-    /// The claims, with their outcomes.
+    /// The thesis' claims, with whether the runs confirm them.
     pub claims: &'a [Claim],
-    /// The tuned law's scorecards, a direction each.
+    /// Scorecards of the tuned law, one per direction.
     pub cards: &'a [DirectionCard],
 }
 
-/// The rows of a check on walls that a setting was not chosen on: figure, worst, median, how many walls are beyond, and the worst's wall.
+/// Table rows of a check on walls that were not used to choose a setting: figure, worst value, median, number of walls beyond the
+/// limit, and the wall with the worst value.
 fn held_out_rows(found: &HeldOut) -> Vec<[String; 5]> {
     let rows = found.worst().into_iter().map(|it| {
         let (heading, factor) = match it.measure {
@@ -75,7 +76,7 @@ fn held_out_rows(found: &HeldOut) -> Vec<[String; 5]> {
     rows.collect()
 }
 
-/// The check's result as text.
+/// Result of a check on walls that were not used to choose a setting, as text.
 #[must_use]
 pub fn held_out_text(found: &HeldOut) -> String {
     let mut text = format!(
@@ -110,10 +111,10 @@ pub fn held_out_text(found: &HeldOut) -> String {
     text
 }
 
-/// Writes the page and `results.json` into a folder, complete or not at all.
+/// Writes the page and `results.json` into a folder: either both or none.
 ///
 /// # Errors
-/// Same as [`super::write::write`].
+/// The errors of [`super::write::write`].
 pub fn write(input: &Input, folder: &Path) -> Result<Written> {
     let names = FILES.map(str::to_owned);
     let stale = previous::stale(folder, input.command, input.files.force, &names)?;
@@ -135,7 +136,7 @@ pub fn write(input: &Input, folder: &Path) -> Result<Written> {
     })
 }
 
-/// The section on the thesis' claims.
+/// Writes the section on the thesis' claims.
 fn claims_section(page: &mut String, claims: &[Claim]) {
     page.push_str(
         "<section>\n<h2 id=\"claims\">What the thesis claims, and what the simulation shows</h2>\n",
@@ -157,7 +158,7 @@ fn claims_section(page: &mut String, claims: &[Claim]) {
     page.push_str("</section>\n");
 }
 
-/// The tuned law in each direction.
+/// Writes the section on the tuned law in each direction.
 fn directions_section(page: &mut String, mechanism: Mechanism, cards: &[DirectionCard]) {
     page.push_str("<section>\n<h2 id=\"directions\">The tuned law in each direction</h2>\n");
     table(
@@ -215,7 +216,7 @@ const ABOUT_ALL: &str = "Each object is probed, held, slid along and let go. The
     \"Shipped\" is the wall that touchstone device run plays on such a device: tuned for it, on estimated states, behind the energy guard.";
 const ABOUT_ONE: &str = "The object is probed, held, slid along and let go.";
 
-/// Displayed stiffness at rest, for a terminal: a row an approach and stiffness, a column an object.
+/// Displayed stiffness at rest as text for a terminal: one row per law and stiffness, one column per object.
 #[must_use]
 pub fn runs_text(runs: &[Record]) -> String {
     let mut text = String::from(
@@ -244,7 +245,7 @@ pub fn runs_text(runs: &[Record]) -> String {
     text + "\n"
 }
 
-/// The figures of the runs as a table.
+/// Writes the table of the runs' figures.
 fn runs_section(page: &mut String, runs: &[Record]) {
     page.push_str("<section>\n<h2 id=\"runs\">Runs</h2>\n");
     table(
@@ -287,7 +288,7 @@ fn runs_section(page: &mut String, runs: &[Record]) {
     page.push_str("</section>\n");
 }
 
-/// The page, one file without network. A picture comes first; a single run shows its figures at once.
+/// The page as one file that needs no network. The picture comes first; the figures of a single run are not folded.
 #[must_use]
 pub fn page(input: &Input) -> String {
     let compares = input.runs.len() > 1;

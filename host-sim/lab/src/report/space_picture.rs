@@ -1,4 +1,5 @@
-//! The picture that the report of three axes leads with: how much of the stiffness each approach displays, and a spring beside what ships.
+//! The picture at the top of the report on three axes: how much of the requested stiffness each law displays, and a spring compared
+//! with the shipped wall.
 
 use super::figure::{Axis, Figure, Range, Shape, Sign, Wall};
 use super::quantity::plain;
@@ -7,7 +8,7 @@ use crate::thesis::space::claims::AT_REST_MM;
 use crate::thesis::space::{Approach, Object, Phase, Record};
 use std::fmt::Write;
 
-/// Class of an approach's lines: that of its law on the page of one axis.
+/// CSS class of the lines for a way to calculate the force: that of the same law on the page for one axis.
 fn class(approach: Approach) -> &'static str {
     match approach {
         Approach::Spring => "law-a",
@@ -19,7 +20,7 @@ fn class(approach: Approach) -> &'static str {
     }
 }
 
-/// The runs to compare: what ships, and the others at their highest stiffness.
+/// The runs to compare: the shipped wall, and the other laws at their highest stiffness.
 fn compared(runs: &[Record]) -> Vec<&Record> {
     let stiffness = |run: &Record| run.cell.k_desired_n_per_mm;
     let ships = |run: &Record| run.cell.approach == Approach::Shipped;
@@ -29,7 +30,7 @@ fn compared(runs: &[Record]) -> Vec<&Record> {
     runs.iter().filter(chosen).collect()
 }
 
-/// The figures of the picture; empty where there is nothing to compare.
+/// The figures of the picture; empty if there are no runs to compare.
 pub fn figures(runs: &[Record]) -> Vec<Figure> {
     let runs = compared(runs);
     if runs.len() < 2 {
@@ -40,7 +41,7 @@ pub fn figures(runs: &[Record]) -> Vec<Figure> {
     figures
 }
 
-/// Displayed stiffness at rest as a share of the desired one, by object and approach.
+/// Figure of the displayed stiffness at rest in percent of the requested one, by object and law.
 fn displayed(runs: &[&Record]) -> Figure {
     let range = Range {
         min: -0.5,
@@ -53,7 +54,7 @@ fn displayed(runs: &[&Record]) -> Figure {
             .map(|(i, it)| (i as f64, it.name().to_owned()))
             .collect(),
     );
-    // Below zero is room for the signs of walls that were lost.
+    // The space below zero is for the signs of walls that were lost.
     let range = Range {
         min: -12.0,
         max: 140.0,
@@ -76,7 +77,7 @@ fn displayed(runs: &[&Record]) -> Figure {
             let rests = run.ripple_mm(hold.clone()) < AT_REST_MM;
             let share = 100.0 * run.displayed_n_per_mm(hold) / run.cell.k_desired_n_per_mm;
             near += usize::from(rests && (share - 100.0).abs() <= 5.0);
-            // A wall that does not come to rest displays nothing that a mean could name.
+            // A wall that does not come to rest has no mean stiffness.
             let height = if rests { share.clamp(0.0, 135.0) } else { 0.0 };
             stems.push(vec![(place, 0.0), (place, height)]);
             let sign = if rests { Sign::Dot } else { Sign::Waves };
@@ -92,7 +93,8 @@ fn displayed(runs: &[&Record]) -> Figure {
     figure
 }
 
-/// Depth in the inclined plane, which lies in none of the axes: a spring and what ships, under the same hand.
+/// Penetration over time in the inclined plane, which is not parallel to any axis: a spring and the shipped wall under the same
+/// hand.
 fn over_each_other(runs: &[&Record]) -> Option<Figure> {
     let find = |approach| {
         let mut its = runs.iter().filter(|run| run.cell.approach == approach);
@@ -126,7 +128,7 @@ fn over_each_other(runs: &[&Record]) -> Option<Figure> {
     Some(figure)
 }
 
-/// The picture as a part of the page; empty where there is none.
+/// The section of the page with the picture; empty if there is none.
 pub fn section(runs: &[Record]) -> String {
     let figures = figures(runs);
     if figures.is_empty() {
@@ -152,7 +154,7 @@ mod tests {
     use super::*;
     use crate::thesis::space::{Cell, Mechanism, run};
 
-    /// The shipped wall is in both figures, and displays the desired stiffness where the spring does not come to
+    /// Checks that the shipped wall is in both figures, and displays the requested stiffness where the spring does not come to
     /// rest.
     #[test]
     fn what_ships_is_in_the_picture() {

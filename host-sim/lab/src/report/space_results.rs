@@ -1,4 +1,4 @@
-//! `results.json` of the comparison in three degrees of freedom.
+//! Builds `results.json` of the comparison in three degrees of freedom.
 
 use super::space::{FILES, Input};
 use crate::thesis::space::held_out::{HeldOut, HeldOutCell};
@@ -6,7 +6,7 @@ use crate::thesis::space::held_out_cause::HeldOutCause;
 use crate::thesis::space::tuned::DirectionCard;
 use crate::thesis::space::{Phase, Record};
 
-/// The numbers of a run, for people and programs: names with units, and values.
+/// The numbers of a run with their names, which include the units.
 #[must_use]
 pub fn numbers(run: &Record) -> [(&'static str, f64); 7] {
     let hold = run.late(Phase::Hold, 0.25);
@@ -34,7 +34,7 @@ pub fn numbers(run: &Record) -> [(&'static str, f64); 7] {
     ]
 }
 
-/// `results.json`.
+/// Contents of `results.json`.
 #[must_use]
 pub fn results(input: &Input) -> serde_json::Value {
     let runs: Vec<_> = input
@@ -79,7 +79,7 @@ pub fn results(input: &Input) -> serde_json::Value {
     })
 }
 
-/// Every direction, with its worst figures, and every device in it.
+/// Entries for every direction: its worst figures, and the figures of every device.
 fn directions(cards: &[DirectionCard]) -> Vec<serde_json::Value> {
     let cells = |card: &DirectionCard| -> Vec<_> {
         let cells = card.cells.iter();
@@ -108,7 +108,7 @@ fn directions(cards: &[DirectionCard]) -> Vec<serde_json::Value> {
         .collect()
 }
 
-/// A wall with a figure beyond its limit, for programs.
+/// Entry for a wall with a figure beyond its limit; `None` if all its figures are within the limits.
 fn beyond_wall(cell: &HeldOutCell) -> Option<serde_json::Value> {
     let fails = cell.fails();
     let names = || fails.iter().map(|(it, _)| it.heading().0);
@@ -122,7 +122,7 @@ fn beyond_wall(cell: &HeldOutCell) -> Option<serde_json::Value> {
     })
 }
 
-/// A check on walls that a setting was not chosen on, for programs.
+/// Entry for a check on walls that were not used to choose a setting.
 fn held_out_value(found: &HeldOut) -> serde_json::Value {
     serde_json::json!({
         "seed": found.seed,

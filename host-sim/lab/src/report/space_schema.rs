@@ -1,4 +1,5 @@
-//! The JSON schemas of two `results.json`: the comparison in three degrees of freedom, and a run on a haptic device. `docs/schema` has their texts.
+//! JSON schemas of two types of `results.json`: of the comparison in three degrees of freedom, and of a run on a haptic device.
+//! Files in `docs/schema` hold their texts.
 
 use super::plain_schema::{array, document, object};
 use crate::scorecard::measure::Measure;
@@ -14,7 +15,7 @@ fn items(kind: &str, meaning: &str) -> Value {
     json!({"type": "array", "items": {"type": kind}, "description": meaning})
 }
 
-/// The figures of a scorecard along a direction, by name.
+/// Schema of a scorecard's figures in one direction.
 fn figures() -> Value {
     let leaf = json!({"type": ["number", "null"], "description": "in the unit of its name, a ripple in newtons; null: lost"});
     let named = Measure::ALL.map(|measure| {

@@ -1,7 +1,7 @@
-//! The folder aside in which a report is prepared: gone when its run ends, however it ends.
+//! A temporary folder in which a report is prepared. It is removed when the program ends, however it ends.
 //!
-//! It holds a locked file as long as its process lives, which the system unlocks whatever ends the process. So another process
-//! can tell a folder that is being written from one that was left behind, see [`sweep`].
+//! The folder holds a file that is locked while its process runs; the operating system unlocks it when the process ends in any way.
+//! So another process can distinguish a folder that is being written from one that was left behind, see [`sweep`].
 
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -11,36 +11,36 @@ use std::time::Duration;
 
 use touchstone_sim::error::Error;
 
-/// How the folders' names begin; the number of the process follows.
+/// Start of the folders' names; the process number follows.
 const PREFIX: &str = ".touchstone-report-";
 /// Name of the locked file in the folder.
 const LOCK: &str = ".lock";
-/// Ending of the name while the folder is taken away.
+/// Ending that a folder's name gets before it is removed.
 const GOING: &str = ".going";
-/// A lock younger than this may not be locked yet.
+/// A lock file younger than this counts as in use, because its process may not have locked it yet.
 const SETTLED: Duration = Duration::from_secs(10);
 
-/// The present staging folders of this process, each with the parents that were made for it, innermost first.
+/// The temporary folders of this process, each with the parent folders that were created for it, innermost first.
 static PRESENT: Mutex<Vec<(PathBuf, Vec<PathBuf>)>> = Mutex::new(Vec::new());
 
-/// The list, locked. A panic under the lock leaves nothing half-done: entries are added and removed whole.
+/// Locks the list of temporary folders. A panic under the lock does no harm, because entries are added and removed as a whole.
 fn present() -> MutexGuard<'static, Vec<(PathBuf, Vec<PathBuf>)>> {
     PRESENT.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A folder aside, for one report.
+/// The temporary folder of one report.
 pub(super) struct Staging {
-    /// Where to write.
+    /// Path of the temporary folder, to write into.
     pub path: PathBuf,
     target: PathBuf,
-    /// The target did not exist: the prepared folder becomes it as a whole.
+    /// Whether the target folder did not exist. The temporary folder is then renamed to the target as a whole.
     whole: bool,
-    /// Unlocked when it is dropped.
+    /// The locked file; it is unlocked when it is dropped.
     lock: Option<File>,
 }
 
 impl Staging {
-    /// Makes the folder for a report in `target`.
+    /// Creates a temporary folder for a report that is to go into `target`.
     pub fn new(target: &Path) -> io::Result<Self> {
         let whole = match fs::metadata(target) {
             Ok(meta) if meta.is_dir() => false,
@@ -62,7 +62,7 @@ impl Staging {
         };
         let mut present = present();
         let begun = fs::create_dir_all(beside).and_then(|()| {
-            // Two reports of one process into one folder (tests do it) must not share what they prepare.
+            // Two reports of one process into one folder, as in tests, must not share a temporary folder.
             for attempt in 0.. {
                 match fs::create_dir(&staging.path) {
                     Err(error)
@@ -83,15 +83,16 @@ impl Staging {
         present.push((staging.path.clone(), made));
         drop(present);
         let lock = File::create(staging.path.join(LOCK))?;
-        // A file system without locks: the folder is then named by others, never removed.
+        // On a file system without locks other processes report the folder as left behind, but never remove it.
         let _ = lock.try_lock();
         staging.lock = Some(lock);
         Ok(staging)
     }
 
-    /// Moves `files` to the target, then removes the `stale` ones there.
+    /// Moves `files` to the target folder, then removes the files `stale` in it.
     pub fn publish(mut self, files: &[PathBuf], stale: &[PathBuf]) -> io::Result<()> {
-        // Held to the end: whoever interrupts waits, for a report moved half-way would be worse than one that is there.
+        // The lock is kept until the end. An interruption has to wait, because a report that is moved half-way would be worse than
+        // a complete one.
         let mut present = present();
         self.lock = None;
         if self.whole {
@@ -100,7 +101,7 @@ impl Staging {
             present.retain(|(path, _)| *path != self.path);
             return Ok(());
         }
-        // What could stop a move half-way is looked at before the first.
+        // Everything that could stop the move half-way is checked before the first file is moved.
         for file in files {
             let goal = self.target.join(file);
             if goal.is_dir() {
@@ -110,7 +111,7 @@ impl Staging {
                 ));
             }
         }
-        // A folder of the report that is a link would lead the files elsewhere.
+        // If a folder of the report were a symbolic link, files would go elsewhere.
         for file in files {
             let within = file.parent().unwrap_or(file).ancestors();
             for folder in within.filter(|it| !it.as_os_str().is_empty()) {
@@ -127,7 +128,7 @@ impl Staging {
             fs::rename(self.path.join(file), self.target.join(file))?;
         }
         for file in stale {
-            // One that is gone already is what was wanted; a folder that holds other files stays.
+            // A file that is already gone is no error. A folder that holds other files stays.
             let _ = fs::remove_file(self.target.join(file));
             if let Some(parent) = file.parent().filter(|p| !p.as_os_str().is_empty()) {
                 let _ = fs::remove_dir(self.target.join(parent));
@@ -148,7 +149,7 @@ impl Drop for Staging {
     }
 }
 
-/// Where a folder stands; `.` for a plain name.
+/// The folder that contains `folder`; `.` for a plain name.
 fn parent(folder: &Path) -> &Path {
     match folder.parent() {
         Some(parent) if parent.as_os_str().is_empty() => Path::new("."),
@@ -157,10 +158,10 @@ fn parent(folder: &Path) -> &Path {
     }
 }
 
-/// Removes a folder, with the empty parents that were made for it.
+/// Removes a temporary folder, and the empty parent folders that were created for it.
 fn remove(path: &Path, made: &[PathBuf]) {
-    // By another name first: whoever still writes into it by its name then fails, and cannot keep it from becoming empty. Where
-    // it cannot be renamed (open files on some systems) it is removed as it stands. Nothing more can be done about a failure.
+    // The folder is renamed first. A thread that still writes into it by its old name then fails, and cannot keep it from becoming
+    // empty. If it cannot be renamed (open files on some systems), it is removed under its own name. A failure is ignored.
     let going = path.with_extension(&GOING[1..]);
     let path = match fs::rename(path, &going) {
         Ok(()) => &going,
@@ -176,8 +177,8 @@ fn remove_empty(made: &[PathBuf]) {
     }
 }
 
-/// For a process that is to end: removes every staging folder, then runs `last`, which ends the process. Other threads
-/// that are about to begin or publish a report wait until then, and so never do.
+/// For a process that is about to end: removes every temporary folder, then calls `last`, which ends the process. Other threads
+/// that want to start or publish a report wait meanwhile.
 pub fn abandon(last: impl FnOnce(&[PathBuf])) {
     let mut present = present();
     let folders: Vec<(PathBuf, Vec<PathBuf>)> = present.drain(..).collect();
@@ -188,17 +189,17 @@ pub fn abandon(last: impl FnOnce(&[PathBuf])) {
     last(&removed);
 }
 
-/// A folder that a run left behind.
+/// A temporary folder that an ended process left behind.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Stale {
-    /// The folder.
+    /// Path of the temporary folder.
     pub path: PathBuf,
-    /// Whether it was removed; if not, it is unknown whether its run is still alive.
+    /// Whether the folder was removed. If not, its process may still be running.
     pub removed: bool,
 }
 
-/// Finds staging folders of ended runs in and beside `target`, and removes them. A folder whose run may be alive is
-/// named and left.
+/// Finds temporary folders of ended processes in and beside `target`, and removes them. A folder whose process may still be running
+/// is returned but not removed.
 #[must_use]
 pub fn sweep(target: &Path) -> Vec<Stale> {
     let mut found: Vec<Stale> = Vec::new();
@@ -231,13 +232,13 @@ pub fn sweep(target: &Path) -> Vec<Stale> {
     found
 }
 
-/// Whether a folder's run has ended; `None` where that is unknown.
+/// Whether the process that wrote a folder has ended; `None` if that is unknown.
 fn ended(path: &Path) -> Option<bool> {
     let lock = File::open(path.join(LOCK)).ok()?;
     match lock.try_lock() {
         Ok(()) => {
             let written = lock.metadata().and_then(|meta| meta.modified()).ok()?;
-            // A clock that was set back makes it young: it is left until it is not.
+            // After a clock was set back the lock seems new; the folder then stays until the clock has passed that time.
             Some(written.elapsed().is_ok_and(|age| age > SETTLED))
         }
         Err(TryLockError::WouldBlock) => Some(false),
@@ -245,7 +246,7 @@ fn ended(path: &Path) -> Option<bool> {
     }
 }
 
-/// The error for the user: one line, with the remedy.
+/// Converts an I/O error to a one-line message with the remedy.
 pub fn io_error(folder: &Path, error: &io::Error) -> Error {
     use io::ErrorKind::*;
     let problem = match error.kind() {

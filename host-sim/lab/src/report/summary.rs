@@ -1,4 +1,4 @@
-//! The first part of a report: the picture, what was compared, the words, one table; then the other conditions,
+//! The first part of a report: picture, a sentence on what was compared, explanations, one table. Tables for other conditions are
 //! folded.
 
 use std::fmt::Write;
@@ -14,7 +14,7 @@ use super::svg::{self, escape, typeset};
 use touchstone_control::LawKind;
 use touchstone_sim::run::record::{Run, Verdict};
 
-/// A verdict as sign and word: colour is never the only difference.
+/// A verdict as sign and name, so that colour is never the only difference.
 pub fn verdict(verdict: Verdict) -> String {
     let words = label::verdict_words(verdict);
     format!("<i aria-hidden=\"true\">{}</i> {}", words.sign, words.name)
@@ -26,7 +26,7 @@ pub fn badge(of: Verdict) -> String {
     format!("<span class=\"badge {key}\">{}</span>", verdict(of))
 }
 
-/// What was compared, in a sentence or two.
+/// What was compared, in one or two sentences.
 pub fn compared(input: &ReportInput, matrices: &[Matrix]) -> String {
     let runs = input.runs;
     let conditions = match matrices {
@@ -68,7 +68,7 @@ pub fn compared(input: &ReportInput, matrices: &[Matrix]) -> String {
     )
 }
 
-/// The words of the page, of those that occur.
+/// Writes explanations of the terms that occur on the page.
 pub fn words(page: &mut String, input: &ReportInput) {
     page.push_str("<dl class=\"words\">");
     let mut word = |name: &str, meaning: &str| {
@@ -108,10 +108,10 @@ pub fn words(page: &mut String, input: &ReportInput) {
     page.push_str("</dl>\n");
 }
 
-/// The picture.
+/// Writes the picture at the top of the report.
 pub fn picture(page: &mut String, input: &ReportInput) {
     let figures = picture::figures(input);
-    // A single run shows its figures at once; no need to lead to them.
+    // A single run shows its figures at once, so no link to them is needed.
     if figures.is_empty() || input.runs.len() < 2 {
         return;
     }
@@ -129,7 +129,7 @@ pub fn picture(page: &mut String, input: &ReportInput) {
     page.push_str("</section>\n");
 }
 
-/// The leading table, the others folded.
+/// Writes the first table, and the other tables folded.
 pub fn tables(page: &mut String, input: &ReportInput, origin: &Origin, matrices: &[Matrix]) {
     let [leading, others @ ..] = matrices else {
         return;
@@ -174,7 +174,7 @@ pub fn tables(page: &mut String, input: &ReportInput, origin: &Origin, matrices:
     page.push_str("</details>\n");
 }
 
-/// How often the cell's law came to rest at its stiffness, over all conditions.
+/// In how many of all conditions the law came to rest at this stiffness, and in how many it ran.
 fn over_conditions(runs: &[Run], all: &[Matrix], law: Column, k: f64) -> (usize, usize) {
     let mut held = 0;
     let mut total = 0;
@@ -207,7 +207,8 @@ fn table(
          Each cell leads to its run.</caption>\n<thead role=\"rowgroup\"><tr role=\"row\"><th scope=\"col\" role=\"columnheader\">k<sub>de</sub> (N·m/rad)</th>",
         escape(title)
     );
-    // The roles repeat what the elements mean: a narrow window lays the table out as lists, and browsers then forget it.
+    // The ARIA roles repeat the meaning of the elements, because browsers forget it when a narrow window lays the table out as
+    // lists.
     for law in &matrix.laws {
         let _ = write!(
             page,
@@ -221,7 +222,7 @@ fn table(
             "<span class=\"narrow\">k<sub>de</sub> = </span>{}<span class=\"narrow\"> N·m/rad</span>",
             plain(*k)
         );
-        // Only a stiffness with figures has a place to lead to.
+        // Only a stiffness with figures gets a link.
         let head = if matrix.row(row).any(|i| runs[i].trace.is_some()) {
             format!("<a href=\"#{}\">{head}</a>", row_id(index, row))
         } else {
@@ -269,7 +270,7 @@ fn cell(page: &mut String, run: &Run, index: usize, often: Option<(usize, usize)
     );
 }
 
-/// The runs that kept no trace, each with the command that makes its figures.
+/// Writes a list of the runs without a trace, each with the command that makes its figures.
 fn without_figures(page: &mut String, input: &ReportInput, origin: &Origin) {
     let bare: Vec<usize> = (0..input.runs.len())
         .filter(|&index| input.runs[index].trace.is_none())
@@ -294,7 +295,7 @@ fn without_figures(page: &mut String, input: &ReportInput, origin: &Origin) {
     page.push_str("</ul>\n");
 }
 
-/// The command that makes a run's own report; nothing where its scene was not written out.
+/// Command that makes a run's own report; empty if its scene was not written out.
 pub fn command(origin: &Origin, index: usize) -> String {
     let files = origin.runs.get(index);
     let Some((files, scene)) = files.and_then(|f| f.scene.as_ref().map(|scene| (f, scene))) else {

@@ -1,9 +1,9 @@
 //! Draws a [`Figure`] as inline SVG.
 //!
-//! Why not a plotting library: the drawing must follow the reader's light or dark theme, so every mark needs a CSS class instead
-//! of a colour. Strokes and dashes must keep their width when a plot is scaled to a phone or a wide screen; and a page of 160
-//! plots must stay small, so coordinates are short integers relative to each other. `plotters` writes fixed colours and one
-//! absolute decimal coordinate after another. What is needed here is little: two linear axes, lines, a band.
+//! A plotting library such as `plotters` does not fit. The drawing must follow the reader's light or dark theme, so every mark
+//! needs a CSS class instead of a fixed colour. Strokes and dashes must keep their width when a plot is scaled to a phone or a wide
+//! screen. A page of 160 plots must stay small, so coordinates are short relative integers. Only two linear axes, lines and a band
+//! are needed.
 
 use std::fmt::Write;
 
@@ -11,28 +11,28 @@ use super::decimate;
 use super::figure::{Axis, Figure, Line, Shape, Sign, Wall};
 use super::quantity::{Scale, scale_for, ticks};
 
-/// Drawing steps to a nominal pixel: lines are written in whole steps.
+/// Drawing steps per nominal pixel; lines are written in whole steps.
 pub const FINE: f64 = 10.0;
 
-/// Nominal size of a plot with its labels, px. It is scaled to the width that the page has.
+/// Nominal size of a plot with its labels, pixels. The page scales it to the available width.
 #[derive(Debug, Clone, Copy)]
 pub struct Size {
-    /// Width.
+    /// Width of the plot, pixels.
     pub width: u32,
-    /// Height.
+    /// Height of the plot, pixels.
     pub height: u32,
 }
 
-/// Margins around the plot's area, px: room for tick labels and axis titles.
+/// Margins around the plot area for tick labels and axis titles, pixels.
 const LEFT: u32 = 40;
 const RIGHT: u32 = 10;
 const TOP: u32 = 20;
 const BOTTOM: u32 = 35;
 
-/// A line of more points than this is drawn with a finer stroke.
+/// Number of points above which a line is drawn with a thinner stroke.
 const DENSE: usize = 700;
 
-/// Draws `figure` as `<svg>`. `id` is unique in the page; title and description are read out instead of the drawing.
+/// Draws `figure` as an `<svg>` element. `id` must be unique in the page; screen readers read title and description.
 pub fn draw(figure: &Figure, size: Size, id: &str) -> String {
     let mut plot = Plot {
         size,
@@ -47,7 +47,7 @@ pub fn draw(figure: &Figure, size: Size, id: &str) -> String {
     plot.finish(id)
 }
 
-/// Explains the lines of a figure that have a name.
+/// Legend of the figure's lines that have a name.
 pub fn legend(figure: &Figure) -> String {
     let mut out = String::from("<ul class=\"legend\">");
     let drawn = |line: &&Line| !line.name.is_empty() && !is_empty(&line.shape);
@@ -78,7 +78,7 @@ fn scale_of(axis: &Axis) -> Scale {
     scale_for(axis.range.min.abs().max(axis.range.max.abs()), &axis.unit)
 }
 
-/// Marks of an axis: places from 0 to 1, and labels.
+/// Marks of an axis: relative positions from 0 to 1, and labels.
 fn marks(axis: &Axis, scale: &Scale, wanted: usize) -> Vec<(f64, String)> {
     if let Some(marks) = &axis.marks {
         let place = |(value, label): &(f64, String)| (axis.place(*value), escape(label));
@@ -100,13 +100,13 @@ fn axis_title(axis: &Axis, scale: &Scale) -> String {
     }
 }
 
-/// Ends of the axis in the shown unit, and the unit, for the read-out script.
+/// HTML attributes with the axis' ends in the displayed unit, and the unit, for the script that reads out values.
 fn attributes(axis: &Axis, scale: &Scale, name: char) -> String {
     let (min, max) = (axis.range.min / scale.factor, axis.range.max / scale.factor);
     format!(r#"data-{name}="{min:.6} {max:.6} {}""#, scale.unit)
 }
 
-/// A figure that is being drawn.
+/// A figure while it is drawn as SVG.
 struct Plot<'a> {
     size: Size,
     figure: &'a Figure,
@@ -123,7 +123,8 @@ impl Plot<'_> {
         )
     }
 
-    /// A place in fine steps. What lies far outside is brought nearer, so that numbers stay short; it is clipped anyway.
+    /// Position of a point in fine steps of the drawing. A point far outside is moved nearer so that its numbers stay short; it is
+    /// clipped anyway.
     fn fine(&self, x: f64, y: f64) -> (f64, f64) {
         let (width, height) = self.area();
         let near = |place: f64| place.clamp(-30.0, 30.0);
@@ -133,7 +134,7 @@ impl Plot<'_> {
         )
     }
 
-    /// The wall's inside.
+    /// Draws the area of the figure that is inside the wall.
     fn wall(&self) -> String {
         let (width, height) = self.area();
         let (width, height) = (width * FINE, height * FINE);
@@ -194,7 +195,7 @@ impl Plot<'_> {
         self.write_path(line.role, &line.name, &stretches);
     }
 
-    /// Corners are whole steps, so that neighbours meet.
+    /// Draws filled rectangles. Their corners are whole steps, so that neighbours touch.
     fn tiles(&mut self, class: &str, tiles: &[[f64; 4]]) {
         let _ = write!(self.marks, r#"<path class="{class}" d=""#);
         for &[left, right, low, high] in tiles {
@@ -210,9 +211,9 @@ impl Plot<'_> {
             return;
         }
         let out = &mut self.marks;
-        // An oscillation that fills an area is drawn finer, or its strokes run together.
+        // An oscillation that fills an area gets a thinner stroke, so that its lines stay distinct.
         let dense = stretches.iter().map(Vec::len).sum::<usize>() > DENSE;
-        // With a value: a picture that stands alone is XML.
+        // The attribute has a value, because a picture in its own file is XML.
         let dense = if dense { " data-dense=\"\"" } else { "" };
         let name = escape(name);
         let _ = write!(out, r#"<path class="{class}" data-n="{name}"{dense} d=""#);
@@ -220,7 +221,7 @@ impl Plot<'_> {
             let mut pen = stretch[0];
             let _ = write!(out, "M{} {}", pen.0, pen.1);
             if stretch.len() == 1 {
-                // A lone sample: a line of no length shows as a dot under round caps.
+                // A single sample: a line of zero length shows as a dot with round caps.
                 out.push_str("h0");
             }
             for (index, point) in stretch[1..].iter().enumerate() {
@@ -293,7 +294,7 @@ impl Plot<'_> {
     }
 }
 
-/// The style of a sign: that of the verdict it stands for.
+/// CSS class of a sign: that of the verdict that the sign stands for.
 fn sign_class(sign: Sign) -> &'static str {
     match sign {
         Sign::Dot => "dot",
@@ -301,10 +302,10 @@ fn sign_class(sign: Sign) -> &'static str {
     }
 }
 
-/// A sign around the pen, in fine steps.
+/// Path of a sign, relative to the pen position, in fine steps.
 fn sign_path(sign: Sign) -> &'static str {
     match sign {
-        // Of no length: its stroke's round caps are the dot, as large on any screen.
+        // A line of zero length: its stroke's round caps are the dot, equally large on any screen.
         Sign::Dot => "h0",
         Sign::Ring => "m-40 0a40 40 0 1 0 80 0a40 40 0 1 0 -80 0z",
         Sign::Triangle => "m0 -46l44 78h-88z",
@@ -313,7 +314,7 @@ fn sign_path(sign: Sign) -> &'static str {
     }
 }
 
-/// Text of ours for the page: escaped, symbols with their subscripts, numbers with a true minus sign.
+/// Formats text of this program for the page: escaped, symbols with subscripts, numbers with a true minus sign.
 pub fn typeset(text: &str) -> String {
     let mut text = escape(text);
     for (plain, subscript) in [
@@ -329,7 +330,7 @@ pub fn typeset(text: &str) -> String {
         .replace(" -", " \u{2212}")
 }
 
-/// Text made safe for HTML and SVG, in content and in attributes.
+/// Escapes text for HTML and SVG, in content and in attributes.
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

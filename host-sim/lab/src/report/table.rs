@@ -1,4 +1,4 @@
-//! The terminal's output: `k_de` × law for several runs, a list of numbers for one.
+//! Results as text for a terminal: a table of stiffness `k_de` × control law for several runs, a list of numbers for one.
 
 use std::io::IsTerminal;
 
@@ -8,17 +8,17 @@ use super::measures::facts;
 use super::quantity::{plain, scale_for, significant};
 use touchstone_sim::run::record::{Run, Summary, Verdict};
 
-/// Whether to colour. The words are the same either way.
+/// Whether text is coloured. The text itself is the same either way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Colour {
-    /// Plain text.
+    /// Text without colours.
     Never,
-    /// ANSI colours.
+    /// Text with ANSI colours.
     Always,
 }
 
 impl Colour {
-    /// Colours only where standard output is a terminal that can show them and `NO_COLOR` is unset or empty (no-color.org).
+    /// Chooses colours only if standard output is a terminal that can show them and `NO_COLOR` is unset or empty (no-color.org).
     pub fn detect() -> Self {
         let no_color = std::env::var_os("NO_COLOR");
         let dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
@@ -37,7 +37,7 @@ impl Colour {
         }
     }
 
-    /// `text`, padded to `width` columns, in the colour of `verdict`. Padding comes first: escape codes have no width.
+    /// Pads `text` to `width` columns, then colours it for `verdict`. Padding comes first, because escape codes take no columns.
     fn verdict(self, text: &str, width: usize, verdict: Verdict) -> String {
         let padded = format!("{text:<width$}");
         let code = label::verdict_words(verdict).ansi;
@@ -48,7 +48,7 @@ impl Colour {
     }
 }
 
-/// The results of `runs` as text, ending in a line feed.
+/// Formats the results of `runs` as text that ends in a line feed.
 pub fn render(runs: &[Run], colour: Colour) -> String {
     match runs {
         [] => "no runs\n".to_owned(),
@@ -88,7 +88,7 @@ fn single(s: &Summary, colour: Colour) -> String {
     out
 }
 
-/// Three lines a cell fit five laws into 80 columns; one line would need 130.
+/// The table of several runs. Each cell has three lines, so that five laws fit into 80 columns; with one line they would need 130.
 fn table(runs: &[Run], matrix: &Matrix, colour: Colour) -> String {
     let all = || {
         matrix
@@ -102,7 +102,7 @@ fn table(runs: &[Run], matrix: &Matrix, colour: Colour) -> String {
         .filter_map(|s| s.limit_cycle_peak_to_peak)
         .filter(|a| a.is_finite())
         .fold(0.0, f64::max);
-    // One unit for the whole table, and enough digits for its small cycles: a count is some tenths of a milliradian.
+    // One unit for the whole table, with enough digits for small limit cycles: a count is some tenths of a milliradian.
     let cycle_unit = scale_for(largest.min(0.9), "rad");
     let stiffness = |s: &Summary| s.k_displayed.map_or("–".to_owned(), |k| significant(k, 3));
     let cycle = |s: &Summary| match s.limit_cycle_peak_to_peak {

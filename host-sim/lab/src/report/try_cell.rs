@@ -1,4 +1,4 @@
-//! "Try this cell": the live page inside the report, with the scenes of its runs.
+//! The interactive page inside a report ("Try this cell"), with the scenes of its runs.
 
 use super::ReportInput;
 use super::origin::Origin;
@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use touchstone_sim::scene::MotionSpec;
 
-/// Puts a run's wall under the mouse: a button where the page is in the report, and the command. Nothing where the scene was not
-/// written out.
+/// Controls with which a reader tries a run's wall with the mouse: a button if the report contains the interactive page, and the
+/// command. Empty if the scene was not written out.
 pub fn button(input: &ReportInput, origin: &Origin, index: usize) -> String {
     let Some(scene) = origin.runs.get(index).and_then(|run| run.scene.as_ref()) else {
         return String::new();
@@ -32,11 +32,11 @@ pub fn button(input: &ReportInput, origin: &Origin, index: usize) -> String {
     }
 }
 
-/// A scene without its texts for people.
+/// Text of a scene file without comments and empty lines.
 fn bare(text: &str) -> String {
     let mut bare = String::with_capacity(text.len() / 2);
     for line in text.lines() {
-        // A sign of a comment inside a text is none.
+        // A `#` inside a quoted text does not start a comment.
         let line = match line.split_once('#') {
             Some((before, _)) if !before.contains('"') => before.trim_end(),
             _ => line,
@@ -49,7 +49,7 @@ fn bare(text: &str) -> String {
     bare
 }
 
-/// Data as a block of the page, without the one sequence that would end it.
+/// Writes data as a script block of the page; the sequence that would end the block is escaped.
 fn block(page: &mut String, id: &str, data: &serde_json::Value) {
     let data = data.to_string().replace('<', "\\u003c");
     let _ = writeln!(
@@ -58,7 +58,7 @@ fn block(page: &mut String, id: &str, data: &serde_json::Value) {
     );
 }
 
-/// The live page and the scenes, and what starts them; nothing where there is no page or no scene.
+/// Writes the interactive page, the scenes, and the script that starts them; nothing if there is no page or no scene.
 pub fn inside(page: &mut String, input: &ReportInput, origin: &Origin) {
     let scenes: BTreeMap<&str, String> = origin
         .runs

@@ -1,42 +1,42 @@
-//! The plotted view of one run: where it touches the wall, its displayed stiffness, its path, and suitable axes.
+//! What the plots of one run show: where it touches the wall, its displayed stiffness, its path, and suitable axes.
 
 use super::figure::Range;
 use touchstone_sim::run::record::{Run, Trace};
 
-/// Stretches of a path of (angle, force), rad and N·m.
+/// Stretches of a path of angle in rad and force in N·m.
 pub type Strokes = Vec<Vec<(f64, f64)>>;
 
-/// What can be seen of one run: its trace with what all plots need to know about it.
+/// A run's trace, with values that all its plots need.
 pub struct View<'a> {
-    /// The run.
+    /// The run that is plotted.
     pub run: &'a Run,
-    /// The run's trace.
+    /// The recorded trace of the run.
     pub trace: &'a Trace,
-    /// Critical stiffness, N·m/rad.
+    /// Critical stiffness `k_c`, N·m/rad.
     pub k_critical: Option<f64>,
-    /// Samples from the first to the last one with a force or inside the wall.
+    /// Indices from the first to the last sample with a force or inside the wall.
     pub contact: std::ops::Range<usize>,
-    /// Below this penetration |f|/e is not drawn, rad.
+    /// Penetration below which the displayed stiffness |f|/e is not drawn, rad.
     pub shallow: f64,
 }
 
-/// Ends of the axes, SI.
+/// Ends of the axes in SI units.
 #[derive(Debug, Clone, Copy)]
 pub struct Ranges {
-    /// Time, s.
+    /// Range of the time axis, s.
     pub time: Range,
-    /// HIP angle near the wall, rad.
+    /// Range of the knob's angle near the wall, rad.
     pub angle: Range,
-    /// Force, N·m.
+    /// Range of the force axis, N·m.
     pub force: Range,
-    /// Displayed stiffness, N·m/rad.
+    /// Range of the displayed stiffness, N·m/rad.
     pub stiffness: Range,
-    /// True and observed energy, J.
+    /// Range of the energies, true and as the law observes them, J.
     pub energy: Range,
 }
 
 impl Ranges {
-    /// One set of axes for two runs that are to be compared.
+    /// Ranges of axes that fit two runs, which are to be compared.
     pub fn union(self, other: Ranges) -> Self {
         Ranges {
             time: self.time.union(other.time),
@@ -49,7 +49,7 @@ impl Ranges {
 }
 
 impl<'a> View<'a> {
-    /// `None` if the run kept no trace.
+    /// Creates the view of a run; `None` if the run has no recorded trace.
     pub fn new(run: &'a Run, k_critical: Option<f64>) -> Option<Self> {
         let trace = run
             .trace
@@ -66,8 +66,8 @@ impl<'a> View<'a> {
             .clone()
             .map(|i| trace.angle_rad[i] - trace.surface_rad[i])
             .fold(0.0, f64::max);
-        // At a count or less the quotient is one of two or three values and says nothing (the singularity of thesis (2.13)).
-        // Without an encoder there is no such grain; a thousandth of the penetration keeps 0/0 out.
+        // At a penetration of a count or less the quotient has only two or three possible values (the singularity of thesis
+        // (2.13)). Without an encoder there is no such limit; a thousandth of the largest penetration avoids 0/0.
         let shallow = run
             .summary
             .encoder_counts_per_rev
@@ -83,25 +83,25 @@ impl<'a> View<'a> {
         })
     }
 
-    /// Samples.
+    /// Number of samples in the trace.
     fn len(&self) -> usize {
         super::columns::len(self.trace)
     }
 
-    /// Undeformed surface at the first contact, rad. Only where there is a contact.
+    /// Angle of the undeformed surface at the first contact, rad; only for runs with a contact.
     pub fn surface(&self) -> f64 {
         self.trace.surface_rad[self.contact.start]
     }
 
-    /// Measured penetration, which the law gets, rad.
+    /// Measured penetration of a sample, rad, which is the law's input.
     fn penetration(&self, index: usize) -> f64 {
         self.trace.angle_measured_rad[index] - self.trace.surface_rad[index]
     }
 
-    /// |f|/e, NaN where the penetration is too small to say, N·m/rad.
+    /// Displayed stiffness |f|/e of a sample, N·m/rad; NaN if the penetration is too small.
     pub fn displayed(&self, index: usize) -> f64 {
         let e = self.penetration(index);
-        // A hair of slack: two counts exactly, in f64, may come out a bit below.
+        // A small tolerance, because exactly two counts may come out slightly below in `f64`.
         if e > 0.0 && e >= self.shallow * (1.0 - 1e-9) {
             self.trace.force_n_m[index].abs() / e
         } else {
@@ -109,11 +109,11 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Axes that suit this run alone.
+    /// Axes that fit this run alone.
     pub fn ranges(&self) -> Ranges {
         let trace = self.trace;
         let k_de = self.run.summary.k_desired;
-        // Where a force acts: free flight before and after would squeeze the wall into a corner.
+        // Only the part with a force: free flight before and after would squeeze the wall into a corner.
         let acting = self
             .contact
             .clone()
@@ -133,7 +133,7 @@ impl<'a> View<'a> {
             .filter(|k| k.is_finite())
             .collect();
         shown.sort_by(f64::total_cmp);
-        // The highest few values come from the shallowest contacts; they may leave the plot, k_de and k_c may not.
+        // The highest few values come from the shallowest contacts. They may leave the plot; k_de and k_c may not.
         let high = shown
             .get(shown.len() * 98 / 100)
             .copied()
@@ -162,14 +162,15 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The path of (angle, force), parted where the motion turns by more than `hysteresis` (rad).
+    /// The path of angle and force, split where the motion turns by more than `hysteresis` in rad: first the inward, then the
+    /// outward stretches.
     ///
-    /// Between samples the force is held while the device moves on, so the path is a staircase, and the area that it encloses
-    /// is the true energy of the port. Straight lines between samples would hide just what makes a stiff wall active.
+    /// The force is constant between samples while the device moves, so the path is a staircase. The area that it encloses is the
+    /// true energy that the wall exchanges. Straight lines between samples would hide exactly what makes a stiff wall active.
     pub fn strokes(&self, hysteresis: f64) -> (Strokes, Strokes) {
         let (angle, force) = (&self.trace.angle_rad, &self.trace.force_n_m);
         let mut parts: (Strokes, Strokes) = Default::default();
-        // One sample more on either side, so that the way in and out of contact is seen.
+        // One more sample on either side shows the way into and out of contact.
         let from = self.contact.start.saturating_sub(1);
         let to = (self.contact.end + 1).min(self.len());
         let mut put = |inbound: bool, stretch: std::ops::RangeInclusive<usize>| {
@@ -241,7 +242,7 @@ mod tests {
         let (inbound, outbound) = view.strokes(2e-3);
         let net = |stroke: &Vec<(f64, f64)>| stroke.last().unwrap().0 - stroke[0].0;
         assert!(inbound.iter().all(|s| net(s) > 0.0) && outbound.iter().all(|s| net(s) < 0.0));
-        // In, two wiggles, out: no more turns than a person would count.
+        // In, two oscillations, out: no more turns than a person would count.
         assert!(
             (3..12).contains(&(inbound.len() + outbound.len())),
             "{} {}",

@@ -1,4 +1,4 @@
-//! Writes a report's folder, from which every run in it can be made again.
+//! Writes a report's folder, from which every run in it can be repeated.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -13,28 +13,31 @@ use super::staging::{Staging, io_error};
 use super::{ReportInput, csv, html, json, picture, previous};
 use touchstone_sim::error::Result;
 
-/// The written report.
+/// What was written for a report: page, files, size.
 #[derive(Debug, Clone)]
 pub struct Written {
-    /// The page, as a path the user can open.
+    /// Path of the page, which a reader can open.
     pub page: PathBuf,
-    /// All files, relative to the folder.
+    /// Paths of all written files, relative to the report's folder.
     pub files: Vec<PathBuf>,
-    /// Length of the instruction, bytes.
+    /// Total size of the written files, bytes.
     pub bytes: u64,
 }
 
-/// Writes into `folder`: `index.html`, `summary.svg`, `results.json`; of every run the scene with all its values (`scene.toml`,
-/// or `scenes/*.toml` where there are several), recordings that move the hand as `inputs/*`; of every run with a trace
-/// `traces/*.parquet`, and `traces/*.csv` with what is known of it beside as `*.csv-metadata.json`.
+/// Writes a report into `folder`. Its files are:
 ///
-/// A folder that does not exist is made and appears complete or not at all. In one that holds the results of the same
-/// command, these are replaced, each file in one step, and what the former results listed and the new ones do not have is removed.
-/// Every other file there is left alone, and never overwritten unless [`super::FileOptions::force`] says so.
+/// - `index.html`, `summary.svg` and `results.json`
+/// - of every run the scene with all its values, as `scene.toml`, or as `scenes/*.toml` if there are several
+/// - recordings that move the hand, as `inputs/*`
+/// - of every run with a trace `traces/*.parquet`, and `traces/*.csv` with its metadata in `*.csv-metadata.json`
+///
+/// A folder that does not exist is created; it appears with all files or not at all. In a folder with results of the same command,
+/// each file is replaced in one step, and files that only the earlier results listed are removed. Other files are never changed,
+/// unless [`super::FileOptions::force`] allows it.
 ///
 /// # Errors
-/// [`touchstone_sim::error::Error::Io`], on one line and with the fix, if `folder` is a file, holds the results of another
-/// command, or cannot be written, or if an input can no longer be read; then no file in it has changed.
+/// [`touchstone_sim::error::Error::Io`], one line with the remedy: `folder` is a file, holds the results of another command or
+/// cannot be written, or an input can no longer be read. Then no file in it has changed.
 pub fn write(input: &ReportInput, folder: &Path) -> Result<Written> {
     let origin = Origin::of(input)?;
     let names = names(input, &origin);
@@ -79,12 +82,12 @@ const PICTURE: &str = "summary.svg";
 const RESULTS: &str = "results.json";
 const PAGE: &str = "index.html";
 
-/// Name of the metadata file beside a CSV file.
+/// Name of the metadata file of a CSV file.
 fn sidecar(csv: &str) -> String {
     format!("{csv}-metadata.json")
 }
 
-/// All files of the report, the page last, since it refers to the others.
+/// Names of all files of the report. The page comes last, because it refers to the others.
 fn names(input: &ReportInput, origin: &Origin) -> Vec<String> {
     let mut names = Vec::new();
     for run in &origin.runs {
@@ -140,7 +143,7 @@ mod tests {
     use touchstone_control::LawKind;
     use touchstone_sim::run::record::Run;
 
-    /// A folder for one test, removed afterwards.
+    /// A temporary folder for one test; it is removed afterwards.
     struct Scratch(PathBuf);
 
     impl Scratch {
@@ -152,7 +155,7 @@ mod tests {
             Scratch(path)
         }
 
-        /// Everything below, sorted.
+        /// Paths of all files below the folder, sorted.
         fn list(&self) -> Vec<String> {
             fn walk(dir: &Path, root: &Path, out: &mut Vec<String>) {
                 for entry in fs::read_dir(dir).unwrap() {
@@ -219,7 +222,7 @@ mod tests {
         assert_eq!(scratch.list(), expected);
         assert_eq!(written.files.len(), 9);
         assert!(written.bytes > 10_000);
-        // What results.json and the page name exists.
+        // Every file that results.json and the page name exists.
         let json: serde_json::Value =
             serde_json::from_str(&fs::read_to_string(scratch.0.join("a/b/results.json")).unwrap())
                 .unwrap();
@@ -241,7 +244,7 @@ mod tests {
         fs::write(scratch.0.join("notes.txt"), "keep").unwrap();
         fs::write(scratch.0.join("index.html"), "old").unwrap();
         let runs = runs();
-        // A page that no results list is not ours to replace.
+        // A page that no `results.json` lists is not replaced.
         let error = write(&input(&runs), &scratch.0).unwrap_err().to_string();
         assert!(
             error.contains("index.html") && error.contains("--force"),
@@ -301,7 +304,8 @@ mod tests {
             "{error}"
         );
         assert_eq!(scratch.list(), before);
-        // The same command with one run less: its three files go, and the picture of two runs; what is not ours stays.
+        // The same command with one run less: the three files of that run are removed, and the picture of two runs. Files of others
+        // stay.
         write(&input(&runs[1..]), &scratch.0).unwrap();
         let now = scratch.list();
         assert_eq!(now.len(), before.len() - 4);

@@ -1,32 +1,33 @@
-//! The nominal device and varied ones, and the hand's actions.
+//! The devices of a scorecard, nominal and varied, and the actions of the simulated hand.
 
 use serde::Serialize;
 use touchstone_sim::scene::{Grip, MotionSpec, PressWiggleRelease, Scene, TouchAndPress};
 
-/// The hands of a scorecard; of every figure the worst over them counts.
+/// The three grips of a scorecard. Every figure is the worst over them.
 pub const GRIPS: [Grip; 3] = [Grip::Light, Grip::Medium, Grip::Firm];
 
-/// How a device differs from the one that its law assumes.
+/// How a device of the scorecard differs from the one that its law assumes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
-    /// The device is nominal.
+    /// No change: the nominal device.
     Nothing,
-    /// The counts times this factor.
+    /// Factor on the encoder counts per turn.
     Counts(f64),
-    /// The inertia times this factor.
+    /// Factor on the device's inertia.
     Inertia(f64),
-    /// The damping times this factor.
+    /// Factor on the device's damping.
     Damping(f64),
-    /// A command acts this many ticks after its sample.
+    /// The delay from a sample until its command acts, in ticks, replaces the scene's.
     Delay(f64),
 }
 
-/// One device that a setting must serve.
+/// A device on which one setting of a law must work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Case {
-    /// Name of the device; that of the encoder's case is for 40,000 counts.
+    /// Name of the device. The name of the device with fewer encoder counts assumes that the nominal one has 40,000 counts per
+    /// turn.
     pub name: &'static str,
-    /// The change that makes it differ from the nominal device.
+    /// Change that makes the device differ from the nominal one.
     pub change: Change,
 }
 
@@ -34,7 +35,7 @@ const fn case(name: &'static str, change: Change) -> Case {
     Case { name, change }
 }
 
-/// All devices, the nominal one first.
+/// The nine devices; the nominal one comes first.
 pub const CASES: [Case; 9] = [
     case("nominal", Change::Nothing),
     // 16,384 of 40,000: a magnetic sensor of 14 bits in place of an optical disc.
@@ -48,9 +49,10 @@ pub const CASES: [Case; 9] = [
     case("double damping", Change::Damping(2.0)),
 ];
 
-/// `T sqrt(k_de/J)` above which a wall need not hold half the inertia or a whole tick of delay: sampling ends near 1.
+/// `T sqrt(k_de/J)` above which a wall need not hold at half the inertia or with a whole tick of delay. Sampling limits every wall
+/// near 1.
 pub const STIFFEST_FOR_ALL: f64 = 0.5;
-/// Delay from which on a press may go deeper, ticks.
+/// Delay in ticks from which on the limit for the depth of a press is larger.
 pub const LATE_TICKS: f64 = 0.5;
 
 impl Case {
@@ -65,7 +67,7 @@ impl Case {
         always || stiffness_per_tick <= STIFFEST_FOR_ALL
     }
 
-    /// Whether its commands come late.
+    /// Whether the device has at least [`LATE_TICKS`] of delay.
     #[must_use]
     pub fn is_late(&self) -> bool {
         matches!(self.change, Change::Delay(ticks) if ticks >= LATE_TICKS)
@@ -92,41 +94,42 @@ impl Case {
     }
 }
 
-/// An action of the hand.
+/// An action of the simulated hand.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Deed {
-    /// Touches lightly, presses, holds, lets go.
+    /// The hand touches lightly, presses, holds and lets go.
     Press,
-    /// Presses, then pushes harder and softer at this frequency, Hz.
+    /// The hand presses, then oscillates with this frequency in Hz around the press.
     Move(f64),
 }
 
-/// Share of the most torque that a press may be: a hand that moves pushes with 1.3 times the press, and the wall needs some to brake a touch.
+/// Largest press as a fraction of the wall's largest torque. An oscillating hand pushes with 1.3 times the press, and the wall
+/// needs a reserve to stop a touch.
 pub const MOST_OF_THE_TORQUE: f64 = 0.6;
 
-/// A moving hand's amplitude over its press.
+/// Amplitude of an oscillating hand's force, as a fraction of the press.
 pub const MOVES_WITH: f64 = 0.3;
 
-/// The most torque that a wall can give: the law's limit, or the motor's where that is less, N·m.
+/// Largest torque of a wall, N·m: the smaller of the law's limit and the motor's.
 #[must_use]
 pub fn most_torque_n_m(scene: &Scene) -> f64 {
     let motor = scene.device.torque_limit_n_m.unwrap_or(f64::INFINITY);
     motor.min(scene.law.force_limit_n_m)
 }
 
-/// The actions of the hand on every device.
+/// The actions of the simulated hand, the same for every device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Programme {
-    /// Touch, press and release.
+    /// Light touch, press and release.
     pub press: TouchAndPress,
-    /// Frequencies of a hand that moves, Hz.
+    /// Frequencies at which the hand oscillates, Hz.
     pub frequencies_hz: Vec<f64>,
 }
 
 impl Programme {
-    /// The scene's own press, where it has one, with a touch before it; then a hand that moves at 1, 2 and 4 Hz. A
-    /// press is at most [`MOST_OF_THE_TORQUE`] of the wall's largest force, and its touch is smaller in proportion.
+    /// The actions for a scene: its own press if it has one, with a touch before it; then oscillations at 1, 2 and 4 Hz. A press is
+    /// at most [`MOST_OF_THE_TORQUE`] of the wall's largest torque; the touch is reduced in proportion.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let mut press = match &scene.operator.motion {
@@ -151,7 +154,7 @@ impl Programme {
         }
     }
 
-    /// Keeps only the slowest and the fastest motion.
+    /// Keeps only the slowest and the fastest oscillation.
     #[must_use]
     pub fn with_fewer_motions(mut self) -> Self {
         self.frequencies_hz = vec![1.0, 4.0];
@@ -166,12 +169,12 @@ impl Programme {
         self.with_fewer_motions()
     }
 
-    /// The press and the motions.
+    /// All actions: the press, then the oscillations.
     pub fn deeds(&self) -> impl Iterator<Item = Deed> + '_ {
         std::iter::once(Deed::Press).chain(self.frequencies_hz.iter().copied().map(Deed::Move))
     }
 
-    /// The scene with this grip and action.
+    /// The scene with this grip and this action of the hand.
     #[must_use]
     pub fn scene(&self, scene: &Scene, grip: Grip, deed: Deed) -> Scene {
         let mut scene = scene.clone();
@@ -182,7 +185,7 @@ impl Programme {
         let press = &self.press;
         match deed {
             Deed::Press => {
-                // A tenth of a second to see where the device goes.
+                // A tenth of a second after the release, to see where the device goes.
                 scene.timing.duration_s = press.start_s
                     + press.touch_ramp_s
                     + press.touch_s
@@ -194,7 +197,8 @@ impl Programme {
             }
             Deed::Move(frequency_hz) => {
                 let period_s = 1.0 / frequency_hz;
-                // After a period, and half a second at least, whole periods of a second in all; then half a period to fade.
+                // The measured part starts after one period and at least half a second. It lasts a whole number of periods, about a
+                // second. Then the oscillation fades within half a period.
                 let periods = frequency_hz.ceil().max(1.0);
                 let wiggle_s = period_s.max(0.5) + (periods + 0.5) * period_s + 1e-6;
                 scene.timing.duration_s = press.start_s + press.ramp_s + wiggle_s;
@@ -214,7 +218,7 @@ impl Programme {
         scene
     }
 
-    /// Simulated time of one device in one grip, s.
+    /// Simulated time of all actions on one device in one grip, s.
     #[must_use]
     pub fn seconds(&self, scene: &Scene) -> f64 {
         self.deeds()

@@ -1,5 +1,5 @@
-//! The scorecard's figures along one direction of space: the hand's actions along a normal, and the figures from depth
-//! and force.
+//! The scorecard's figures in one direction of space: the hand acts along a wall's normal, and figures are calculated from depth
+//! and force along it.
 
 use super::cases::Deed;
 use super::measure::Figures;
@@ -7,24 +7,24 @@ use super::press::{DesiredStiffness, HELD_AFTER_S, PressFigures};
 use touchstone_sim::run::measure::{Response, Ripple, Wiggle};
 use touchstone_world::plant::Hand;
 
-/// A wall of a stiffness, and a hand that comes to it along its normal. SI.
+/// A wall of a given stiffness, and a hand that approaches it along its normal; SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Approach {
-    /// Desired stiffness, N/m.
+    /// Requested stiffness of the wall, N/m.
     pub k_desired_n_per_m: f64,
-    /// The hand's final push, N.
+    /// Force of the press, N.
     pub push_n: f64,
-    /// Force of the touch before the press, N.
+    /// Force of the light touch before the press, N.
     pub touch_n: f64,
-    /// Step of a measured position, m.
+    /// Size of a position count, m.
     pub count_m: f64,
-    /// What half a count of each axis is along the normal, m.
+    /// Error of a position along the wall's normal if each axis is off by half a count, m.
     pub unsure_m: f64,
     /// Control rate, Hz.
     pub rate_hz: u32,
 }
 
-/// How far outside a hand begins, m.
+/// Distance from the wall at which the hand starts, m.
 pub const OUTSIDE_M: f64 = 0.002;
 const START_S: f64 = 0.1;
 const TOUCH_RAMP_S: f64 = 0.05;
@@ -32,12 +32,12 @@ const TOUCH_S: f64 = 0.5;
 const RAMP_S: f64 = 0.3;
 const HOLD_S: f64 = 0.8;
 const RELEASE_S: f64 = 0.4;
-/// Amplitude of the moving hand as a share of the push.
+/// Amplitude of an oscillating hand's force, as a fraction of the press.
 const MOVE_SHARE: f64 = 0.3;
-/// A press counts as settled when it stays within this share of `F/k_de`, beyond a count.
+/// A press counts as settled when its depth stays within this fraction of `F/k_de`, plus a count.
 const SETTLED: f64 = 0.05;
 
-/// A rise from 0 to 1 without a jump of speed or acceleration, as hands move.
+/// A rise from 0 to 1 without jumps of speed or acceleration, as hands move.
 pub(super) fn smooth(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * t * (10.0 - 15.0 * t + 6.0 * t * t)
@@ -51,14 +51,14 @@ impl Approach {
         }
     }
 
-    /// First and last moment of the periods that are measured, s.
+    /// Start and end of the part of an oscillation that is measured, whole periods, s.
     fn periods_s(frequency_hz: f64) -> (f64, f64) {
         let period_s = 1.0 / frequency_hz;
         let from = START_S + RAMP_S + period_s.max(0.5);
         (from, from + frequency_hz.ceil().max(1.0) * period_s)
     }
 
-    /// How long an action takes, s.
+    /// Duration of an action, s.
     #[must_use]
     pub fn seconds(&self, deed: Deed) -> f64 {
         match deed {
@@ -67,7 +67,7 @@ impl Approach {
         }
     }
 
-    /// How many ticks an action takes.
+    /// Duration of an action, ticks.
     #[must_use]
     pub fn ticks(&self, deed: Deed) -> u64 {
         self.tick_of(self.seconds(deed))
@@ -77,7 +77,8 @@ impl Approach {
         (time_s * f64::from(self.rate_hz)).round() as u64
     }
 
-    /// Depth of the hand's rest point below the surface, m: where its spring, its pad and the wall would rest under the force that it means.
+    /// Depth of the hand's rest point below the surface, m. The hand's spring, its pad and the wall in series would rest there
+    /// under the intended force.
     #[must_use]
     pub fn rest_depth_m(&self, hand: &Hand, deed: Deed, time_s: f64) -> f64 {
         let compliance =
@@ -102,7 +103,7 @@ impl Approach {
         out - OUTSIDE_M
     }
 
-    /// The desired stiffness.
+    /// The requested stiffness, with the uncertainty of a depth.
     #[must_use]
     pub fn stiffness(&self) -> DesiredStiffness {
         DesiredStiffness {
@@ -112,13 +113,13 @@ impl Approach {
         }
     }
 
-    /// The tick with which a press begins to let go.
+    /// First tick of the release after a press.
     #[must_use]
     pub fn release_tick(&self) -> u64 {
         self.tick_of(Self::ramp_start_s(Deed::Press) + RAMP_S + HOLD_S)
     }
 
-    /// Watches an action.
+    /// Creates the recorder that calculates the figures of an action.
     #[must_use]
     pub fn watch(&self, deed: Deed) -> DirectionWatch {
         let ramp_end_s = Self::ramp_start_s(deed) + RAMP_S;
@@ -153,7 +154,7 @@ impl Approach {
     }
 }
 
-/// Takes depth and force of an action, tick by tick.
+/// Calculates figures from depth and force of an action, tick by tick.
 #[derive(Debug, Clone)]
 pub struct DirectionWatch {
     press: Option<PressFigures>,
@@ -166,23 +167,23 @@ pub struct DirectionWatch {
     k_desired_n_per_m: f64,
 }
 
-/// The worst figures of all actions along a direction.
+/// Worst value of each figure over all actions of the hand in one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DirectionFigures {
-    /// The scorecard's figures; energy only where it was counted, ripple in N.
+    /// The scorecard's figures. The energy is set only if it was calculated; the ripple is in N.
     pub figures: Figures,
-    /// From the end of the ramp until the press stays within 5 %, s; `None` where it never did.
+    /// Time from the end of the ramp until the press stays within 5 % of `F/k_de`, s; `None` if it never did.
     pub settle_s: Option<f64>,
 }
 
 impl DirectionFigures {
-    /// A memory that has seen no tick yet.
+    /// Start value: the figures before any tick.
     pub const NONE: Self = Self {
         figures: Figures::NONE,
         settle_s: Some(0.0),
     };
 
-    /// The worst of each.
+    /// The worse value of each figure, from two sets.
     #[must_use]
     pub fn worst(self, other: &Self) -> Self {
         Self {
@@ -193,7 +194,7 @@ impl DirectionFigures {
 }
 
 impl DirectionWatch {
-    /// Depth along the normal in the middle of a tick, m, and the force out along it, N, its mean over the tick.
+    /// Adds a tick: depth along the normal in the middle of the tick in m, and mean outward force during the tick in N.
     pub fn take(&mut self, index: u64, depth_m: f64, force_n: f64) {
         if let Some(press) = &self.press {
             let _ = press.take(&mut self.figures, index, depth_m, force_n);
@@ -211,13 +212,13 @@ impl DirectionWatch {
         }
     }
 
-    /// Response of the wall to the moving hand so far.
+    /// Response of the wall to the oscillating hand so far; `None` in a press.
     #[must_use]
     pub fn response(&self) -> Option<&Response> {
         self.response.as_ref()
     }
 
-    /// The figures of the finished run.
+    /// Calculates the figures after the last tick.
     #[must_use]
     pub fn finish(mut self) -> DirectionFigures {
         if let Some(response) = &self.response {
@@ -253,7 +254,7 @@ mod tests {
         rate_hz: 1000,
     };
 
-    /// A spring of `share` of the wall's stiffness, led as deep as the hand means it to be.
+    /// Figures of a spring of `share` times the wall's stiffness, when the hand moves exactly to the intended depths.
     fn led(share: f64, deed: Deed) -> DirectionFigures {
         let mut watch = APPROACH.watch(deed);
         let hand = FIRM_TRANSLATION;

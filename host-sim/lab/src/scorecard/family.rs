@@ -1,9 +1,10 @@
-//! The family of a device: grips, counts, inertia, damping, delay, rate and noise, all changed together, under one setting.
+//! One setting of a law on a set of device variants: grip, encoder counts, inertia, damping, delay, rate and noise all vary
+//! together.
 //!
-//! A scorecard changes one thing at a time. A knob with half the inertia may also have a late loop, so here every combination counts:
-//! the [`corners`], and a [`sample`] between them that a seed draws. What the law is told stays the same. Each member is touched and
-//! pressed. Where `T sqrt(k_de/J)` is beyond what any tuned law was found to hold (docs/tuning, "Where a tuned wall ends"), the member is counted
-//! apart: its loss is none of the setting's.
+//! The scorecard's devices differ in one property at a time. But a knob with half the inertia may also have a large delay. So this
+//! module takes every combination ([`corners`]), and random variants between them ([`sample`]). The law's settings stay the same.
+//! Each variant is touched and pressed. A variant whose `T sqrt(k_de/J)` is beyond what any tuned law holds (docs/tuning, "Where a
+//! tuned wall ends") is counted separately, because its loss is not the setting's fault.
 
 use super::cases::{CASES, Deed, GRIPS, Programme};
 use super::measure::Measure;
@@ -18,39 +19,39 @@ use touchstone_sim::error::Result;
 use touchstone_sim::scene::{Grip, Scene, SensorNoise};
 use touchstone_world::plant::{FIRM, Hand, LIGHT};
 
-/// A press deeper than this many times `F/k_de` counts as lost ...
+/// A wall counts as lost if a press goes deeper than this multiple of `F/k_de`.
 pub const LOST_DEPTH: f64 = 5.0;
-/// ... as is one that is held with less than half or more than one and a half of `k_de`.
+/// A wall counts as lost if its stiffness in a hold is off by more than this fraction of `k_de`.
 pub const LOST_ERROR: f64 = 0.5;
-/// A member that goes deeper than this is called deep.
+/// A press or touch deeper than this multiple of `F/k_de` counts as deep.
 pub const DEEP: f64 = 1.3;
-/// Members that are named.
+/// Number of worst device variants that are named in the results.
 const WORST: usize = 5;
-/// Counts over the scene's: 16,384 of 40,000 at the least.
+/// Factors on the scene's encoder counts; the smaller one makes 16,384 of 40,000.
 const COUNTS: [f64; 2] = [1.0, 0.4096];
-/// Inertia and damping over the scene's.
+/// Factors on the scene's inertia and damping.
 const TIMES: [f64; 3] = [0.5, 1.0, 2.0];
-/// Delays, ticks.
+/// Delays from sample to force of the device variants, ticks.
 const DELAYS: [f64; 4] = [0.0, 0.1, 0.5, 1.0];
-/// How far a drawn hand may be beyond the light and the firm grip, of what lies between them on logarithmic scales.
+/// Random hands may exceed the light and the firm grip by this fraction of the distance between the two, on logarithmic scales.
 const BEYOND: f64 = 0.25;
-/// `T sqrt(k_de/J)` up to which every wall on the map of docs/tuning rests, at these delays in ticks.
+/// Pairs of delay in ticks and largest `T sqrt(k_de/J)` up to which every tuned wall rests, from the map in docs/tuning.
 const MAP: [(f64, f64); 3] = [(0.0, 1.35), (0.5, 0.92), (1.0, 0.62)];
 
-/// One device in one hand.
+/// A device variant with a hand.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Member {
-    /// The scene with this device.
+    /// The scene with the varied device.
     pub scene: Scene,
-    /// A grip of the scorecard, or a drawn hand.
+    /// Grip, and the parameters of a random hand if it is none of the scorecard's grips.
     pub hand: (Grip, Option<Hand>),
-    /// The name in words.
+    /// Description of the variant in words.
     pub name: String,
-    /// Delay, ticks.
+    /// Delay from sample to force, ticks.
     pub delay_ticks: f64,
 }
 
-/// How a member differs from the scene.
+/// How a variant's device differs from the scene's: factors, and the delay.
 #[derive(Debug, Clone, Copy)]
 struct Change {
     counts: f64,
@@ -59,17 +60,17 @@ struct Change {
     delay_ticks: f64,
 }
 
-/// Rates and noise of a family; empty: the scene's own.
+/// Control rates and noise levels of the variants; an empty list means the scene's own.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Around {
     /// Control rates, Hz.
     pub rates_hz: Vec<u32>,
-    /// Noise of the position sensor, degrees rms.
+    /// Noise of the position sensor, degrees, root mean square.
     pub noise_deg: Vec<f64>,
 }
 
 impl Around {
-    /// The scene at every rate with every noise.
+    /// The scene, repeated for every control rate and every noise level.
     fn scenes(&self, scene: &Scene) -> Vec<Scene> {
         let mut rates = self.rates_hz.clone();
         if rates.is_empty() {
@@ -127,13 +128,13 @@ impl Member {
         }
     }
 
-    /// Whether `T sqrt(k_de/J)` is beyond what any tuned law holds at this delay.
+    /// Whether `T sqrt(k_de/J)` is larger than any tuned law was found to hold at this delay.
     #[must_use]
     pub fn is_beyond_map(&self) -> bool {
         stiffness_per_tick(&self.scene) > most_stiffness_per_tick(self.delay_ticks)
     }
 
-    /// Deepest of press and touch over `F/k_de` of the press, `None` where lost.
+    /// Deepest penetration of the press and of the touch, divided by the press' `F/k_de`; `None` if the wall is lost.
     fn depths(&self) -> Result<Option<[f64; 2]>> {
         let (grip, hand) = self.hand;
         let mut pressed = Programme::of(&self.scene).scene(&self.scene, grip, Deed::Press);
@@ -149,7 +150,7 @@ impl Member {
     }
 }
 
-/// Straight between the delays of the map.
+/// Largest `T sqrt(k_de/J)` that a tuned wall holds at this delay, interpolated linearly from [`MAP`].
 fn most_stiffness_per_tick(delay_ticks: f64) -> f64 {
     let between = MAP.windows(2).find(|pair| delay_ticks <= pair[1].0);
     let Some([(from, start), (to, end)]) = between else {
@@ -158,7 +159,7 @@ fn most_stiffness_per_tick(delay_ticks: f64) -> f64 {
     start + (end - start) * (delay_ticks - from) / (to - from)
 }
 
-/// All corners: 216 with every rate and noise.
+/// All combinations of the varied properties: 216 variants for each rate and noise level.
 #[must_use]
 pub fn corners(scene: &Scene, around: &Around) -> Vec<Member> {
     let mut members = Vec::new();
@@ -185,8 +186,8 @@ pub fn corners(scene: &Scene, around: &Around) -> Vec<Member> {
     members
 }
 
-/// This many members between the corners, in hands between and a little beyond the grips. A seed always draws the same
-/// members, and a larger number begins with those of a smaller one.
+/// Random variants between the corners, with hands between the grips and slightly beyond. The same seed always gives the same
+/// variants; a larger number begins with those of a smaller one.
 #[must_use]
 pub fn sample(scene: &Scene, around: &Around, members: usize, seed: u64) -> Vec<Member> {
     let scenes = around.scenes(scene);
@@ -208,7 +209,7 @@ pub fn sample(scene: &Scene, around: &Around, members: usize, seed: u64) -> Vec<
     (0..members).map(draw).collect()
 }
 
-/// A hand between two, each of its parameters geometrically.
+/// A hand between two hands, each parameter interpolated on a logarithmic scale.
 fn between(one: &Hand, other: &Hand, place: f64) -> Hand {
     let of = |a: f64, b: f64| a * (b / a).powf(place);
     Hand {
@@ -220,22 +221,22 @@ fn between(one: &Hand, other: &Hand, place: f64) -> Hand {
     }
 }
 
-/// The scene's own device at a rate and a noise: the worst of three grips.
+/// Results of the scene's own device at one rate and noise level; the worst of three grips.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Nominal {
     /// Control rate, Hz.
     pub rate_hz: u32,
-    /// Noise of the position sensor, degrees rms.
+    /// Noise of the position sensor, degrees, root mean square.
     pub noise_deg: f64,
-    /// Deepest penetration of the touch over `F/k_de` of the press; absent where it left all numbers, as below.
+    /// Deepest penetration of the touch, divided by the press' `F/k_de`; `None` if the run diverged, as for the fields below.
     pub touch_penetration_ratio: Option<f64>,
-    /// The touch over that of the ideal damped wall.
+    /// Figures of the touch, divided by those of a touch of the ideal damped wall.
     pub touch: Option<TouchRatios>,
-    /// Deepest penetration of the press over the ideal one.
+    /// Deepest penetration of the press, divided by `F/k_de`.
     pub peak_penetration_ratio: Option<f64>,
-    /// Ripple of the torque from tick to tick while the hand moves, rms, N·m.
+    /// Change of the torque from tick to tick while the hand oscillates, root mean square, N·m.
     pub ripple_rms_n_m: Option<f64>,
-    /// Motion at the end of the hold, peak to peak, rad.
+    /// Motion of the knob at the end of the hold, peak to peak, rad.
     pub motion_at_rest_rad: Option<f64>,
 }
 
@@ -259,25 +260,27 @@ impl Nominal {
     }
 }
 
-/// One member and its result.
+/// Results of one device variant.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Judged {
-    /// Hand, counts, inertia, damping, delay, rate and noise.
+    /// Description of the variant: hand, counts, inertia, damping, delay, rate and noise.
     pub member: String,
-    /// `T sqrt(k_de/J)`.
+    /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
     pub stiffness_per_tick: f64,
-    /// Delay, ticks.
+    /// Delay from sample to force, ticks.
     pub delay_ticks: f64,
-    /// Whether `T sqrt(k_de/J)` is beyond what any tuned law holds at this delay.
+    /// Whether `T sqrt(k_de/J)` is larger than any tuned law was found to hold at this delay.
     pub beyond_map: bool,
-    /// Deepest penetration of the press over `F/k_de`; absent where the wall is lost.
+    /// Deepest penetration of the press, divided by `F/k_de`; absent if the wall is lost (a press too deep, or its stiffness far
+    /// off).
     pub press: Option<f64>,
-    /// Depth of the touch, over the ideal depth of the press.
+    /// Deepest penetration of the touch, divided by the press' `F/k_de`; absent if the wall is lost (a press too deep, or its
+    /// stiffness far off).
     pub touch: Option<f64>,
 }
 
 impl Judged {
-    /// The deeper of the two; infinite where lost.
+    /// The larger of the relative depths of press and touch; infinite if the wall is lost.
     #[must_use]
     pub fn depth(&self) -> f64 {
         let both = self.press.zip(self.touch);
@@ -285,35 +288,35 @@ impl Judged {
     }
 }
 
-/// A setting on its family.
+/// Results of one set of law settings on all device variants.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Family {
-    /// The law.
+    /// Name of the control law.
     pub law: String,
-    /// `k_de`, N·m/rad.
+    /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
-    /// Number of members.
+    /// Number of device variants that were simulated.
     pub members: usize,
-    /// Members whose wall is lost.
+    /// Number of device variants on which the wall is lost (a press too deep, or its stiffness far off).
     pub lost: usize,
-    /// How many of the lost members are beyond the map.
+    /// Number of device variants on which the wall is lost and with any tuned law would be.
     pub lost_beyond_map: usize,
-    /// Members that are lost or go deeper than [`DEEP`].
+    /// Number of device variants on which the wall is lost, or press or touch is deeper than [`DEEP`].
     pub deep: usize,
-    /// Deepest press of the members that are not lost, over `F/k_de`.
+    /// Deepest press over the device variants on which the wall is not lost, divided by `F/k_de`.
     pub deepest_press: f64,
-    /// Deepest touch of the same, over the same.
+    /// Deepest touch over the device variants on which the wall is not lost, divided by the press' `F/k_de`.
     pub deepest_touch: f64,
-    /// The scene's own device.
+    /// Results of the scene's own device, one entry per rate and noise level.
     pub nominal: Vec<Nominal>,
-    /// The worst, worst first.
+    /// The worst variants, the worst one first.
     pub worst: Vec<Judged>,
 }
 
-/// Judges members; calls `done` after each.
+/// Simulates one set of law settings on all device variants; calls `done` after each variant.
 ///
 /// # Errors
-/// Settings that the law cannot have for one of them.
+/// The control law does not accept its settings on one of the variants.
 pub fn judge(
     law: &str,
     scene: &Scene,
@@ -359,7 +362,7 @@ pub fn judge(
         nominal,
         worst: Vec::new(),
     };
-    // Of the lost the least stiff for its tick first: it says most of the setting.
+    // Among lost variants those with the smallest stiffness per tick come first, because their loss says most about the setting.
     judged.sort_by(|a, b| {
         (b.depth().total_cmp(&a.depth()))
             .then(a.stiffness_per_tick.total_cmp(&b.stiffness_per_tick))
@@ -413,7 +416,7 @@ mod tests {
         for rate_hz in &all.rates_hz {
             assert!(drawn.iter().any(|it| it.scene.timing.rate_hz == *rate_hz));
         }
-        // Half the inertia, a whole tick late: three grips, two encoders, three dampings.
+        // Half the inertia with a whole tick of delay: three grips, two encoders, three dampings.
         let beyond = |members: &[Member]| members.iter().filter(|it| it.is_beyond_map()).count();
         assert_eq!(beyond(&members), 18);
         assert_eq!(beyond(&corners(&knob("enhanced", 14.0), &own)), 0);
@@ -426,17 +429,18 @@ mod tests {
             let own = Around::default();
             judge(law, &scene, &own, &corners(&scene, &own), || ()).expect("runs")
         };
-        // Half of the critical stiffness of the least damped, with the latest: k_c of half the damping and a tick of delay is a sixth.
+        // Half of the critical stiffness of the variant with the least damping and the most delay. With half the damping and a tick
+        // of delay k_c is a sixth.
         let soft = judged("spring", 0.1);
         assert_eq!((soft.members, soft.lost), (216, 0));
-        // At once an undamped spring would go twice as deep as it rests.
+        // Pressed by a step, an undamped spring would go twice as deep as it rests.
         assert!(soft.deepest_press < 2.0, "{soft:?}");
         assert!(soft.nominal[0].motion_at_rest_rad.is_some());
         let hard = judged("spring", 20.0);
         assert_eq!(hard.lost, 216);
         assert_eq!(hard.lost_beyond_map, 18);
         assert_eq!(hard.worst.len(), 5);
-        // Of lost ones those first that sampling asks least of: the heaviest.
+        // Of the lost variants the heaviest comes first, because sampling limits it least.
         assert!(text(&[soft, hard]).contains("2.00 J"));
     }
 }

@@ -1,10 +1,10 @@
-//! A family for people, in the terminal.
+//! Results of one set of law settings on device variants, as text for a terminal.
 
 use super::family::{DEEP, Family, LOST_DEPTH};
 use super::page::touch_cells;
 use std::fmt::Write;
 
-/// A row for each wall, with the nominal and the worst member, as text.
+/// Text with one table row per wall, the results of the nominal device, and the worst variants.
 #[must_use]
 pub fn text(families: &[Family]) -> String {
     let mut text = String::from(

@@ -1,11 +1,10 @@
-//! All actions of a scorecard's hand, one after the other, on a device that cannot be put back to its start between
-//! them.
+//! All actions of the scorecard's hand one after the other, for a real device that cannot be reset between actions.
 
 use super::cases::Deed;
 use super::direction::{Approach, OUTSIDE_M, smooth};
 use touchstone_world::plant::Hand;
 
-/// The actions, in this order.
+/// The actions of the hand in their order.
 pub const DEEDS: [Deed; 4] = [
     Deed::Press,
     Deed::Move(1.0),
@@ -17,18 +16,18 @@ pub const DEEDS: [Deed; 4] = [
 const OUT_S: f64 = 0.5;
 const REST_S: f64 = 1.5;
 
-/// A hand that does them all.
+/// A simulated hand that does all actions of the scorecard one after the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeedsInTurn {
-    /// The wall, and how it is come to.
+    /// The wall and the forces of the hand.
     pub approach: Approach,
-    /// The hand.
+    /// Parameters of the hand.
     pub hand: Hand,
     first: u64,
 }
 
 impl DeedsInTurn {
-    /// Starts the approach at a tick; until then the hand rests outside.
+    /// Creates the hand. The actions begin at tick `first`; until then the hand rests outside the wall.
     #[must_use]
     pub fn new(approach: Approach, hand: Hand, first: u64) -> Self {
         Self {
@@ -42,7 +41,7 @@ impl DeedsInTurn {
         ((OUT_S + REST_S) * f64::from(self.approach.rate_hz)).round() as u64
     }
 
-    /// Every action with the tick with which it begins.
+    /// Every action with the tick at which it begins.
     pub fn begun(&self) -> impl Iterator<Item = (Deed, u64)> + '_ {
         DEEDS.iter().scan(self.first, |next, deed| {
             let first = *next;
@@ -51,7 +50,7 @@ impl DeedsInTurn {
         })
     }
 
-    /// Number of ticks of all actions.
+    /// Number of ticks that all actions take.
     #[must_use]
     pub fn ticks(&self) -> u64 {
         self.begun()

@@ -1,33 +1,34 @@
-//! The figures of a scorecard and what each may be.
+//! The figures of a scorecard and their limits.
 
 use super::touch::TouchRatios;
 use serde::Serialize;
 use touchstone_sim::run::measure::{Response, Ripple};
 
-/// A figure with a limit. Less is better in all of them, and the worst of several is the largest.
+/// A figure of the scorecard that has a limit. Less is better for each figure, so the worst of several values is the largest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
-    /// Deepest penetration from the start of the press' ramp on, over `F/k_de`.
+    /// Deepest penetration from the start of the press' ramp on, divided by `F/k_de`.
     PeakPenetrationRatio,
-    /// Largest deviation of the force from `k_de x` deeper than ten counts, after half a count, over `k_de x`: ramp and hold.
+    /// Largest deviation of the force from `k_de x` during ramp and hold, divided by `k_de x`. Depths `x` below ten counts are left
+    /// out, and an error of half a count is allowed for.
     StiffnessError,
-    /// Error of the stiffness from 50 ms after the ramp to the end of the hold.
+    /// Largest deviation of the force from `k_de x`, divided by `k_de x`, from 50 ms after the ramp to the end of the hold.
     StiffnessErrorHeld,
-    /// Error of the stiffness while the hand lets go.
+    /// Largest deviation of the force from `k_de x`, divided by `k_de x`, while the hand lets go.
     StiffnessErrorRelease,
-    /// Deviation of the modulus of `F/x` of a hand that moves, over `k_de`.
+    /// Deviation of the magnitude of `F/x` from `k_de` while the hand oscillates, divided by `k_de`.
     ModulusError,
-    /// Lead or lag of the force, degrees.
+    /// Phase of the force relative to the penetration, lead or lag, degrees.
     PhaseDeg,
-    /// Ripple of the torque from tick to tick while the hand moves, rms, N·m.
+    /// Ripple: change of the torque from tick to tick while the hand oscillates, root mean square, N·m.
     RippleRmsNM,
-    /// Most that the hand's port had given beyond what it took since the start, J.
+    /// Most energy that the hand got beyond what it had put in since the start, J.
     EnergyOutJ,
 }
 
 impl Measure {
-    /// All figures, in the order of [`Figures`].
+    /// All figures, in the order of the values in [`Figures`].
     pub const ALL: [Measure; 8] = [
         Measure::PeakPenetrationRatio,
         Measure::StiffnessError,
@@ -39,7 +40,7 @@ impl Measure {
         Measure::EnergyOutJ,
     ];
 
-    /// Heading, with what multiplies a figure for people.
+    /// Heading of the figure for readers, and the factor from its SI value to the displayed one.
     #[must_use]
     pub fn heading(self) -> (&'static str, f64) {
         match self {
@@ -54,7 +55,7 @@ impl Measure {
         }
     }
 
-    /// The figure's meaning, in words.
+    /// Meaning of the figure, in words.
     #[must_use]
     pub fn about(self) -> &'static str {
         match self {
@@ -82,23 +83,23 @@ impl Measure {
     }
 }
 
-/// A value for every [`Measure`].
+/// A value for every [`Measure`], in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures(pub [f64; 8]);
 
 impl Figures {
-    /// A memory that has seen no tick yet.
+    /// Start value: the figures before any tick.
     pub const NONE: Figures = Figures([0.0; 8]);
-    /// The figures of a lost wall, all infinite.
+    /// Figures of a lost wall: all infinite.
     pub const LOST: Figures = Figures([f64::INFINITY; 8]);
 
-    /// One of the figures.
+    /// Value of one figure in SI units.
     #[must_use]
     pub fn get(&self, measure: Measure) -> f64 {
         self.0[measure.index()]
     }
 
-    /// Raises a figure to at least this value; a value that is no number counts as infinite.
+    /// Raises a figure to at least this value; NaN counts as infinite.
     pub fn raise(&mut self, measure: Measure, value: f64) {
         let slot = &mut self.0[measure.index()];
         *slot = if value.is_nan() {
@@ -108,7 +109,7 @@ impl Figures {
         };
     }
 
-    /// Takes the response to a moving hand; infinite where the hand left the wall.
+    /// Adds the response to an oscillating hand; the figures become infinite if the knob left the wall.
     pub fn raise_moved(&mut self, response: &Response, k_desired: f64) {
         let (modulus, phase) = match response.stiffness() {
             Some(it) => (
@@ -121,13 +122,13 @@ impl Figures {
         self.raise(Measure::PhaseDeg, phase);
     }
 
-    /// Takes the ripple; infinite where no force was felt.
+    /// Adds the ripple of the torque; the figure becomes infinite if there was no force.
     pub fn raise_ripple(&mut self, ripple: &Ripple) {
         let rms = ripple.tick_to_tick_rms_n_m().unwrap_or(f64::INFINITY);
         self.raise(Measure::RippleRmsNM, rms);
     }
 
-    /// The worst of each.
+    /// The worse value of each figure, from two sets.
     #[must_use]
     pub fn worst(mut self, other: &Figures) -> Figures {
         for measure in Measure::ALL {
@@ -136,15 +137,16 @@ impl Figures {
         self
     }
 
-    /// Each over its limit, 1 and less is good.
+    /// Each figure divided by its limit; at most 1 is within the limit.
     #[must_use]
     pub fn shares(&self, limits: &Limits) -> [f64; 8] {
         Measure::ALL.map(|measure| {
             let value = self.get(measure);
             match measure {
-                // What is beyond 1 is the deviation.
+                // The deviation is the part beyond 1.
                 Measure::PeakPenetrationRatio => (value - 1.0).max(0.0) / (limits.peak - 1.0),
-                // No share of nothing: beyond rounding it fails, and by a tenth of a millijoule as much as any other by its limit.
+                // The limit is nearly zero, so no fraction of it is taken. Beyond rounding the figure fails; a tenth of a
+                // millijoule weighs as much as another figure at twice its limit.
                 Measure::EnergyOutJ if value <= limits.energy_j => 0.0,
                 Measure::EnergyOutJ => 1.0 + value / GRAVE_ENERGY_J,
                 _ => value / limits.of(measure),
@@ -155,31 +157,32 @@ impl Figures {
 
 impl Serialize for Figures {
     fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        // What left all numbers has none.
+        // An infinite value has no number in JSON.
         let number = |value: f64| value.is_finite().then_some(value);
         to.collect_map(Measure::ALL.map(|measure| (measure, number(self.get(measure)))))
     }
 }
 
-/// What each figure of a case may be.
+/// Limits of the figures for one device.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Limits {
-    /// Peak penetration over `F/k_de`.
+    /// Largest peak penetration, divided by `F/k_de`.
     pub peak: f64,
-    /// Ripple, N·m.
+    /// Largest ripple (change of the torque from tick to tick), root mean square, N·m.
     pub ripple_n_m: f64,
-    /// Energy given, J: the rounding of the sums.
+    /// Largest energy given to the hand, J; only rounding of the sums is allowed.
     pub energy_j: f64,
 }
 
-/// Accuracy of a run's energy sums, J: far below what a hand feels, far above the rounding of some thousand ticks.
+/// Rounding error that is allowed in a run's energy sums, J. It is far below what a hand feels and far above the rounding of some
+/// thousand ticks.
 pub const ENERGY_ROUNDING_J: f64 = 1e-9;
 
-/// Energy given that counts as much as any other figure at twice its limit, J.
+/// Energy given to the hand that weighs as much as any other figure at twice its limit, J.
 const GRAVE_ENERGY_J: f64 = 1e-4;
 
 impl Limits {
-    /// Limits of a case with or without delay, and with a limit of the ripple.
+    /// Creates the limits of a device. `late` says whether it has half a tick or more of delay.
     #[must_use]
     pub fn new(late: bool, ripple_n_m: f64) -> Self {
         Self {
@@ -189,7 +192,7 @@ impl Limits {
         }
     }
 
-    /// The limit of a figure.
+    /// Limit of one figure in SI units.
     #[must_use]
     pub fn of(&self, measure: Measure) -> f64 {
         match measure {
@@ -204,35 +207,37 @@ impl Limits {
     }
 }
 
-/// Figures without a limit: of each the worst.
+/// Figures without a limit; each is the worst over several runs.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Beside {
-    /// Deepest penetration of the light touch over that of the press at `k_de`: a blow, which inertia carries in.
+    /// Deepest penetration of the light touch, divided by the press' `F/k_de`. It may exceed the depth of a press, because the
+    /// device's inertia carries it into the wall.
     pub touch_penetration_ratio: f64,
-    /// Time from the end of the ramp until the stiffness is within 5 %, s; absent if it never is.
+    /// Time from the end of the ramp until the stiffness is within 5 % of `k_de`, s; absent if it never is.
     pub settle_from_ramp_end_s: Option<f64>,
-    /// Outward speed after release, rad/s.
+    /// Largest outward speed after the release, rad/s.
     pub release_speed_rad_per_s: f64,
-    /// Distance outside after release, rad.
+    /// Largest distance from the wall after the release, rad.
     pub release_excursion_rad: f64,
-    /// Least rate-hardness (1.5), N·m/rad.
+    /// Rate-hardness (slope of the force just after contact over the speed of the touch), N·m/rad; the least value.
     pub rate_hardness: Option<f64>,
-    /// Least extended rate-hardness, N·m/rad.
+    /// Extended rate-hardness (largest rise of the torque within a millisecond over the largest speed), N·m/rad; the least value.
     pub extended_rate_hardness: Option<f64>,
-    /// Least of the largest torque in the first five milliseconds of a touch, N·m.
+    /// Largest torque in the first five milliseconds of a touch, N·m; the least value over the runs.
     pub touch_torque_n_m: Option<f64>,
-    /// The touch over that of the ideal damped wall for the same hand; `None` if it was not computed.
+    /// Figures of the touch, divided by those of a touch of the ideal damped wall by the same hand; `None` if they were not
+    /// calculated.
     pub touch: Option<TouchRatios>,
-    /// Most energy that the hand got out in any window of time, J.
+    /// Most energy that the hand got out of the device in any window of time, J.
     pub energy_out_worst_window_j: f64,
-    /// The most energy that the wall's port gave since the start, J.
+    /// Most energy that the wall gave out beyond what it took since the start, J.
     pub energy_out_wall_j: f64,
-    /// Motion at the end of the hold, peak to peak, counts; absent without an encoder.
+    /// Motion of the knob at the end of the hold, peak to peak, encoder counts; absent without an encoder.
     pub motion_at_rest_counts: Option<f64>,
 }
 
 impl Beside {
-    /// The worst of each.
+    /// The worse value of each figure, from two sets.
     #[must_use]
     pub fn worst(self, other: &Beside) -> Beside {
         let either = |a: Option<f64>, b: Option<f64>, worse: fn(f64, f64) -> f64| match (a, b) {

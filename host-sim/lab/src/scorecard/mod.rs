@@ -1,9 +1,9 @@
-//! A scorecard: what a hand feels of a wall under several laws, on the nominal device and on varied ones.
+//! A scorecard: figures for how well several control laws render a wall, on the nominal device and on varied devices.
 //!
-//! [`cases`] has the devices and the hand's actions, [`family`] devices that vary in everything at once; [`measure`]
-//! the figures with their limits, [`watch`] takes them from one run; [`rivals`] are the laws, [`mod@reference`] gives
-//! the limit of the ripple. Every figure is the worst of three grips. [`words`] says in plain sentences where each law
-//! fails and where a spring with damping does better; [`page`] writes it all for people.
+//! [`cases`] has the devices and the hand's actions, [`family`] devices that vary in all properties at once. [`measure`] has the
+//! figures with their limits, [`watch`] calculates them from one run. [`rivals`] has the laws, [`mod@reference`] the limit of the
+//! ripple. Every figure is the worst of three grips. [`words`] says in sentences where each law fails and where a spring with
+//! damping does better; [`page`] formats everything for readers.
 
 pub mod cases;
 pub mod direction;
@@ -38,18 +38,19 @@ use touch::{IdealTouch, TouchRatios};
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 
-/// One law on one device.
+/// Results of one law on one device.
 #[derive(Debug, Clone, Serialize)]
 pub struct Cell {
-    /// The device.
+    /// Name of the device.
     pub case: &'static str,
-    /// The worst of three grips.
+    /// Figures with a limit, the worst of three grips.
     pub figures: Figures,
-    /// Figures without a limit.
+    /// Figures without a limit, the worst of three grips.
     pub beside: Beside,
-    /// Limits of the figures.
+    /// Limits of the figures on this device.
     pub limits: Limits,
-    /// The figure that is largest over its limit, and by how much; above 1 it fails.
+    /// The figure that is largest relative to its limit, and its value divided by the limit. Above 1 the device fails; `None` is
+    /// infinite.
     pub worst: (Measure, Option<f64>),
 }
 
@@ -77,53 +78,54 @@ impl Cell {
     }
 }
 
-/// The results of one law.
+/// Results of one law on all devices.
 #[derive(Debug, Clone, Serialize)]
 pub struct Row {
-    /// Name of the law.
+    /// Name of the control law.
     pub law: &'static str,
-    /// Description of the law.
+    /// Description of the law in a few words.
     pub about: &'static str,
-    /// Where it comes from.
+    /// Publication or other source of the law.
     pub source: &'static str,
-    /// Whether its settings were tuned for this device, and its scene's are not meant.
+    /// Whether the law's settings were tuned for this device; otherwise they are the scene's.
     pub tuned: bool,
-    /// Whether it is a spring with virtual damping.
+    /// Whether the law is a spring with virtual damping.
     pub damped_spring: bool,
-    /// Why it cannot be run at all.
+    /// Reason why the law cannot be run at all; absent if it runs.
     pub refused: Option<String>,
-    /// Every device.
+    /// Results on every device.
     pub cells: Vec<Cell>,
-    /// The worst of each figure over all devices.
+    /// Worst value of each figure over all devices.
     pub worst: Option<Figures>,
     /// Whether every figure of every device is within its limit.
     pub passes: bool,
-    /// Where it fails, in words, worst first.
+    /// Where the control law fails, as sentences, the worst figure first.
     pub fails: Vec<String>,
 }
 
-/// The results of all laws.
+/// The results of all control laws in one scene.
 #[derive(Debug, Clone, Serialize)]
 pub struct Scorecard {
-    /// The scene.
+    /// Name of the scene.
     pub scene: String,
-    /// `k_de`, N·m/rad.
+    /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
-    /// `T sqrt(k_de/J)`.
+    /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
     pub stiffness_per_tick: f64,
-    /// The spring-damper that ripple is measured by.
+    /// The spring-damper from which the limit of the ripple (change of the torque from tick to tick) is calculated.
     pub reference: Reference,
-    /// Touch of the ideal damped wall and of the undamped spring over the former's, the nominal device, worst of three grips.
+    /// Figures of touches of an ideal damped wall and of an undamped spring, each divided by those of the ideal damped wall;
+    /// nominal device, worst of three grips.
     pub ideal_touch: Option<[TouchRatios; 2]>,
-    /// Devices that a wall as stiff as this need not hold.
+    /// Names of the devices on which a wall this stiff need not hold.
     pub not_asked: Vec<&'static str>,
-    /// One row for each law.
+    /// Results of each control law.
     pub rows: Vec<Row>,
-    /// Where a spring with damping does better, and where not, in words.
+    /// Where a spring with damping does better than other laws and where it does not, in sentences.
     pub damped_spring: Vec<String>,
 }
 
-/// `T sqrt(k_de/J)` of a scene.
+/// `T sqrt(k_de/J)` of a scene: angle in rad by which the oscillation on the wall advances per tick.
 #[must_use]
 pub fn stiffness_per_tick(scene: &Scene) -> f64 {
     (scene.wall.k_desired_n_m_per_rad / scene.device.inertia_kg_m2).sqrt() * scene.timing.period_s()
@@ -135,10 +137,10 @@ pub fn asked(scene: &Scene) -> impl Iterator<Item = &'static Case> {
     CASES.iter().filter(move |case| case.is_asked(stiffness))
 }
 
-/// A law's figures on one device: the worst of three grips.
+/// Figures of the scene's law on one device: the worst of three grips. `fully` adds the figures without a limit.
 ///
 /// # Errors
-/// Settings that the law cannot take.
+/// The control law does not accept its settings.
 pub fn figures(
     scene: &Scene,
     programme: &Programme,
@@ -169,7 +171,7 @@ pub fn figures(
     Ok((worst, beside))
 }
 
-/// The ideal walls' touch.
+/// Touches of the ideal damped wall and of the undamped spring.
 fn ideal_touch(scene: &Scene) -> Result<[TouchRatios; 2]> {
     let programme = Programme::of(scene);
     let ideal = IdealTouch::of(scene, &programme)?;
@@ -179,7 +181,7 @@ fn ideal_touch(scene: &Scene) -> Result<[TouchRatios; 2]> {
     ])
 }
 
-/// The row of a scene's law.
+/// Results of a scene's control law on all devices.
 fn row(scene: &Scene, rival: &Rival, tuned: bool, reference: &Reference) -> Row {
     let programme = Programme::of(scene);
     let cases: Vec<&Case> = asked(scene).collect();
@@ -213,27 +215,28 @@ fn row(scene: &Scene, rival: &Rival, tuned: bool, reference: &Reference) -> Row 
     }
 }
 
-/// A law with its settings: those of its scene, or tuned ones.
+/// A law with the scene that has its settings.
 #[derive(Debug, Clone)]
 pub struct Entry {
-    /// The quantity that is wrong.
+    /// The control law.
     pub rival: &'static Rival,
-    /// The scene with its law.
+    /// The scene with this law and its settings.
     pub scene: Scene,
-    /// Whether its settings were tuned.
+    /// Whether the settings were tuned for the device.
     pub tuned: bool,
 }
 
-/// The scorecard of a scene for several laws; calls `done` after each.
+/// Creates the scorecard of a scene for several laws; calls `done` with a law's name when the law is finished.
 ///
 /// # Errors
-/// A scene whose spring-damper cannot run. A law that refuses the scene has a row that says so.
+/// The reference spring-damper cannot run in the scene. A law that refuses the scene is no error; its results say so.
 pub fn scorecard(scene: &Scene, entries: &[Entry], done: impl FnMut(&str)) -> Result<Scorecard> {
     let reference = Reference::of(scene)?;
     Ok(with_reference(scene, entries, reference, done))
 }
 
-/// Same as [`scorecard`], with a reference ripple that is already known.
+/// Creates the scorecard of a scene for several laws, with a reference spring-damper for the ripple that is already known. Calls
+/// `done` with a law's name when the law is finished.
 pub fn with_reference(
     scene: &Scene,
     entries: &[Entry],

@@ -1,4 +1,4 @@
-//! Finds in the ticks of a run what a free hand did: rests, rhythms, and how it left the wall.
+//! Finds in the recorded ticks what a person's hand did: when it rested, oscillated, and left the wall.
 
 use super::in_turn::DeedsInTurn;
 use super::measure::{Figures, Measure};
@@ -9,42 +9,42 @@ use serde::Serialize;
 use std::ops::Range;
 use touchstone_sim::run::measure::{RateHardness, Release, Response, Ripple};
 
-/// The run.
+/// A recorded run on a haptic device.
 #[derive(Debug, Clone, Copy)]
 pub struct DeviceRun<'a> {
-    /// Every tick.
+    /// Every recorded tick.
     pub ticks: &'a [TouchedTick],
     /// Control rate, Hz.
     pub rate_hz: u32,
-    /// The wall's desired stiffness.
+    /// The wall's requested stiffness.
     pub stiffness: DesiredStiffness,
-    /// The force had faded in, in ticks.
+    /// First tick with the full force; before it the force is faded in.
     pub whole_from: u64,
-    /// Whether its commands come half a tick late or more.
+    /// Whether commands act half a tick late or more.
     pub late: bool,
-    /// The hand's actions, where a programme commands it.
+    /// The simulated hand's actions; `None` if a person moved the device.
     pub turn: Option<DeedsInTurn>,
 }
 
-/// Response to a hand that moves at a frequency; of several stretches the one furthest from the desired stiffness, and
-/// the largest phase.
+/// Response of the wall at one frequency of the hand. Over several stretches of time it has the modulus furthest from the requested
+/// stiffness, and the largest phase.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MovedAt {
-    /// Frequency of the motion, Hz.
+    /// Frequency of the hand's motion, Hz.
     pub frequency_hz: f64,
-    /// `|F/x|`, N/m; absent where the hand left the wall.
+    /// Magnitude of force over penetration, N/m; absent if the hand left the wall.
     pub modulus_n_per_m: Option<f64>,
-    /// Lead of the force, degrees.
+    /// Phase by which the force leads the penetration, degrees; absent if the hand left the wall.
     pub phase_deg: Option<f64>,
-    /// Number of stretches.
+    /// Number of separate times for which the hand moved at this frequency.
     pub stretches: usize,
 }
 
-/// Least duration of a rest or a contact that counts, s.
+/// Shortest rest or contact that is evaluated, s.
 const STRETCH_S: f64 = 0.25;
-/// Time around the moment of leaving the surface in which the speed counts, s.
+/// Time around the moment of leaving the surface in which the largest speed is taken, s.
 const LEAVING_S: f64 = 0.2;
-/// Time over which a speed is taken, s: a count in it is a millimetre a second.
+/// Time over which a speed is averaged, s. Within this time one position count (0.01 mm) is a millimetre per second.
 pub(super) const SPEED_S: f64 = 0.01;
 
 pub(super) fn met(response: &Response, frequency_hz: f64) -> MovedAt {
@@ -57,10 +57,10 @@ pub(super) fn met(response: &Response, frequency_hz: f64) -> MovedAt {
     }
 }
 
-/// Frequencies within this share of each other are one.
+/// Frequencies that differ by at most this fraction count as the same.
 const SAME_FREQUENCY: f64 = 0.05;
 
-/// Adds a stretch to those of its frequency.
+/// Adds the response during one stretch of time to the entry of its frequency.
 fn join(moved: &mut Vec<MovedAt>, next: MovedAt, k_desired: f64) {
     let same =
         |at: &&mut MovedAt| (at.frequency_hz / next.frequency_hz - 1.0).abs() <= SAME_FREQUENCY;
@@ -69,7 +69,7 @@ fn join(moved: &mut Vec<MovedAt>, next: MovedAt, k_desired: f64) {
         return;
     };
     at.stretches += 1;
-    // Where the wall was left there is neither, and nothing is worse.
+    // If the hand left the wall once, there is no value, which counts as the worst.
     at.modulus_n_per_m = at.modulus_n_per_m.zip(next.modulus_n_per_m).map(|(a, b)| {
         match (a - k_desired).abs() < (b - k_desired).abs() {
             true => b,
@@ -85,7 +85,7 @@ fn join(moved: &mut Vec<MovedAt>, next: MovedAt, k_desired: f64) {
         });
 }
 
-/// Findings on a free hand.
+/// Figures from the motion of a person's hand; a missing one was not measured.
 pub(super) struct Noticed {
     pub(super) moment: Option<f64>,
     pub(super) held: Option<f64>,
@@ -154,7 +154,7 @@ impl Noticed {
                 release.speed_rad_per_s()
             });
         let mut hardness = RateHardness::new(1.0 / rate_hz);
-        // A contact that was there before the whole force was has no beginning.
+        // A contact that began before the force was fully faded in has no usable beginning.
         let free = (from..series.out.len()).find(|i| series.out[*i] <= 0.0);
         for i in free.unwrap_or(series.out.len())..series.out.len() {
             hardness.record(series.depth[i], series.out[i]);

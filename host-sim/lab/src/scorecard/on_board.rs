@@ -1,13 +1,14 @@
-//! The scorecard of a board whose hand does the scorecard's programme, beside the desktop's of the same scene.
+//! Compares the scorecard of a board with that of the simulator (called "desktop" here) for the same scene.
 //!
-//! [`programme_csv`] is what a hand on a test stand is told: the emulator's, or a machine's. What the board and the shaft did under it comes
-//! back as a table, [`BoardRecording`], and goes through the very code that watches a simulated run. Of every figure the worst of
-//! the grips counts on both sides, as in a scorecard.
+//! [`programme_csv`] writes the motion of the hand for a test stand, emulated or real. Its recording of board and shaft is a table,
+//! [`BoardRecording`], which is evaluated by the same code as a simulated run. Every figure is the worst of the grips on both
+//! sides, as in a scorecard.
 //!
-//! Where the surface lies within a count of the encoder is chance, and a law that steps with the counts makes something else of each
-//! place. So the desktop's figures are taken at eight places within a count: what they scatter by is what a figure cannot tell apart.
-//! A ninth draw of the very same lies outside of eight in two of nine cases. A board that was played at several places has a scatter of its
-//! own, and two that do not meet are another matter. Of eight and four draws of the same, 0.4 % do not.
+//! The position of the wall's surface within an encoder count is random, and a law that works on counts reacts to it. So the
+//! desktop's figures are calculated for eight positions within a count; their range is called scatter, and differences within it
+//! have no meaning. A ninth value of the same distribution lies outside the range of eight in two of nine cases. A board that was
+//! recorded at several positions has a scatter of its own, and the two ranges should overlap. Those of eight and four values of one
+//! distribution do not overlap in 0.4 % of cases.
 
 mod recording;
 #[cfg(test)]
@@ -25,14 +26,14 @@ use std::fmt::Write as _;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::{Grip, RestPath, Scene};
 
-/// Frequencies of a hand that moves, Hz: below and above those of a scorecard, up to what hands do.
+/// Frequencies at which the hand oscillates, Hz. They include those of a scorecard and go up to what hands can do.
 pub const FREQUENCIES_HZ: [f64; 7] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
-/// The frequencies of a scorecard's figures, Hz.
+/// Frequencies of the scorecard's own figures, Hz.
 const OWN_HZ: [f64; 3] = [1.0, 2.0, 4.0];
-/// Two figures agree within this share of the desktop's.
+/// Figures of board and simulator agree if they differ by at most this fraction of the simulator's.
 pub const SAME: f64 = 0.1;
 
-/// The words of all actions.
+/// Names of all actions of the hand, as in the tables.
 #[must_use]
 pub fn deed_words() -> Vec<String> {
     let moves = FREQUENCIES_HZ.into_iter().map(Deed::Move);
@@ -42,7 +43,7 @@ pub fn deed_words() -> Vec<String> {
         .collect()
 }
 
-/// The hand's actions for a board's scorecard.
+/// Actions of the hand for a board's scorecard.
 #[must_use]
 pub fn board_programme(scene: &Scene) -> Programme {
     Programme {
@@ -51,7 +52,7 @@ pub fn board_programme(scene: &Scene) -> Programme {
     }
 }
 
-/// An action's word in the tables.
+/// Name of an action in the tables.
 #[must_use]
 pub fn deed_word(deed: Deed) -> String {
     match deed {
@@ -60,11 +61,11 @@ pub fn deed_word(deed: Deed) -> String {
     }
 }
 
-/// The hand's programme as CSV: its rest point in every control tick of every action, with every grip; or of the named
-/// actions alone.
+/// The hand's motion as CSV: its rest point in every control tick, for every grip and action of the hand; only for the actions in
+/// `named` if that is not empty.
 ///
 /// # Errors
-/// A motion that the scene cannot have.
+/// The scene does not allow one of the motions.
 pub fn programme_csv(scene: &Scene, grips: &[Grip], named: &[String]) -> Result<String> {
     let programme = board_programme(scene);
     let surface = scene.wall.surface_rad;
@@ -92,31 +93,32 @@ pub fn programme_csv(scene: &Scene, grips: &[Grip], named: &[String]) -> Result<
     Ok(text)
 }
 
-/// A figure of the board beside the desktop's.
+/// A scorecard figure of the board, compared with that of the simulator (`desktop`).
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct FigureBeside {
-    /// The figure's name for programs, with its unit.
+    /// Name of the figure for programs, with its unit.
     pub key: &'static str,
-    /// The figure's heading for people, and its factor there.
+    /// Heading of the figure for readers, and the factor from its SI value to the displayed one.
     #[serde(skip)]
     pub heading: (&'static str, f64),
-    /// The grip; absent: the worst of all, which is the scorecard's.
+    /// Grip of the figure; absent for the worst of all grips, which is the scorecard's figure.
     pub grip: Option<&'static str>,
-    /// Frequency of a moving hand, Hz.
+    /// Frequency of an oscillating hand, Hz; absent for other figures.
     pub frequency_hz: Option<f64>,
-    /// The desktop's; absent where it is beyond all numbers, as where the wall was left.
+    /// Value in the simulator (`desktop`); absent if it is infinite, for example because the knob left the wall.
     pub desktop: Option<f64>,
-    /// The value on the board.
+    /// Value of the figure on the board; absent if it is infinite.
     pub board: Option<f64>,
-    /// The lowest and the highest that the desktop's is where the surface lies elsewhere within a count; absent where one is lost.
+    /// Lowest and highest value in the simulator, for positions of the wall's surface within one encoder count; absent if the wall
+    /// is lost at one of them.
     pub scatter: Option<(f64, f64)>,
-    /// The board's scatter, where it was played at several places.
+    /// Lowest and highest value on the board, if it was recorded with several positions of the wall's surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub board_scatter: Option<(f64, f64)>,
 }
 
 impl FigureBeside {
-    /// Difference of the board's figure, as a share of the desktop's.
+    /// Difference of the board's value from the simulator's, as a fraction of the simulator's.
     #[must_use]
     pub fn apart(&self) -> Option<f64> {
         let (desktop, board) = self.desktop.zip(self.board)?;
@@ -125,13 +127,13 @@ impl FigureBeside {
             .or(Some(0.0))
     }
 
-    /// The figure's resolution: the width of its own scatter.
+    /// Range of the simulator's values when the wall's surface moves within one encoder count; smaller differences have no meaning.
     #[must_use]
     pub fn resolution(&self) -> Option<f64> {
         self.scatter.map(|(low, high)| high - low)
     }
 
-    /// Whether both are smaller than the figure can tell apart.
+    /// Whether the values of simulator and board are both smaller than the resolution of the figure.
     #[must_use]
     pub fn is_unresolved(&self) -> bool {
         let both = [self.desktop, self.board].into_iter();
@@ -140,7 +142,7 @@ impl FigureBeside {
             .all(|it| it.is_some_and(|(value, resolution)| value.abs() <= resolution))
     }
 
-    /// Whether the board's figure agrees with the desktop's: their scatters overlap.
+    /// Whether the ranges of board and simulator overlap. A board with one recording counts as a range of zero width.
     #[must_use]
     pub fn is_in_scatter(&self) -> bool {
         let board = self.board_scatter.or(self.board.map(|it| (it, it)));
@@ -148,7 +150,8 @@ impl FigureBeside {
         both.is_some_and(|(board, desktop)| board.0 <= desktop.1 && desktop.0 <= board.1)
     }
 
-    /// Whether both agree within a share, or within their scatter. Two figures without a number agree.
+    /// Whether the values of board and simulator differ by at most the fraction `share`, or are both below the resolution. Two
+    /// missing values agree.
     #[must_use]
     pub fn holds(&self, share: f64) -> bool {
         match self.apart() {
@@ -158,38 +161,39 @@ impl FigureBeside {
     }
 }
 
-/// The scorecards of board and desktop.
+/// The comparison of a board's scorecard with that of the simulator.
 #[derive(Debug, Clone, Serialize)]
 pub struct BoardCard {
-    /// The grips that were played.
+    /// The grips that were recorded.
     pub grips: Vec<&'static str>,
-    /// Ticks in all.
+    /// Number of recorded control ticks.
     pub ticks: usize,
-    /// Number of surface positions within a count at which the board was run.
+    /// Number of recordings of the board, each with the wall's surface at another position within an encoder count.
     pub places: usize,
-    /// The scorecard's figures: the worst of the grips, then each grip's.
+    /// The scorecard's figures: first the worst of the grips, then those of each grip.
     pub figures: Vec<FigureBeside>,
-    /// Dynamic stiffness, grip by grip.
+    /// Magnitude and phase of force over penetration for an oscillating hand, grip by grip.
     pub moved: Vec<FigureBeside>,
 }
 
 impl BoardCard {
-    /// Figures that differ by more than a share: the scorecard's, and those of dynamic stiffness.
+    /// All figures, those of an oscillating hand included, in which board and simulator differ by more than the fraction `share`.
     pub fn apart(&self, share: f64) -> impl Iterator<Item = &FigureBeside> {
         let own = self.figures.iter().filter(|it| it.grip.is_none());
         own.chain(&self.moved).filter(move |it| !it.holds(share))
     }
 
-    /// The figures whose difference the desktop's own scatter does not explain.
+    /// Figures in which board and simulator differ by more than the fraction `share`, and by more than the positions of the wall's
+    /// surface within a count explain.
     pub fn beyond(&self, share: f64) -> impl Iterator<Item = &FigureBeside> {
         self.apart(share).filter(|it| !it.is_in_scatter())
     }
 }
 
-/// The surface's places within a count, of which the first is the scene's own.
+/// Number of positions of the wall's surface within an encoder count that are simulated; the first is the scene's own.
 const PLACES: usize = 8;
 
-/// One action of one grip: the desktop's runs, with the surface at each of its places, and the board's recordings.
+/// One action of the hand with one grip: the simulated runs for each position of the wall's surface, and the board's recordings.
 struct Pair {
     grip: Grip,
     deed: Deed,
@@ -197,11 +201,11 @@ struct Pair {
     board: Vec<Seen>,
 }
 
-/// Compares a board's recordings with the desktop's scorecard of a scene. The first recording gives the board's
-/// figures; others, of the same actions with the surface elsewhere within a count, give their scatter.
+/// Compares a board's recordings with the simulated scorecard of a scene. The first recording gives the board's figures. Further
+/// recordings of the same actions, with the wall's surface elsewhere within an encoder count, give their range.
 ///
 /// # Errors
-/// A recording of another scene's programme, or of other actions than the first; settings that the law cannot have.
+/// A recording belongs to another scene or has other actions than the first one, or the law does not accept its settings.
 pub fn board_card(scene: &Scene, recordings: &[BoardRecording]) -> Result<BoardCard> {
     let programme = board_programme(scene);
     let deeds = GRIPS
@@ -213,7 +217,7 @@ pub fn board_card(scene: &Scene, recordings: &[BoardRecording]) -> Result<BoardC
         let mut board = Vec::new();
         for (index, recording) in recordings.iter().enumerate() {
             let of_deed = programme.scene(&recording.scene(scene)?, grip, deed);
-            // A short recording has fewer deeds, but those whole.
+            // A short recording has fewer actions, but each of them is complete.
             if let Some(of_board) = recording.ticks(&of_deed, grip, deed)? {
                 ticks += of_board.len();
                 board.push(seen_of(&of_deed, deed, &of_board));
@@ -275,14 +279,14 @@ pub fn board_card(scene: &Scene, recordings: &[BoardRecording]) -> Result<BoardC
     })
 }
 
-/// Name of a figure, and the actions over which it is the worst.
+/// Name of a figure, and the actions of the hand over which it is the worst.
 struct Asked {
     key: &'static str,
     heading: (&'static str, f64),
     deeds: fn(Deed) -> bool,
 }
 
-/// The worst of some actions on both sides.
+/// Compares the worst value of a figure over some actions in the simulator with that on the board.
 fn figure(
     pairs: &[Pair],
     grip: Option<&'static str>,
@@ -324,7 +328,7 @@ fn scatter(values: &[Option<f64>]) -> Option<(f64, f64)> {
     Some(all)
 }
 
-/// Least and largest value of a board that was played at several places.
+/// Lowest and highest of a board's values; `None` for a single recording.
 fn several(values: &[Option<f64>]) -> Option<(f64, f64)> {
     (values.len() > 1).then(|| scatter(values)).flatten()
 }
@@ -388,7 +392,7 @@ fn of_grip(pairs: &[Pair], grip: Option<&'static str>) -> Vec<FigureBeside> {
     ]
 }
 
-/// Modulus and phase that a hand met that moved.
+/// Magnitude and phase of force over penetration for an oscillating hand.
 fn moved(pair: &Pair) -> Vec<FigureBeside> {
     let Deed::Move(frequency_hz) = pair.deed else {
         return Vec::new();

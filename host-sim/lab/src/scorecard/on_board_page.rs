@@ -1,4 +1,4 @@
-//! A board's scorecard beside the desktop's, for people: on the terminal, and as sections of a page.
+//! The comparison of a board's scorecard with the simulator's for readers: on a terminal, and as a section of a page.
 
 use super::on_board::{BoardCard, FigureBeside, SAME};
 use crate::report::{Block, Section};
@@ -65,7 +65,7 @@ fn cells(figure: &FigureBeside) -> Vec<String> {
     ]
 }
 
-/// The verdict in a sentence.
+/// A sentence that says whether board and simulator agree.
 #[must_use]
 pub fn verdict(card: &BoardCard) -> String {
     let all = card.figures.iter().filter(|it| it.grip.is_none()).count() + card.moved.len();
@@ -78,12 +78,12 @@ pub fn verdict(card: &BoardCard) -> String {
     )
 }
 
-/// Explanation of the scatter.
+/// Text that explains to readers the word "scatter": the range of a figure over positions of the wall's surface.
 pub const SCATTER: &str = "Scatter: the desktop's own figure where the surface lies at eight places within a count; and the board's at the places at which it was played, where those are several.";
 
 const HEADER: [&str; 7] = ["", "desktop", "board", "apart", "scatter", "board's", ""];
 
-/// The scorecard's figures as text, with every grip's where they differ.
+/// The scorecard's figures as text; the figures of each grip follow where board and simulator differ.
 #[must_use]
 pub fn text(card: &BoardCard) -> String {
     let several = card.places > 1;
@@ -112,7 +112,7 @@ pub fn text(card: &BoardCard) -> String {
     text
 }
 
-/// The result as a section of the page.
+/// The comparison of board and simulator as a section of a page.
 #[must_use]
 pub fn section(card: &BoardCard) -> Section {
     let table = |caption: &str, figures: &[FigureBeside]| Block::Table {

@@ -1,7 +1,7 @@
-//! The scorecard's figures of a run on a haptic device, from its encoders and its motors' commands.
+//! The scorecard's figures of a run on a haptic device, from encoder positions and motor commands.
 //!
-//! A simulated hand follows the scorecard's programme, [`DeedsInTurn`]. A person's hand does not. Then the run is
-//! searched for rests ([`super::noticed`]), rhythms and releases, and figures that cannot be known are named as such.
+//! A simulated hand follows the scorecard's programme, [`DeedsInTurn`]. A person's hand does not. Then the run is searched for
+//! times at which the hand rested, oscillated or let go ([`super::noticed`]), and figures that cannot be measured are named.
 
 use super::cases::Deed;
 use super::direction::DirectionFigures;
@@ -12,19 +12,19 @@ use super::touched::{TouchedSeries, TouchedTick, dot};
 use serde::Serialize;
 use touchstone_sim::run::measure::{Release, WorstWindow};
 
-/// One figure.
+/// A figure of a run on a device.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DeviceFigure {
-    /// The figure's name for programs, with its unit.
+    /// Name of the figure for programs, with its unit.
     pub key: &'static str,
-    /// The figure's heading for people, and its factor there.
+    /// Heading of the figure for readers, and the factor from its SI value to the displayed one.
     #[serde(skip)]
     pub heading: (&'static str, f64),
-    /// The value; absent where it was not measured, or is beyond all numbers.
+    /// Value of the figure; absent if it was not measured or is infinite.
     pub value: Option<f64>,
-    /// The most that it may be.
+    /// Limit of the figure; absent for a figure without.
     pub limit: Option<f64>,
-    /// Why it was not measured.
+    /// Reason why the figure was not measured.
     pub not_measured: Option<&'static str>,
 }
 
@@ -44,7 +44,7 @@ impl DeviceFigure {
         }
     }
 
-    /// Whether the figure is beyond its limit; a lost one is.
+    /// Whether the figure is beyond its limit. An infinite value is beyond every limit.
     #[must_use]
     pub fn is_beyond(&self) -> bool {
         match (self.limit, self.not_measured) {
@@ -57,22 +57,22 @@ impl DeviceFigure {
 /// The scorecard of a run on a device.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DeviceCard {
-    /// Whether the hand followed the programme.
+    /// Whether a simulated hand followed the scorecard's programme.
     pub commanded: bool,
-    /// Every figure.
+    /// All figures of the scorecard.
     pub figures: Vec<DeviceFigure>,
-    /// Every rhythm.
+    /// Response of the wall at every frequency of the hand.
     pub moved: Vec<MovedAt>,
 }
 
 impl DeviceCard {
-    /// A figure by its name for programs.
+    /// Returns a figure by its name for programs.
     #[must_use]
     pub fn get(&self, key: &str) -> Option<&DeviceFigure> {
         self.figures.iter().find(|figure| figure.key == key)
     }
 
-    /// The figures beyond their limits.
+    /// Returns the figures beyond their limits.
     pub fn beyond(&self) -> impl Iterator<Item = &DeviceFigure> {
         self.figures.iter().filter(|figure| figure.is_beyond())
     }
@@ -92,7 +92,7 @@ const NO_LEAVING: &str = "the hand did not leave the wall after a quarter of a s
 const NO_TOUCH: &str = "no first touch that lasted three ticks was seen with the whole force";
 const NO_CONTACT: &str = "the wall was not touched for a quarter of a second";
 
-/// The figures of a run.
+/// Calculates the scorecard of a run on a device.
 #[must_use]
 pub fn card(run: &DeviceRun) -> DeviceCard {
     let series = TouchedSeries::of(run.ticks);
@@ -173,7 +173,7 @@ pub fn card(run: &DeviceRun) -> DeviceCard {
     }
 }
 
-/// Energy that the wall's port gave since the start, and in its worst window, J.
+/// Most energy that the wall gave since the start, and in any window of time, J.
 fn wall_energy(ticks: &[TouchedTick]) -> (f64, f64) {
     let mut window = WorstWindow::default();
     let (mut absorbed, mut least) = (0.0, 0.0_f64);
@@ -187,7 +187,7 @@ fn wall_energy(ticks: &[TouchedTick]) -> (f64, f64) {
     (-least, window.worst_j())
 }
 
-/// Result of the scorecard's programme.
+/// Results of a run in which a simulated hand followed the programme.
 struct Scored {
     worst: DirectionFigures,
     release: Release,
@@ -206,7 +206,7 @@ fn scored(turn: &DeedsInTurn, series: &TouchedSeries) -> Scored {
         for index in 0..approach.ticks(deed) {
             let at = series.index(first + index);
             let (Some(middle), Some(out)) = (series.middle.get(at), series.out.get(at)) else {
-                // It ended before.
+                // The run ended before the action was complete.
                 worst.figures = Figures::LOST;
                 break;
             };
@@ -246,7 +246,7 @@ mod tests {
         rate_hz: 1000,
     };
 
-    /// A floor of a stiffness that is led to a depth, as a device would have it.
+    /// Recorded ticks of a flat wall of stiffness `k` that is pressed to the given depths, as a device would record them.
     fn led(ticks: u64, k: f64, depth_m: impl Fn(u64) -> f64) -> Vec<TouchedTick> {
         let tick = |due: u64| {
             let depth_m = depth_m(due);
@@ -303,7 +303,7 @@ mod tests {
         ] {
             assert!(beyond.contains(&key), "{key}: {beyond:?}");
         }
-        // A run that ends in the middle is no good one.
+        // A run that ends in the middle of the programme fails.
         let cut = led(3000, 5000.0, |due| turn.rest_depth_m(due));
         assert!(run(&cut, Some(turn)).beyond().count() >= 5);
     }
@@ -311,7 +311,8 @@ mod tests {
     #[test]
     fn of_a_hand_that_nobody_commands_it_is_said_what_is_not_known() {
         let tau = std::f64::consts::TAU;
-        // Outside while the force fades in, in, at rest for a second, in a rhythm of 1.5 Hz for four, and out.
+        // The hand is outside while the force fades in. Then it goes in, rests for a second, oscillates at 1.5 Hz for four seconds,
+        // and goes out.
         let depth = |due: u64| match due as f64 * 1e-3 {
             t if t < 1.5 => -0.002,
             t if t < 1.8 => -0.002 + 0.004 * (t - 1.5) / 0.3,
@@ -341,7 +342,7 @@ mod tests {
             beyond,
             ["stiffness_error", "stiffness_error_held", "modulus_error"]
         );
-        // A wall that nobody touches shows nothing, and says so.
+        // A run in which nobody touches the wall has no figures, and says so.
         let none = run(&led(3000, 5000.0, |_| -0.01), None);
         assert!(
             none.figures
@@ -354,7 +355,7 @@ mod tests {
     #[test]
     fn what_a_wall_gives_is_counted_over_missed_ticks_too() {
         let mut ticks = led(3000, 5000.0, |due| 1e-3 * (due as f64 * 0.01).sin());
-        // Pushes with 2 N more on the way out: 2 N over 1 mm in each of the swings.
+        // The wall pushes with 2 N more on the way out: it gives 2 N over 1 mm in each oscillation.
         for pair in 1..ticks.len() {
             if ticks[pair].depth_m < ticks[pair - 1].depth_m {
                 ticks[pair].force_n[2] += 2.0;

@@ -1,4 +1,4 @@
-//! The scorecard of a run on a device, for people: on the terminal, and as a section of a page.
+//! The scorecard of a run on a device for readers: on a terminal, and as a section of a page.
 
 use super::noticed::MovedAt;
 use super::on_device::{DeviceCard, DeviceFigure};
@@ -41,7 +41,7 @@ fn moved(at: &MovedAt) -> String {
     }
 }
 
-/// Where the figures come from.
+/// Text that explains to readers what the figures of a run on a device are calculated from.
 const OF: &str = "Of what the encoders read and the motors were told; depth in counts, so figures differ from the simulator's by up to half a count along the normal.";
 
 fn verdict(card: &DeviceCard) -> String {
@@ -60,7 +60,7 @@ fn verdict(card: &DeviceCard) -> String {
     }
 }
 
-/// The result as text.
+/// The scorecard of a run on a device as text.
 #[must_use]
 pub fn text(card: &DeviceCard) -> String {
     let mut text = format!("scorecard {}\n", verdict(card));
@@ -80,7 +80,7 @@ pub fn text(card: &DeviceCard) -> String {
     text
 }
 
-/// The result as a section of the page.
+/// The scorecard as a section of a page.
 #[must_use]
 pub fn section(card: &DeviceCard) -> Section {
     let hand = match card.commanded {

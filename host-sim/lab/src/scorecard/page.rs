@@ -1,4 +1,4 @@
-//! A scorecard for people: in the terminal, and as sections of a page.
+//! A scorecard for readers: on a terminal, and as sections of a page.
 
 use super::measure::Measure;
 use super::touch::TouchRatios;
@@ -7,10 +7,10 @@ use super::{Row, Scorecard};
 use crate::report::{Block, Section};
 use std::fmt::Write;
 
-/// Sign beside a figure that is beyond its limit on some device.
+/// Character that marks a figure beyond its limit on some device.
 const BEYOND: char = '!';
 
-/// The cell of a law and a figure: the worst over all devices, and in brackets the nominal one.
+/// Table cell for a law and a figure: the worst value over all devices, and the nominal device's in brackets.
 fn cell(row: &Row, index: usize, measure: Measure) -> String {
     let Some(worst) = &row.worst else {
         return "refused".to_owned();
@@ -26,7 +26,7 @@ fn cell(row: &Row, index: usize, measure: Measure) -> String {
     format!("{}{sign}({nominal})", shown(measure, worst.get(measure)))
 }
 
-/// Limit of a figure, for people.
+/// Limit of a figure, formatted for readers.
 fn limit(card: &Scorecard, measure: Measure) -> String {
     let limits = super::measure::Limits::new(false, card.reference.limit_n_m);
     match measure {
@@ -68,7 +68,7 @@ fn not_asked(card: &Scorecard) -> Option<String> {
     })
 }
 
-/// A law's row: its name, its measures, and whether it passes.
+/// Table row of a law: its name, its figures, and whether it passes.
 fn cells(row: &Row, fails: &str) -> Vec<String> {
     let measures = Measure::ALL.into_iter().enumerate();
     std::iter::once(name(row))
@@ -77,7 +77,7 @@ fn cells(row: &Row, fails: &str) -> Vec<String> {
         .collect()
 }
 
-/// The scorecard as text: one row a law, then in words where each fails.
+/// The scorecard as text: a table row per law, then sentences on where each law fails.
 #[must_use]
 pub fn text(card: &Scorecard) -> String {
     let mut rows: Vec<Vec<String>> = Vec::new();
@@ -140,7 +140,7 @@ pub fn text(card: &Scorecard) -> String {
     text
 }
 
-/// A touch's ratios as people read them.
+/// The figures of a touch relative to the ideal damped wall, formatted for readers.
 pub(super) fn touch_cells(touch: Option<&TouchRatios>) -> [String; 4] {
     let shown = |ratio: Option<f64>| ratio.map_or("–".to_owned(), |it| format!("{it:.2}"));
     [
@@ -151,7 +151,7 @@ pub(super) fn touch_cells(touch: Option<&TouchRatios>) -> [String; 4] {
     ]
 }
 
-/// Touches over those of the ideal damped wall: worst device and nominal one.
+/// Table of touches compared with the ideal damped wall's: worst device, and nominal device.
 fn touches(card: &Scorecard) -> String {
     let mut text = format!(
         "{:<32}{:>14}{:>16}{:>16}{:>16}\n",
@@ -177,7 +177,7 @@ fn touches(card: &Scorecard) -> String {
     text
 }
 
-/// Every device of every law as text.
+/// Text with the results of every law on every device.
 #[must_use]
 pub fn devices(card: &Scorecard) -> String {
     let mut lines = vec![
@@ -265,7 +265,7 @@ pub fn sections(card: &Scorecard) -> Vec<Section> {
     sections
 }
 
-/// The section on one law, with every device.
+/// The section on one law with its results on every device.
 fn of_law(row: &Row) -> Section {
     let mut header = vec!["device".to_owned()];
     header.extend(Measure::ALL.map(|measure| measure.heading().0.to_owned()));

@@ -1,26 +1,26 @@
-//! Figures of a press, tick by tick: from a knob's angle, or from a depth along a normal.
+//! Figures of a press, tick by tick, for a knob's angle or for a depth along a wall's normal.
 
 use super::measure::{Figures, Measure};
 
-/// Depth in counts below which a stiffness cannot be measured.
+/// Depth in counts below which a stiffness is not measured, because one count would be too large a part of the depth.
 pub const SHALLOW_COUNTS: f64 = 10.0;
-/// Time from the end of a ramp until a press is judged as held, s.
+/// Time after the end of a ramp from which on a press counts as held, s.
 pub const HELD_AFTER_S: f64 = 0.05;
 
-/// The desired stiffness, and how exactly a penetration is known.
+/// The requested stiffness, and the uncertainty of a penetration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DesiredStiffness {
-    /// Desired stiffness: `k_de`.
+    /// Requested stiffness `k_de`, N·m/rad or N/m.
     pub k_desired: f64,
-    /// Step of a measured position.
+    /// Size of a position count, rad or m.
     pub count: f64,
-    /// Uncertainty of a measured penetration: half a count of a knob, half a count of each axis along a normal.
+    /// Uncertainty of a measured penetration, rad or m: half a count of a knob, or half a count of each axis along a normal.
     pub unsure: f64,
 }
 
 impl DesiredStiffness {
-    /// Relative error of a force against `k_de x`, beyond the penetration's uncertainty; `None` where the depth is too
-    /// small.
+    /// Relative deviation of a force from `k_de x` at the depth `x`, less the uncertainty of the penetration; `None` if the depth
+    /// is below [`SHALLOW_COUNTS`].
     #[must_use]
     pub fn off(&self, x: f64, force: f64) -> Option<f64> {
         let k = self.k_desired;
@@ -29,23 +29,24 @@ impl DesiredStiffness {
     }
 }
 
-/// A press of a wall. Ticks are indices; penetration and force in the device's own units.
+/// Calculates the figures of a press of a wall. Times are tick numbers; penetration and force are in rad and N·m, or m and N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PressFigures {
-    /// The desired stiffness.
+    /// The requested stiffness, and the uncertainty of a penetration.
     pub stiffness: DesiredStiffness,
-    /// The hand's final push.
+    /// Force of the press, N·m on a knob or N along a normal.
     pub push: f64,
-    /// Tick with which the press' ramp begins; before it is the touch.
+    /// First tick of the press' ramp; the touch comes before.
     pub ramp_start: u64,
-    /// First tick of the hold.
+    /// First tick in which the press counts as held.
     pub held_from: u64,
-    /// Tick at which the hand begins to let go.
+    /// First tick in which the hand lets go.
     pub release: u64,
 }
 
 impl PressFigures {
-    /// Takes a tick: penetration and force. Of a touch before the press, its depth over that of the press.
+    /// Adds a tick with penetration `x` and force to the figures. During the touch before the press it returns the depth instead,
+    /// divided by the press' `F/k_de`.
     pub fn take(&self, figures: &mut Figures, index: u64, x: f64, force: f64) -> Option<f64> {
         let depth = x * self.stiffness.k_desired / self.push;
         if index < self.ramp_start {
@@ -65,7 +66,7 @@ impl PressFigures {
                 figures.raise(Measure::StiffnessErrorHeld, off);
             }
         } else if held {
-            // The hand is not where it presses: thrown out, or out of the wall.
+            // The knob is not where the hand presses it: it was thrown out of the wall.
             figures.raise(Measure::StiffnessErrorHeld, f64::INFINITY);
         }
         None

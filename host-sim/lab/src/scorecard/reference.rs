@@ -1,12 +1,12 @@
-//! The limit of the ripple: that of a spring-damper on differences which holds the same delays.
+//! The limit of the ripple, from a reference: a spring-damper with velocity from differences of encoder counts.
 //!
-//! Ripple is the price of damping that is taken from the difference of two counts, and damping is what holds a delay.
-//! So the limit is the least ripple of a spring-damper that holds this wall on the nominal device with a whole tick of
-//! delay. If no setting holds that, it is with the longest delay that one holds.
+//! Damping from differences of counts causes ripple, and damping is needed to hold a wall with delay. So the limit is calculated
+//! from the spring-damper with the least ripple that holds this wall on the nominal device with a whole tick of delay. If none
+//! does, the longest delay counts that a spring-damper holds.
 //!
-//! A spring-damper that is itself broken must not raise the limit. So the encoder's noise is left out. One that shakes
-//! by more than a count of its damping every tick counts as a limit cycle, which holds nothing. And no law may have
-//! more than a tenth of the press.
+//! A bad spring-damper must not raise the limit, so three rules apply. Encoder noise is left out. If a spring-damper's ripple
+//! exceeds that of one count of change per tick, it counts as a limit cycle and does not hold the wall. No law may have a ripple
+//! above a tenth of the press.
 
 use super::cases::{Case, Change, Deed, GRIPS, LATE_TICKS, MOVES_WITH, Programme};
 use super::measure::{Figures, Limits, Measure};
@@ -18,38 +18,40 @@ use std::f64::consts::TAU;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 
-/// The spring-damper that ripple is measured by.
+/// The spring-damper from which the limit of the ripple (change of the torque from tick to tick) is calculated.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Reference {
-    /// The spring-damper's virtual damping, N·m·s/rad.
+    /// Virtual damping of the spring-damper, N·m·s/rad.
     pub damping_n_m_s_per_rad: f64,
-    /// Most delay that it holds, ticks; absent: no spring-damper holds this wall at all.
+    /// Longest delay with which the spring-damper holds the wall, ticks; absent if no spring-damper holds the wall at all.
     pub delay_ticks: Option<f64>,
-    /// The spring-damper's ripple on the nominal device, N·m.
+    /// Ripple of the spring-damper on the nominal device, root mean square, N·m.
     pub ripple_n_m: f64,
-    /// Largest allowed ripple of a law on the nominal device, N·m.
+    /// Largest allowed ripple of a law on the nominal device, root mean square, N·m.
     pub limit_n_m: f64,
-    /// Largest allowed ripple on any device, N·m.
+    /// Largest allowed ripple of a law on any device, root mean square, N·m.
     pub most_n_m: f64,
 }
 
-/// Delays that a spring-damper should hold, ticks, the longest first.
+/// Delays for which a spring-damper is searched, ticks, the longest first.
 const DELAYS: [f64; 4] = [1.0, 0.5, 0.1, 0.0];
-/// Ratios `ζ = B/(2 sqrt(k_de J))` that are tried.
+/// Number of damping ratios `ζ = B/(2 sqrt(k_de J))` that are tried.
 const RATIOS: usize = 28;
-/// Share of the reference that a law may have where the reference holds a whole tick ...
+/// Factor on the reference spring-damper's ripple that gives the limit, if that spring-damper holds the wall with a whole tick of
+/// delay.
 const WHERE_DAMPING_SUFFICES: f64 = 1.1;
-/// ... and where it does not.
+/// Factor on the reference spring-damper's ripple that gives the limit, if that spring-damper holds the wall only with less than a
+/// tick of delay.
 const WHERE_IT_DOES_NOT: f64 = 0.6;
-/// Largest ripple over the press' torque: a hand notices a change of torque from some 13 % on (Jandura and Srinivasan
-/// 1994).
+/// Largest allowed ripple as a fraction of the press' torque. A hand notices changes of torque above some 13 % (Jandura and
+/// Srinivasan 1994).
 const MOST_OF_THE_PRESS: f64 = 0.1;
 
 impl Reference {
-    /// The reference for a scene's device and wall.
+    /// Finds the reference spring-damper for a scene's device and wall.
     ///
     /// # Errors
-    /// Settings that the law cannot take.
+    /// The control law does not accept its settings.
     pub fn of(scene: &Scene) -> Result<Self> {
         let mut scene = scene.clone();
         scene.sensor.noise = None;
@@ -74,14 +76,14 @@ impl Reference {
                 break;
             }
         }
-        // Where no damping holds the wall, ζ = 0.6 stands for one that would.
+        // If no damping holds the wall, ζ = 0.6 is assumed.
         let (damping, delay_ticks) = match reference {
             Some((damping, delay)) => (damping, Some(delay)),
             None => (0.6 * critical, None),
         };
         let own_delay = scene.timing.computational_delay_s * f64::from(scene.timing.rate_hz);
         let ripple = figures(scene, &programme, damping, own_delay)?.get(Measure::RippleRmsNM);
-        // A wall that is lost has a ripple of its own, which is no measure.
+        // The ripple of a lost wall is no measure.
         let count = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
         let most = a_count_every_tick(scene, &programme, damping);
         let ripple_n_m = match delay_ticks {
@@ -102,7 +104,7 @@ impl Reference {
         })
     }
 
-    /// No limit.
+    /// A reference that sets no limit.
     #[must_use]
     pub fn none() -> Self {
         Self {
@@ -114,7 +116,7 @@ impl Reference {
         }
     }
 
-    /// What ripple may be in a case: in proportion to the count.
+    /// Limits of the figures on a device; the ripple's limit is in proportion to the size of an encoder count.
     #[must_use]
     pub fn limits(&self, case: &Case) -> Limits {
         let counts = match case.change {
@@ -142,7 +144,8 @@ fn figures(scene: &Scene, programme: &Programme, damping: f64, delay: f64) -> Re
     Ok(worst)
 }
 
-/// The ripple of a damping that holds a delay: a spring to a hand that moves. Its ripple alone may take a press beyond 5 %.
+/// Ripple of a spring-damper with this damping in N·m; `None` if it does not hold the wall at this delay in ticks. Only the limits
+/// for an oscillating hand have to be met, because ripple alone may move a press beyond 5 %.
 fn held(scene: &Scene, programme: &Programme, damping: f64, delay: f64) -> Result<Option<f64>> {
     let figures = figures(scene, programme, damping, delay)?;
     let limits = Limits::new(delay >= LATE_TICKS, f64::INFINITY);
@@ -153,7 +156,8 @@ fn held(scene: &Scene, programme: &Programme, damping: f64, delay: f64) -> Resul
     Ok((holds && ripple <= a_count_every_tick(scene, programme, damping)).then_some(ripple))
 }
 
-/// Ripple of a spring-damper whose position changes by a count in every tick, there and back, and that of the hand's motion itself, N·m.
+/// Ripple in N·m of a spring-damper whose position changes by a count in every tick, to and fro, plus the ripple that the hand's
+/// motion causes.
 fn a_count_every_tick(scene: &Scene, programme: &Programme, damping: f64) -> f64 {
     let Some(encoder) = &scene.encoder else {
         return f64::INFINITY;

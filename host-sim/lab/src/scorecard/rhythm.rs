@@ -1,19 +1,19 @@
-//! Finds where a free hand moved in a rhythm, and at what frequency, from the depth.
+//! Finds in a depth signal where a person's hand oscillated, and at which frequency.
 
 use touchstone_sim::run::measure::Wiggle;
 
-/// A stretch that is examined, s, and how much further the next one begins.
+/// Length of the window that is examined, s, and the distance of the next window's start.
 const WINDOW_S: f64 = 3.0;
 const HOP_S: f64 = 1.5;
-/// Slowest and fastest rhythm, Hz: two periods in a stretch, and what hands do.
+/// Slowest and fastest oscillation that is searched, Hz: two periods in a window, and the limit of hands.
 const SLOWEST_HZ: f64 = 2.0 / WINDOW_S;
 const FASTEST_HZ: f64 = 16.0;
-/// Share of the motion's mean square that one sine must explain.
+/// Fraction of the motion's mean square that one sine must explain.
 const EXPLAINED: f64 = 0.8;
-/// Sample rate that is enough for the search, Hz.
+/// Sample rate that is enough for the search, Hz; faster signals are thinned out.
 const ENOUGH_HZ: f64 = 200.0;
 
-/// Fits a sine beside a mean: the share of the mean square that it explains, and its amplitude.
+/// Fits a sine and a constant: returns the fraction of the mean square that the sine explains, and its amplitude.
 fn sine(series: &[f64], cycles_per_sample: f64) -> (f64, f64) {
     let count = series.len() as f64;
     let mean = series.iter().sum::<f64>() / count;
@@ -35,7 +35,7 @@ fn sine(series: &[f64], cycles_per_sample: f64) -> (f64, f64) {
     ((a * xs + b * xc) / xx, a.hypot(b))
 }
 
-/// Frequency, share and amplitude of the sine that explains most.
+/// Frequency in Hz, explained fraction and amplitude of the sine that explains most.
 fn strongest(series: &[f64], rate_hz: f64) -> Option<(f64, f64, f64)> {
     let at = |hz: f64| {
         let (share, amplitude) = sine(series, hz / rate_hz);
@@ -52,7 +52,8 @@ fn strongest(series: &[f64], rate_hz: f64) -> Option<(f64, f64, f64)> {
     best((coarse.0 - 0.1).max(SLOWEST_HZ), coarse.0 + 0.1, 0.005)
 }
 
-/// Every stretch of a depth in contact in which one sine of more than `least` explains most of the motion. The depth is one value a tick, from the tick `first` on.
+/// Windows in which one sine with an amplitude of at least `least` explains most of the motion. `depth` has one value per tick,
+/// beginning with tick `first`.
 #[must_use]
 pub fn rhythms(depth: &[f64], first: u64, rate_hz: f64, least: f64) -> Vec<Wiggle> {
     let window = (WINDOW_S * rate_hz).round() as usize;
@@ -95,7 +96,7 @@ mod tests {
         for hz in [0.955, 2.0, 7.3] {
             let sine = |t: f64| 0.003 + 0.001 * (std::f64::consts::TAU * hz * t + 0.4).sin();
             let found = rhythms(&moved(sine), 100, 1000.0, 4e-5);
-            // One stretch of three seconds in four.
+            // One window of three seconds fits into four.
             assert_eq!(found.len(), 1);
             assert_eq!(found[0].window, (100, 3100));
             assert!((found[0].frequency_hz - hz).abs() < 0.01, "{found:?}");

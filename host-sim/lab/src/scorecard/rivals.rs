@@ -1,4 +1,4 @@
-//! The laws of a scorecard, each as a change of one scene.
+//! The control laws of a scorecard, each as a change of a scene.
 
 use super::cases::most_torque_n_m;
 use touchstone_control::choices::{
@@ -8,23 +8,23 @@ use touchstone_control::choices::{
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{Law, Preset, Scene, nearest};
 
-/// A law of the comparison.
+/// A control law of the comparison.
 #[derive(Debug, Clone, Copy)]
 pub struct Rival {
-    /// The law's word on the command line and in JSON.
+    /// Name of the law on the command line and in JSON.
     pub name: &'static str,
-    /// Description of the law.
+    /// Description of the law in a few words.
     pub about: &'static str,
-    /// Where it comes from.
+    /// Publication or other source of the law.
     pub source: &'static str,
-    /// Whether it is a spring with virtual damping, against which the others are held.
+    /// Whether the law is a spring with virtual damping, with which the others are compared.
     pub damped_spring: bool,
-    /// Whether it is tuned on estimated states. A scorecard leaves the enhanced law on those that its scene has.
+    /// Whether the law is tuned on estimated states. In a scorecard the enhanced law uses the states that its scene sets.
     pub estimated: bool,
     apply: fn(&mut Scene),
 }
 
-/// All rival laws.
+/// All control laws of a scorecard.
 pub const RIVALS: [Rival; 12] = [
     Rival {
         name: "spring",
@@ -145,8 +145,7 @@ pub const RIVALS: [Rival; 12] = [
     },
 ];
 
-/// Sets the law as it is usually published: measured states, no guard, and the thesis' parameters where the scene has
-/// none.
+/// Sets a control law as it is usually published: measured states, no guard, and the thesis' parameters where the scene has none.
 fn measured(scene: &mut Scene, kind: LawKind) {
     if let Ok(known) = scene.with_preset(Preset::Thesis) {
         *scene = known;
@@ -156,37 +155,38 @@ fn measured(scene: &mut Scene, kind: LawKind) {
     scene.law.guard.on = false;
 }
 
-/// Sets a spring-damper with a velocity filter.
+/// Sets a spring-damper whose velocity comes from this velocity filter.
 fn filtered(scene: &mut Scene, from: VelocityKind) {
     measured(scene, LawKind::SpringDamper);
     scene.law.velocity.from = from;
 }
 
-/// Capacity of a guard over the cost of its largest force at the overspeed: with it a full account never reduces a
-/// press.
+/// Factor on the energy that the guard needs for its largest force at the over-speed limit. With this capacity a full energy
+/// account never reduces a press.
 const CAPACITY_SHARE: f64 = 1.2;
-/// Refill over the guard's cost of a wall whose force changes by a count of `k_de` in every tick, half a count each.
+/// Factor on the power that a wall costs the guard if its force changes by `k_de` times a count in every tick. The guard charges
+/// half a count for each change.
 const REFILL_SHARE: f64 = 4.0;
-/// Most refill that the guard's settings take, W.
+/// Largest refill power that the guard's settings accept, W.
 const MOST_REFILL_W: f64 = 1.0;
-/// Most capacity, J.
+/// Largest capacity that the guard's settings accept, J.
 const MOST_CAPACITY_J: f64 = 16.0;
-/// Delay in ticks from which on positions are also taken when the force changes: estimated, every change would be charged for more.
+/// Delay in ticks above which the encoder is also read when the force changes. Without that reading the guard would charge more for
+/// each change.
 const MEASURED_FROM_TICKS: f64 = 0.1;
 
-/// Longest delay in ticks that a guard covers; beyond it there is no guard. The sum of two settings in ticks is
-/// rounded.
+/// Longest delay in ticks that a guard covers, with a margin for rounding; beyond it the guard is off.
 pub const MOST_DELAY_TICKS: f64 = 1.0 + 1e-9;
 
-/// Most delay of the scene's device and guard, ticks.
+/// Longer of the delays that scene and guard assume, plus the guard's lag, ticks.
 #[must_use]
 pub fn delay_ticks(scene: &Scene) -> f64 {
     let guard = &scene.law.guard;
     (guard.delay_s.max(scene.timing.computational_delay_s) + guard.lag_s) / scene.timing.period_s()
 }
 
-/// Gives estimator and guard the device's measured values and its torque. The guard's capacity and refill are what the
-/// device needs, and no less than the scene's: a coarse encoder at a stiff wall needs much.
+/// Sets a scene's estimator and guard to the device's values and torque. The guard's capacity and refill power are what the device
+/// needs, and at least the scene's; a coarse encoder at a stiff wall needs much.
 fn told(scene: &mut Scene) {
     let (period_s, rate_hz) = (scene.timing.period_s(), f64::from(scene.timing.rate_hz));
     let count = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
@@ -198,20 +198,21 @@ fn told(scene: &mut Scene) {
     law.estimator.inertia_kg_m2 = device.inertia_kg_m2;
     law.estimator.damping_n_m_s_per_rad = device.damping_n_m_s_per_rad;
     let guard = &mut law.guard;
-    // A scene that says nothing of it has the thesis' knob's; one that does is never told more.
+    // A scene that does not set the guard's damping has the default of the thesis' knob, which is replaced by the device's. A value
+    // that the scene sets is never raised.
     let said = guard.damping_n_m_s_per_rad;
     let unsaid = said == Law::default().guard.damping_n_m_s_per_rad;
     guard.damping_n_m_s_per_rad = match unsaid {
         true => device.damping_n_m_s_per_rad,
         false => said.min(device.damping_n_m_s_per_rad),
     };
-    // Never less than the scene says of it.
+    // The delay is never below the one that the scene sets for its guard.
     guard.delay_s = guard.delay_s.max(scene.timing.computational_delay_s);
     guard.on = late <= MOST_DELAY_TICKS;
     if late > MEASURED_FROM_TICKS {
         guard.change = ChangeOfForce::Measured;
     }
-    // The guard's own condition on its capacity.
+    // The guard's own condition on its capacity, with a margin.
     let step = guard.overspeed_rad_per_s * period_s + count;
     let least = CAPACITY_SHARE * law.force_limit_n_m * (step * (1.0 + late) + 0.5 * count);
     guard.capacity_j = guard.capacity_j.max(least).min(MOST_CAPACITY_J);
@@ -220,10 +221,10 @@ fn told(scene: &mut Scene) {
 }
 
 impl Rival {
-    /// The one with this name.
+    /// Returns the law with this name.
     ///
     /// # Errors
-    /// A name that none has.
+    /// No law has this name.
     pub fn named(name: &str) -> Result<&'static Rival> {
         RIVALS
             .iter()
@@ -241,13 +242,13 @@ impl Rival {
             })
     }
 
-    /// Whether its matrices say how a loop moves: it does not hold its force back by an energy that it observed.
+    /// Whether the law's matrices describe how the loop moves. They do not for laws that reduce their force by an observed energy.
     #[must_use]
     pub fn is_linear(&self) -> bool {
         self.damped_spring || self.estimated
     }
 
-    /// The scene with this law for tuning: for a real device, so always behind the guard.
+    /// The scene with this law, ready for tuning. The guard is kept, because the settings are for a real device.
     #[must_use]
     pub fn to_tune(&self, scene: &Scene) -> Scene {
         let mut tuned = self.of(scene);
@@ -259,7 +260,7 @@ impl Rival {
         tuned
     }
 
-    /// The scene with this law.
+    /// The scene with this law's own settings, as the scorecard runs it.
     #[must_use]
     pub fn of(&self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();

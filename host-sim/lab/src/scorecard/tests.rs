@@ -1,4 +1,4 @@
-//! A scorecard finds the known properties of known walls.
+//! Tests that scorecards of walls whose properties are known show these properties.
 
 use super::cases::{CASES, Case, Change, Deed, GRIPS, Programme};
 use super::measure::{Figures, Limits, Measure};
@@ -16,7 +16,7 @@ fn knob(k_desired: f64) -> Scene {
     scene
 }
 
-/// A spring with damping on estimated states; with 0.006 N·m·s/rad it holds `5 k_c` on every device.
+/// A spring with damping on estimated states. With a damping of 0.006 N·m·s/rad it holds `5 k_c` on every device.
 fn estimated(k_desired: f64, damping: f64) -> Scene {
     let mut scene = Rival::named("spring-damper-estimated")
         .expect("a law")
@@ -30,12 +30,12 @@ fn estimated(k_desired: f64, damping: f64) -> Scene {
 
 #[test]
 fn a_soft_spring_is_what_it_is_set_to() {
-    // Half of k_c: passive by itself, so no figure is off by more than sampling makes it.
+    // Half of k_c: a passive spring, so figures are off by no more than the sampling causes.
     let scene = Rival::named("spring").expect("a law").of(&knob(0.5));
     let (felt, beside) = figures(&scene, &Programme::of(&scene), &CASES[0], true).expect("runs");
     assert!(felt.get(Measure::StiffnessError) < 0.01, "{felt:?}");
     assert!(felt.get(Measure::ModulusError) < 0.01, "{felt:?}");
-    // A hold lags by half a tick, 0.72° at 4 Hz.
+    // A held force lags by half a tick, 0.72° at 4 Hz.
     assert!(
         (felt.get(Measure::PhaseDeg) - 0.72).abs() < 0.05,
         "{felt:?}"
@@ -57,11 +57,11 @@ fn what_is_worse_is_found_worse() {
             .expect("runs")
             .0
     };
-    // A bare spring at 5 k_c is lost, and gives energy.
+    // A plain spring at 5 k_c is lost, and gives out energy.
     let spring = of(&Rival::named("spring").expect("a law").of(&knob(5.0)));
     assert!(spring.get(Measure::EnergyOutJ) > 1e-3, "{spring:?}");
     assert!(spring.get(Measure::StiffnessErrorHeld) > 0.5, "{spring:?}");
-    // More damping is a worse spring in a ramp, and ripples more beyond what the motion itself changes.
+    // More damping makes the ramp less like a spring, and adds ripple beyond that of the motion itself.
     let (little, much) = (of(&estimated(5.0, 0.005948)), of(&estimated(5.0, 0.03)));
     for measure in [Measure::RippleRmsNM, Measure::StiffnessError] {
         assert!(
@@ -71,7 +71,7 @@ fn what_is_worse_is_found_worse() {
             little.get(measure)
         );
     }
-    // A force limit below the press: the hand finds no wall of this stiffness.
+    // A force limit below the press: the hand meets a softer wall.
     let mut soft = estimated(5.0, 0.005948);
     soft.law.force_limit_n_m = 0.08;
     let whole = programme(&estimated(5.0, 0.005948));
@@ -100,7 +100,7 @@ fn known_settings_hold_every_device_and_the_difference_damper_does_not() {
     assert_eq!(card.rows[0].cells.len(), CASES.len());
     assert!(!card.rows[1].passes);
     assert!(!card.rows[1].fails.is_empty());
-    // The reference of ripple holds a whole tick at this stiffness.
+    // The reference spring-damper holds this wall with a whole tick of delay.
     assert_eq!(card.reference.delay_ticks, Some(1.0));
     let text = super::page::text(&card);
     assert!(text.contains("spring-damper fails: "), "{text}");
@@ -111,14 +111,14 @@ fn known_settings_hold_every_device_and_the_difference_damper_does_not() {
     assert!(nominal["figures"]["ripple_rms_n_m"].is_number());
 }
 
-/// Largest share of a limit in a case.
+/// Largest figure on a device relative to its limit.
 fn worst_share(scene: &Scene, reference: Reference, case: &Case) -> f64 {
     let (felt, _) = figures(scene, &Programme::of(scene), case, false).expect("runs");
     let shares = felt.shares(&reference.limits(case));
     shares.into_iter().fold(0.0, f64::max)
 }
 
-/// The thesis' knob with settings that are kept beside the documentation.
+/// The thesis' knob with a file of settings from the documentation.
 fn knob_with(settings: &str) -> Scene {
     let file = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../docs/tuning/")
@@ -130,7 +130,7 @@ fn knob_with(settings: &str) -> Scene {
 fn twenty_critical_stiffnesses_hold_on_every_device() {
     let scene = knob_with("twenty-critical.toml");
     assert_eq!(scene.wall.k_desired_n_m_per_rad, 20.0);
-    // What `touchstone scorecard` finds for this wall: 0.6 of a difference spring-damper's ripple.
+    // Result of `touchstone scorecard` for this wall: 0.6 of a difference spring-damper's ripple.
     let reference = Reference {
         limit_n_m: 3.93e-3,
         ..Reference::none()
@@ -142,8 +142,8 @@ fn twenty_critical_stiffnesses_hold_on_every_device() {
     }
 }
 
-/// One scene is the same wall at every rate: the offset's pace is in time and not in ticks, and the estimator predicts
-/// two ticks at most.
+/// Checks that one scene gives the same wall at every rate. The offset's pace is set per millisecond, not per tick, and the
+/// estimator predicts at most two ticks.
 #[test]
 fn tuned_walls_hold_at_every_rate_without_being_tuned_again() {
     for (name, wall, touch) in [
@@ -173,7 +173,7 @@ fn tuned_walls_hold_at_every_rate_without_being_tuned_again() {
 fn fifty_critical_stiffnesses_hold_to_half_a_tick_and_no_further() {
     let scene = knob_with("fifty-critical.toml");
     assert_eq!(scene.wall.k_desired_n_m_per_rad, 50.0);
-    // What `touchstone scorecard` finds for this wall: 0.6 of a difference spring-damper's ripple.
+    // Result of `touchstone scorecard` for this wall: 0.6 of a difference spring-damper's ripple.
     let reference = Reference {
         limit_n_m: 7.62e-3,
         ..Reference::none()
@@ -184,7 +184,7 @@ fn fifty_critical_stiffnesses_hold_to_half_a_tick_and_no_further() {
         let share = worst_share(&scene, reference, case);
         assert!(share <= 1.0, "{}: {share} of a limit", case.name);
     }
-    // A whole tick is lost, as the matrices say: the delay ends between the two.
+    // With a whole tick of delay the wall is lost, as the matrices predict.
     let late = CASES.iter().find(|case| case.change == Change::Delay(1.0));
     assert!(worst_share(&scene, reference, late.expect("a case")) > 1.0);
     let grips = crate::certify::Options {
@@ -236,7 +236,7 @@ fn a_case_changes_the_device_and_not_what_its_law_is_told() {
     };
     assert_eq!(late.of(&scene).timing.computational_delay_s, 5e-4);
     assert!(late.is_late() && !CASES[0].is_late());
-    // Near the end of sampling only the nominal inertia and up to half a tick are asked for.
+    // For very stiff walls only the nominal inertia and up to half a tick of delay count.
     assert_eq!(asked(&knob(20.0)).count(), CASES.len());
     assert_eq!(asked(&knob(50.0)).count(), 3);
 }
@@ -257,12 +257,12 @@ fn limits_are_shares_and_counts() {
     let shares = felt.shares(&limits);
     assert!((shares[0] - 0.5).abs() < 1e-9);
     assert_eq!(shares[5], 2.0, "the worst stays");
-    // Any energy at all is too much; rounding is none.
+    // Any energy is too much; rounding does not count.
     felt.raise(Measure::EnergyOutJ, 1e-12);
     assert_eq!(felt.shares(&limits)[7], 0.0);
     felt.raise(Measure::EnergyOutJ, 1e-8);
     assert!(felt.shares(&limits)[7] > 1.0);
-    // What is no number is as bad as can be.
+    // NaN counts as the worst value.
     felt.raise(Measure::ModulusError, f64::NAN);
     assert!(felt.get(Measure::ModulusError).is_infinite());
 }
@@ -293,7 +293,7 @@ fn a_press_leaves_the_wall_some_of_its_torque() {
     assert!((press.push_torque_n_m - 0.03).abs() < 1e-12);
     let touch = whole.touch_torque_n_m / whole.push_torque_n_m * press.push_torque_n_m;
     assert!((press.touch_torque_n_m - touch).abs() < 1e-12);
-    // The law's own limit counts where it is the lower one; a strong motor changes nothing.
+    // The law's own limit counts if it is lower than the motor's; a strong motor changes nothing.
     weak.law.force_limit_n_m = 0.02;
     assert!((Programme::of(&weak).press.push_torque_n_m - 0.012).abs() < 1e-12);
     weak = knob(1.0);
@@ -314,7 +314,7 @@ fn a_tuned_law_is_behind_a_guard_that_is_told_no_more_than_there_is() {
         assert_eq!(plain.guard.damping_n_m_s_per_rad, 3e-4);
         assert_eq!(plain.guard.delay_s, 2e-4);
         assert_eq!(plain.force_limit_n_m, 0.2);
-        // What a scene says of its guard is kept, where it is the more careful.
+        // The scene's own guard settings stay where they are more cautious.
         let mut said = scene.clone();
         said.law.guard.damping_n_m_s_per_rad = 2.4e-4;
         said.law.guard.delay_s = 7e-4;
@@ -328,7 +328,7 @@ fn a_tuned_law_is_behind_a_guard_that_is_told_no_more_than_there_is() {
         );
         assert_eq!(kept.change, ChangeOfForce::Measured);
         assert!(kept.on);
-        // And not where it is the less careful.
+        // They do not stay where they are less cautious.
         said.law.guard.damping_n_m_s_per_rad = 9e-4;
         said.law.guard.delay_s = 1e-4;
         let kept = law(&said).guard;
@@ -344,7 +344,8 @@ fn the_limit_of_ripple_does_not_grow_with_a_rival_that_shakes() {
     let mut noisy = knob(5.0);
     noisy.sensor.noise = Some(touchstone_sim::scene::SensorNoise::default());
     assert_eq!(Reference::of(&noisy).expect("runs"), quiet);
-    // A difference spring-damper at 10 kHz shakes by ten times as much, and holds; a hand is shaken by a tenth of its press at most.
+    // A difference spring-damper at 10 kHz has ten times the ripple and still holds the wall. The limit stays at a tenth of the
+    // press.
     for k_desired in [1.0, 5.0, 20.0, 50.0, 200.0] {
         for rate_hz in [500, 1000, 10_000] {
             let mut scene = knob(k_desired);

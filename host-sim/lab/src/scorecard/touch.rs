@@ -1,9 +1,12 @@
-//! A light touch beside that of an ideal wall: how deep it goes, and how hard it begins.
+//! Compares a light touch with that of an ideal wall: how deep it goes, and how fast the torque rises.
 //!
-//! What a wall can do about a blow is bounded by the hand and the device alone. So a touch is held against the same hand's on the same
-//! device at an ideal wall: `k_de` with a damping ratio of [`DAMPING_RATIO`], exact states, 50 kHz, no delay, no torque limit. A slope is unfair to
-//! damping, whose force is there at once and falls, so rate-hardness is taken over `k_de`, which an undamped spring has. Extended rate-hardness is kind
-//! to damping. So the undamped spring stands beside.
+//! Hand and device alone limit how well a wall can stop a blow. So a touch is compared with that of the same hand on the same
+//! device at an ideal wall. The ideal wall has the stiffness `k_de`, a damping ratio of [`DAMPING_RATIO`], exact states, 50 kHz, no
+//! delay and no torque limit.
+//!
+//! Rate-hardness (slope of the torque over the speed) is unfair to damping, whose torque is there at once and then falls. So it is
+//! divided by `k_de`, which is the rate-hardness of an undamped spring. Extended rate-hardness favours damping. So the results of
+//! an undamped spring are given as well.
 
 use super::cases::{Deed, GRIPS, Programme};
 use super::measure::Beside;
@@ -13,23 +16,25 @@ use touchstone_control::choices::{LawKind, StatesKind, VelocityKind};
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::{Grip, MotionSpec, Number, Preset, Scene};
 
-/// Damping of the ideal wall over the critical damping of the device on `k_de`.
+/// Damping of the ideal wall, divided by the critical damping of the device on `k_de`.
 pub const DAMPING_RATIO: f64 = 0.5;
-/// Rate of the ideal wall, Hz.
+/// Rate at which the ideal wall is simulated, Hz.
 const RATE_HZ: u32 = 50_000;
-/// Longest touch of an ideal wall, s: it is deepest in the first swing.
+/// Duration of a simulated touch of an ideal wall, s; the touch is deepest in the first oscillation.
 const LONGEST_S: f64 = 0.4;
 
-/// Depth of a touch over that of the ideal damped wall, and how hard it begins over how hard that does. The worst of several hands.
+/// Figures of a touch, divided by those of the ideal damped wall; the worst of several hands.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TouchRatios {
-    /// Deepest penetration; less is better.
+    /// Deepest penetration of the touch, divided by the ideal damped wall's; less is better.
     pub penetration: f64,
-    /// Rate-hardness (1.5), over `k_de`: of a damped wall it may be negative. More is better, as below.
+    /// Rate-hardness (slope of the torque just after contact over the speed of the touch), divided by `k_de`; more is better. It
+    /// may be negative for a damped wall.
     pub rate_hardness: Option<f64>,
-    /// Extended rate-hardness.
+    /// Extended rate-hardness (largest rise of the torque within a millisecond over the largest speed), divided by the ideal damped
+    /// wall's; more is better.
     pub extended_rate_hardness: Option<f64>,
-    /// Largest torque in the first five milliseconds.
+    /// Largest torque in the first five milliseconds of the touch, divided by the ideal damped wall's; more is better.
     pub torque: Option<f64>,
 }
 
@@ -47,7 +52,7 @@ impl TouchRatios {
         }
     }
 
-    /// The worst of each.
+    /// The worse value of each figure, from two sets.
     #[must_use]
     pub fn worst(&self, other: &Self) -> Self {
         let less = |one: Option<f64>, other: Option<f64>| Some(one?.min(other?));
@@ -60,7 +65,7 @@ impl TouchRatios {
     }
 }
 
-/// The ideal damped wall's touch, for each of [`GRIPS`].
+/// Touches of the ideal damped wall by the hands of [`GRIPS`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IdealTouch {
     touches: [Beside; GRIPS.len()],
@@ -68,10 +73,10 @@ pub struct IdealTouch {
 }
 
 impl IdealTouch {
-    /// The touch for the device of a scene.
+    /// Simulates the touches on a scene's device.
     ///
     /// # Errors
-    /// A device that no run can be made of.
+    /// The device cannot be simulated.
     pub fn of(scene: &Scene, programme: &Programme) -> Result<Self> {
         let mut touches = [Beside::default(); GRIPS.len()];
         for (touch, grip) in touches.iter_mut().zip(GRIPS) {
@@ -83,16 +88,16 @@ impl IdealTouch {
         })
     }
 
-    /// A touch in one of [`GRIPS`] over the ideal one.
+    /// The figures `own` of a touch, divided by those of the ideal wall; `grip` is the index in [`GRIPS`].
     #[must_use]
     pub fn ratios(&self, grip: usize, own: &Beside) -> TouchRatios {
         TouchRatios::new(own, &self.touches[grip], self.k_desired)
     }
 
-    /// The ideal walls themselves: with a damping ratio, over the damped one. The worst of three grips.
+    /// Touches of an ideal wall with another damping ratio, compared with the ideal damped wall; the worst of three grips.
     ///
     /// # Errors
-    /// A device that no run can be made of.
+    /// The device cannot be simulated.
     pub fn with_ratio(
         &self,
         scene: &Scene,
@@ -107,7 +112,7 @@ impl IdealTouch {
     }
 }
 
-/// The touch of an ideal wall with a damping ratio.
+/// Simulates the touch of an ideal wall with this damping ratio.
 fn ideal(scene: &Scene, programme: &Programme, grip: Grip, ratio: f64) -> Result<Beside> {
     let mut wall = scene
         .with_preset(Preset::Thesis)
@@ -140,7 +145,7 @@ fn ideal(scene: &Scene, programme: &Programme, grip: Grip, ratio: f64) -> Result
     let mut pressed = programme.scene(&wall, grip, Deed::Press);
     if let MotionSpec::TouchAndPress(press) = &mut pressed.operator.motion {
         press.touch_s = press.touch_s.min(LONGEST_S);
-        // The press that follows is not looked at.
+        // The press that follows the touch is not simulated.
         pressed.timing.duration_s = press.start_s + press.touch_ramp_s + press.touch_s;
     }
     Ok(watch(&pressed, Deed::Press, false)?.1)
@@ -164,11 +169,12 @@ mod tests {
             let programme = Programme::of(&scene);
             for grip in GRIPS {
                 let spring = ideal(&scene, &programme, grip, 0.0).expect("runs");
-                // A spring has k_de as its slope, and no more in a millisecond.
+                // A spring's rate-hardness is k_de, also over a millisecond.
                 assert!((spring.rate_hardness.unwrap() / k_desired - 1.0).abs() < 1e-2);
                 let extended = spring.extended_rate_hardness.unwrap() / k_desired;
                 assert!((0.8..=1.01).contains(&extended), "{extended}");
-                // Damping is there at once: over a millisecond B/1 ms, less what the speed has fallen.
+                // The force of damping is there at once. Over a millisecond the slope is B/1 ms, less what the falling speed takes
+                // away.
                 let damped = ideal(&scene, &programme, grip, DAMPING_RATIO).expect("runs");
                 let b = (k_desired * scene.device.inertia_kg_m2).sqrt();
                 let most = k_desired + b / 1e-3;
@@ -179,7 +185,7 @@ mod tests {
         }
     }
 
-    /// The undamped spring's depths, as they were found before with another program, at 50 kHz too.
+    /// Checks the undamped spring's depths against those of another program, also at 50 kHz.
     #[test]
     fn an_ideal_spring_is_as_deep_as_it_was_found_elsewhere() {
         for (k_desired, expected) in [(14.0, 1.77), (20.0, 2.06)] {

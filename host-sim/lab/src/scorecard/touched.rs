@@ -1,45 +1,46 @@
-//! Depth and force of a run on a device, one value an interval, and the stretches in which a hand is in the wall, and rests in it.
+//! Depth and force of a run on a device, one value per control period. Also finds the times at which a hand is in the wall or rests
+//! in it.
 
 use super::press::DesiredStiffness;
 use std::ops::Range;
 
-/// A tick, SI: the position read, the force from then on, and the surface.
+/// A recorded tick in SI units: the position that was read, the force from then on, and the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TouchedTick {
-    /// Intervals since the first tick; more than one apart where ticks were missed.
+    /// Control periods since the first tick. Neighbouring ticks differ by more than one if ticks were missed.
     pub due: u64,
-    /// The place, m.
+    /// Position that was read, m.
     pub position_m: [f64; 3],
-    /// The force, N.
+    /// Force that was commanded, N.
     pub force_n: [f64; 3],
-    /// How deep the place is below the surface, m.
+    /// Depth of the position below the surface, m; negative outside.
     pub depth_m: f64,
-    /// The direction out of the object.
+    /// Unit vector that points out of the surface.
     pub normal: [f64; 3],
 }
 
-/// A hand counts as resting if it moves less than this many counts, or this share of its depth.
+/// A hand counts as resting if it moves by less than this many counts, or less than the fraction `RESTING_SHARE` of its depth.
 pub const RESTING_COUNTS: f64 = 4.0;
 const RESTING_SHARE: f64 = 0.02;
 
-/// One value an interval: missed ticks are filled in, the force held over them.
+/// Depth and force with one value per control period. Missed ticks are interpolated; the force is constant over them.
 pub struct TouchedSeries {
     first: u64,
-    /// Depth at each tick.
+    /// Depth at each tick, m.
     pub depth: Vec<f64>,
-    /// Depth in the middle of each tick, during which the force is constant.
+    /// Depth in the middle of each tick, during which the force is constant, m.
     pub middle: Vec<f64>,
-    /// The force out of the surface over it.
+    /// Force out of the surface during each tick, N.
     pub out: Vec<f64>,
 }
 
-/// Scalar product.
+/// Scalar product of two vectors.
 pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| a[i] * b[i]).sum()
 }
 
 impl TouchedSeries {
-    /// The series of some ticks.
+    /// Builds the series from recorded ticks.
     pub fn of(ticks: &[TouchedTick]) -> Self {
         let mut series = Self {
             first: ticks.first().map_or(0, |tick| tick.due),
@@ -62,12 +63,12 @@ impl TouchedSeries {
         series
     }
 
-    /// Index of a tick.
+    /// Index in the series of a tick, given as control periods since the start.
     pub fn index(&self, due: u64) -> usize {
         (due.saturating_sub(self.first) as usize).min(self.out.len())
     }
 
-    /// Stretches of contact of a length at least, and deep enough to tell a stiffness.
+    /// Ranges of contact that have at least `least` ticks and are deep enough to measure a stiffness.
     pub fn contacts(
         &self,
         from: usize,
@@ -89,7 +90,7 @@ impl TouchedSeries {
         found
     }
 
-    /// Inwards, over the last intervals, m/s.
+    /// Inward speed over the last `intervals` ticks, m/s.
     pub fn speed(&self, index: usize, intervals: usize, rate_hz: f64) -> f64 {
         let was = index.saturating_sub(intervals);
         match index > was {
@@ -99,7 +100,7 @@ impl TouchedSeries {
     }
 }
 
-/// Stretches within a contact in which the hand rests.
+/// Ranges of `length` ticks within a contact in which the hand rests.
 pub fn resting(
     depth: &[f64],
     contact: &Range<usize>,

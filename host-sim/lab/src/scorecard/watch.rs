@@ -1,7 +1,7 @@
-//! One run, watched for the figures of a scorecard.
+//! Calculates the figures of a scorecard from one run.
 //!
-//! Force is the motor's true one, after limits, guard, steps and delay, its mean over a tick. Penetration is the true one in the
-//! tick's middle, to which that force belongs.
+//! The force is the motor's true mean force in a tick, after limits, guard, amplifier steps and delay. The penetration is the true
+//! one in the middle of the tick, to which that force belongs.
 
 use super::cases::Deed;
 use super::measure::{Beside, Figures, Measure};
@@ -13,23 +13,23 @@ use touchstone_sim::run::terms::{Press, Terms};
 use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::{MotionSpec, Scene};
 
-/// Length of the end of a hold in which the device should rest, s.
+/// Duration of the last part of a hold, in which the device should rest, s.
 const REST_S: f64 = 0.25;
-/// A run this far inside or outside the wall is lost, rad.
+/// A wall counts as lost if the knob is further than this from the surface, inside or outside, rad.
 const LOST_RAD: f64 = 3.0;
 
-/// Results of one run.
+/// Scorecard results of one run.
 #[derive(Debug, Clone, Copy)]
 pub struct Seen {
     /// Figures with a limit.
     pub figures: Figures,
     /// Figures without a limit.
     pub beside: Beside,
-    /// Response to a moving hand; `None` where the hand did not move, or left the wall.
+    /// Response to an oscillating hand; `None` if the hand did not oscillate, or the knob left the wall.
     pub met: Option<DynamicStiffness>,
 }
 
-/// Records the extremes of a run.
+/// Recorder that calculates the figures of a run.
 #[derive(Debug, Clone)]
 struct Watch {
     terms: Terms,
@@ -59,7 +59,7 @@ impl Watch {
             _ => 0,
         };
         let moving = matches!(deed, Deed::Move(_));
-        // Without an encoder nothing is too shallow, and half a count is nothing.
+        // Without an encoder no depth is too shallow, and half a count is zero.
         let count_rad = scene
             .encoder
             .as_ref()
@@ -157,7 +157,7 @@ impl Recorder for Watch {
             return;
         }
         self.wall_j += tick.absorbed_j;
-        // What springs, gravity and magnets of the device take is not lost, but is not with the hand either.
+        // Energy stored by the device's springs, gravity and magnets is not lost, but the hand does not have it either.
         self.loss_j += tick.device_loss_j + tick.stored_j;
         let v = tick.velocity_after_rad_per_s;
         // The device starts at rest.
@@ -183,24 +183,24 @@ impl Recorder for Watch {
     }
 }
 
-/// Runs a scene of a [`super::cases::Programme`]. `fully` also gives the figures without a limit, which takes half as
-/// long again.
+/// Simulates a scene of a [`super::cases::Programme`]; returns the figures with and without limits. `fully` calculates the figures
+/// without a limit, which makes the run half as long again.
 ///
 /// # Errors
-/// Settings that the law cannot have.
+/// The control law does not accept its settings.
 pub fn watch(scene: &Scene, deed: Deed, fully: bool) -> Result<(Figures, Beside)> {
     run::watch(scene, Watch::new(scene, deed, fully)).map(Watch::finish)
 }
 
-/// Runs a scene, with all results.
+/// Simulates a scene and calculates all figures.
 ///
 /// # Errors
-/// Settings that the law cannot have.
+/// The control law does not accept its settings.
 pub fn seen(scene: &Scene, deed: Deed) -> Result<Seen> {
     run::watch(scene, Watch::new(scene, deed, true)).map(Watch::seen)
 }
 
-/// Same as [`seen`], for ticks that did not come from a simulated loop.
+/// Calculates all figures of a scene from ticks that were recorded elsewhere.
 #[must_use]
 pub fn seen_of(scene: &Scene, deed: Deed, ticks: &[Tick]) -> Seen {
     let mut watch = Watch::new(scene, deed, true);

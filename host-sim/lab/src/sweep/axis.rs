@@ -1,4 +1,4 @@
-//! One axis of a map: a field of a scene and the values that it takes.
+//! One axis of a map: a key of the scene file and the values that it takes.
 
 use serde_json::Value;
 use std::ops::RangeInclusive;
@@ -6,27 +6,28 @@ use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::schema::{FIELDS, Field, Kind};
 use touchstone_sim::scene::{Scene, list, path_of};
 
-/// Most values of one axis.
+/// Largest number of values on an axis.
 pub const MOST_VALUES: usize = 10_000;
 
-/// A field and its values.
+/// A key of the scene file and its values along an axis.
 #[derive(Debug, Clone)]
 pub struct Axis {
-    /// The field.
+    /// The key of the scene file that varies.
     pub field: &'static Field,
     /// Whether the values are evenly spaced on a logarithmic scale.
     pub log: bool,
-    /// The values, as a scene has them.
+    /// The values in the form of the scene file.
     pub values: Vec<Value>,
-    /// The axis as the user wrote it, for messages.
+    /// The axis as the user typed it, for messages.
     pub asked: String,
 }
 
 impl Axis {
-    /// Reads `FIELD=a..b:n`, `FIELD=a..b:n:log` or `FIELD=v,v,…`; `option` names the option for messages.
+    /// Reads an axis in the form `FIELD=a..b:n`, `FIELD=a..b:n:log` or `FIELD=v,v,…`. `option` is the name of the command-line
+    /// option, for messages.
     ///
     /// # Errors
-    /// [`Error::Option`]: no such field, another form, or a value that the field cannot have.
+    /// [`Error::Option`]: the key does not exist, the form is another one, or the key cannot have one of the values.
     pub fn parse(option: &str, text: &str, scene: &Scene) -> Result<Self> {
         let asked = format!("{option} {text}");
         let wrong = |problem: String, fix: String| Error::Option {
@@ -44,7 +45,7 @@ impl Axis {
         let Some(field) =
             path_of(key).and_then(|path| FIELDS.iter().find(|field| field.path == path))
         else {
-            // The scene's own words for an unknown field.
+            // An unknown key gives the scene's own error message.
             scene.with_option(key, "0", &asked)?;
             return Err(wrong(
                 format!("{key} is a table"),
@@ -123,7 +124,7 @@ impl Axis {
         Ok(axis)
     }
 
-    /// A number as the field has it.
+    /// Converts a number to the type of the key: integer or decimal.
     #[must_use]
     pub fn leaf(&self, number: f64) -> Value {
         match self.field.kind {
@@ -170,13 +171,13 @@ impl Axis {
         Ok(())
     }
 
-    /// The values as numbers; `None` where they are words.
+    /// The values as numbers; `None` if they are words.
     #[must_use]
     pub fn numbers(&self) -> Option<Vec<f64>> {
         self.values.iter().map(Value::as_f64).collect()
     }
 
-    /// First and last value on the scale on which the values are evenly spaced; words are counted from 0.
+    /// First and last value on the axis' scale, which is logarithmic if `log` is set. Words are numbered from 0.
     #[must_use]
     pub fn span(&self) -> (f64, f64) {
         match self.numbers() {
@@ -188,13 +189,13 @@ impl Axis {
         }
     }
 
-    /// A number on that scale.
+    /// Converts a number to the axis' scale: its decimal logarithm if `log` is set, else the number itself.
     #[must_use]
     pub fn scaled(&self, number: f64) -> f64 {
         if self.log { number.log10() } else { number }
     }
 
-    /// The number at a place of that scale.
+    /// Converts a position on the axis' scale back to a number.
     #[must_use]
     pub fn unscaled(&self, place: f64) -> f64 {
         if self.log {
@@ -204,7 +205,7 @@ impl Axis {
         }
     }
 
-    /// Where the cells of a value begin and end on that scale: half-way to its neighbours.
+    /// Range of a value's cells on the axis' scale: half-way to the neighbouring values.
     #[must_use]
     pub fn edges(&self, index: usize) -> RangeInclusive<f64> {
         let at = |index: usize| match self.numbers() {
@@ -226,7 +227,7 @@ impl Axis {
         }
     }
 
-    /// A value as it stands in tables.
+    /// Text of a value for tables.
     #[must_use]
     pub fn text(&self, index: usize) -> String {
         match &self.values[index] {
@@ -236,8 +237,8 @@ impl Axis {
     }
 }
 
-/// A value between the ends, rounded to twelve digits, so that the written value is the one that runs on every
-/// machine.
+/// Returns value number `index` of `count` values from `from` to `to`, rounded to twelve digits. So the simulated value is the one
+/// in the file, on every machine.
 fn between(from: f64, to: f64, index: usize, count: usize, log: bool) -> f64 {
     if index == 0 {
         return from;

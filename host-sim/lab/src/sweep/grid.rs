@@ -1,5 +1,5 @@
-//! The cells of a map, and the scene of each. Scenes are varied as values: a cell's scene is the base with two leaves changed, read
-//! back by the scene's own types; no text is parsed.
+//! The cells of a map and the scene of each cell. A cell's scene is the base scene with two values replaced; no text is parsed for
+//! it.
 
 use super::axis::Axis;
 use serde::Deserialize as _;
@@ -7,25 +7,25 @@ use serde_json::Value;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::Scene;
 
-/// A base scene and two axes.
+/// The cells of a map: a base scene and two axes.
 #[derive(Debug, Clone)]
 pub struct Grid {
-    /// Horizontal.
+    /// Horizontal axis of the map.
     pub x: Axis,
-    /// Vertical.
+    /// Vertical axis of the map.
     pub y: Axis,
-    /// The scene that is varied.
+    /// The scene whose keys vary.
     pub base: Scene,
-    /// The scene as a tree: one where both axes are numbers, else one for each word.
+    /// The scene as JSON: one entry if the values of both axes are numbers, else one for each combination of words.
     trees: Vec<Value>,
     leaves: [String; 2],
 }
 
 impl Grid {
-    /// Puts the axes on the scene.
+    /// Creates the grid from a scene and two axes.
     ///
     /// # Errors
-    /// The same field twice; a field that the scene cannot have with any value of the axes.
+    /// Both axes have the same key, or the scene cannot have a key with any value of the axes.
     pub fn of(base: &Scene, x: Axis, y: Axis) -> Result<Self> {
         if x.field == y.field {
             return Err(Error::Option {
@@ -51,7 +51,7 @@ impl Grid {
         Ok(grid)
     }
 
-    /// The tree of a pair of words; of an axis of numbers, any value that the scene takes.
+    /// The scene as JSON for one word of each axis. On an axis of numbers the first value that the scene accepts is used.
     fn tree(&self, word_x: usize, word_y: usize) -> Result<Value> {
         let mut refused = None;
         for index_x in trials(&self.x, word_x) {
@@ -89,20 +89,20 @@ impl Grid {
         }))
     }
 
-    /// Number of cells.
+    /// Number of cells of the map.
     #[must_use]
     pub fn cells(&self) -> u64 {
         (self.x.values.len() * self.y.values.len()) as u64
     }
 
-    /// Column and row of a cell: cells go row by row, the first value of y first.
+    /// Column and row of a cell. Cells are numbered row by row, from the first value of y on.
     #[must_use]
     pub fn place(&self, cell: u64) -> (usize, usize) {
         let wide = self.x.values.len();
         ((cell as usize) % wide, (cell as usize) / wide)
     }
 
-    /// What makes the scenes of cells; each thread has its own.
+    /// Creates an object that builds the scenes of cells; each thread needs its own.
     #[must_use]
     pub fn scenes(&self) -> Scenes<'_> {
         Scenes {
@@ -119,7 +119,7 @@ fn words(axis: &Axis) -> usize {
     }
 }
 
-/// Values to try where any will do.
+/// Indices of an axis' values that are tried in the base scene: three of an axis of numbers, else that of the given word.
 fn trials(axis: &Axis, word: usize) -> Vec<usize> {
     match axis.numbers() {
         Some(_) => {
@@ -130,7 +130,7 @@ fn trials(axis: &Axis, word: usize) -> Vec<usize> {
     }
 }
 
-/// Makes scenes.
+/// Builds the scenes of cells.
 #[derive(Debug)]
 pub struct Scenes<'a> {
     grid: &'a Grid,
@@ -141,7 +141,7 @@ impl Scenes<'_> {
     /// The scene of a cell.
     ///
     /// # Errors
-    /// A contradiction between fields, such as a break-away torque below the kinetic one.
+    /// Two values contradict each other, for example a break-away torque below the kinetic one.
     pub fn of_cell(&mut self, cell: u64) -> Result<Scene> {
         let (column, row) = self.grid.place(cell);
         let values = [
@@ -151,7 +151,8 @@ impl Scenes<'_> {
         self.with(values, [column, row])
     }
 
-    /// The scene at numbers between the cells; `None` where an axis has words, or the scene contradicts itself.
+    /// The scene for numbers between those of the cells; `None` if an axis has words, or if values of the scene contradict each
+    /// other.
     pub fn between(&mut self, x: f64, y: f64) -> Option<Scene> {
         self.grid.x.numbers()?;
         self.grid.y.numbers()?;

@@ -1,4 +1,5 @@
-//! What theory says of the plane of a map: lines on which the wall's stiffness reaches a bound, and the certificate's boundary.
+//! Lines that theory predicts in the plane of a map: where the wall's stiffness reaches a known bound, and the boundary of the
+//! stability certificate.
 
 use super::grid::{Grid, Scenes};
 use crate::certify::{self, hands::Family};
@@ -7,36 +8,36 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use touchstone_sim::scene::Scene;
 
-/// Nodes of a line on either axis; between them its place is found by bisection.
+/// Number of grid points per axis for a line; between grid points its position is found by bisection.
 const NODES: usize = 49;
-/// Nodes of the certificate's boundary, each of which takes milliseconds.
+/// Number of grid points per axis for the certificate's boundary; each needs a certificate, which takes milliseconds.
 const NODES_OF_CERTIFICATE: usize = 33;
-/// Halvings of an edge that a line crosses.
+/// Number of bisections on an edge of the grid that a line crosses.
 const HALVINGS: u32 = 20;
 const HALVINGS_OF_CERTIFICATE: u32 = 6;
 
-/// A line in the plane, on the axes' own scales.
+/// A line in the plane of the map, on the axes' scales.
 #[derive(Debug, Clone)]
 pub struct Line {
-    /// Style of its stroke.
+    /// CSS class of the line.
     pub role: &'static str,
     /// Name of the line.
     pub name: &'static str,
-    /// Pieces of the line.
+    /// Straight pieces of the line, each with its two ends.
     pub pieces: Vec<[(f64, f64); 2]>,
 }
 
-/// A bound of the stiffness: its style, its name, and its value in a scene.
+/// A bound of the stiffness: CSS class, name, and function for its value in a scene in N·m/rad.
 type Bound = (&'static str, &'static str, fn(&Scene) -> Option<f64>);
 
-/// Time by which a held force is late, s: half a period and the computational delay.
+/// Mean delay of a force that is held for a period, s: half a period plus the computational delay.
 fn late_s(scene: &Scene) -> f64 {
     0.5 * scene.timing.period_s() + scene.timing.computational_delay_s
 }
 
-/// Bounds of a wall that is a spring; for other laws they say where a spring would end.
+/// Bounds for a wall that is a spring. For other laws they show where a spring would reach its limit.
 const BOUNDS: [Bound; 3] = [
-    // Colgate and Schenkel 1997, with the delay as in Gil et al. 2009; c_i is what the law counts on, thesis §5.1.
+    // Colgate and Schenkel 1997, with the delay as in Gil et al. 2009; c_i is the damping that the law assumes, thesis §5.1.
     ("kc", "k_c = c_i/(T/2 + t_d)", |scene| {
         Some(scene.law.device_damping_n_m_s_per_rad / late_s(scene))
     }),
@@ -47,17 +48,17 @@ const BOUNDS: [Bound; 3] = [
             .map_or(0.0, |hand| hand.pad_damping_n_m_s_per_rad);
         Some((scene.device.damping_n_m_s_per_rad + pad) / late_s(scene))
     }),
-    // Abbott and Okamura 2005: dry friction against the work of a count's rounding.
+    // Abbott and Okamura 2005: dry friction against the energy that rounding to counts gives out.
     ("law-a", "2 F_k/count", |scene| {
         let friction = scene.device.friction.as_ref()?.kinetic_n_m;
         Some(2.0 * friction / scene.encoder.as_ref()?.step_rad())
     }),
 ];
 
-/// Called with how many certificates are computed, and of how many.
+/// Function that is called with the number of finished certificates and their total number.
 pub type Progress<'a> = dyn Fn(u64, u64) + Sync + 'a;
 
-/// The lines of theory that cross the plane, with the certificate's boundary if it is wanted.
+/// The predicted lines that cross the plane. With `certificate` they include the boundary of the stability certificate.
 #[must_use]
 pub fn all(grid: &Grid, certificate: bool, progress: &Progress) -> Vec<Line> {
     if grid.x.numbers().is_none() || grid.y.numbers().is_none() {
@@ -71,7 +72,7 @@ pub fn all(grid: &Grid, certificate: bool, progress: &Progress) -> Vec<Line> {
                 .map(|bound| (scene.wall.k_desired_n_m_per_rad / bound).ln())
         };
         let pieces = traced(grid, NODES, HALVINGS, &excess, &|_, _| {});
-        // Two bounds may be one: a law that counts on what is there.
+        // Two bounds may coincide, if the law assumes exactly the damping that the device and the hand's pad have.
         let known = lines.iter().any(|line| near(&line.pieces, &pieces));
         if !pieces.is_empty() && !known {
             lines.push(Line { role, name, pieces });
@@ -104,7 +105,7 @@ pub fn all(grid: &Grid, certificate: bool, progress: &Progress) -> Vec<Line> {
     lines
 }
 
-/// Whether two lines are the same to rounding.
+/// Whether two lines are equal except for rounding.
 fn near(a: &[[(f64, f64); 2]], b: &[[(f64, f64); 2]]) -> bool {
     let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs()).max(1e-30);
     a.len() == b.len()
@@ -114,7 +115,8 @@ fn near(a: &[[(f64, f64); 2]], b: &[[(f64, f64); 2]]) -> bool {
             .all(|(a, b)| close(a.0, b.0) && close(a.1, b.1))
 }
 
-/// Where a function of the scene changes its sign: marching squares over a grid of nodes, each crossing of an edge bisected.
+/// Line on which `value` of the scene changes its sign: marching squares over a grid, with bisection on each edge that the line
+/// crosses.
 fn traced(
     grid: &Grid,
     nodes: usize,
@@ -146,7 +148,7 @@ fn traced(
         )
         .collect();
     let inside = |node: usize| values[node].map(|value| value < 0.0);
-    // Every edge once, by its two nodes.
+    // Each edge once, given by its two grid points.
     let mut edges: Vec<[usize; 2]> = Vec::new();
     for node in 0..nodes * nodes {
         if node % nodes + 1 < nodes {
@@ -194,7 +196,7 @@ fn traced(
                 .iter()
                 .filter_map(|edge| crossed.get(edge).copied())
                 .collect();
-            // Two ends or, at a saddle, four.
+            // A square has two ends of a line or, at a saddle, four.
             pieces.extend(ends.chunks_exact(2).map(|pair| [pair[0], pair[1]]));
         }
     }

@@ -1,4 +1,4 @@
-//! The map as a figure: a tile for each cell, the lines of theory over them, and places that were measured by others.
+//! The map as a figure: a tile for each cell, and over them predicted lines and points from a user's measurements.
 
 use super::Sweep;
 use super::lines::Line;
@@ -8,7 +8,7 @@ use crate::report::figure::{Axis as FigureAxis, Figure, Range, Shape, Sign};
 use crate::report::quantity::significant;
 use touchstone_sim::scene::schema::Field;
 
-/// Steps of colour of a measure.
+/// CSS classes for the colours of a measure's values.
 const BANDS: [&str; 8] = [
     "band band0",
     "band band1",
@@ -20,25 +20,25 @@ const BANDS: [&str; 8] = [
     "band band7",
 ];
 
-/// Measured places.
+/// Points from a user's measurements.
 #[derive(Debug, Clone, Default)]
 pub struct Overlay {
-    /// Name of the measurements.
+    /// Name of the user's measurements, for the legend.
     pub name: String,
-    /// The points in the axes' units.
+    /// Coordinates of the points in the axes' units.
     pub points: Vec<(f64, f64)>,
 }
 
-/// The lines and points drawn over the tiles.
+/// The lines and points that are drawn over the map's tiles.
 #[derive(Debug, Clone, Default)]
 pub struct Over {
-    /// Lines of theory.
+    /// Lines that theory predicts.
     pub lines: Vec<Line>,
-    /// Measured places.
+    /// Points from a user's measurements.
     pub points: Option<Overlay>,
 }
 
-/// The figure of the verdicts.
+/// The map of verdicts.
 #[must_use]
 pub fn of_verdicts(sweep: &Sweep, cells: &Cells, over: &Over) -> Figure {
     let words = verdicts();
@@ -78,7 +78,7 @@ const VERDICT_CLASSES: [&str; 7] = [
     "tile refused",
 ];
 
-/// The figure of a measure.
+/// The map of a measure's values.
 #[must_use]
 pub fn of_measure(
     sweep: &Sweep,
@@ -89,7 +89,7 @@ pub fn of_measure(
 ) -> Figure {
     let value = |cell: u64| cells.get(&cell).and_then(|row| row.4.get(index).copied()?);
     let range = Range::of(cells.keys().filter_map(|cell| value(*cell)));
-    // Over three decades the small ones would be one colour.
+    // On a linear scale over more than three decades, all small values would have one colour.
     let log = range.min > 0.0 && range.max > 1e3 * range.min;
     let scaled = |value: f64| if log { value.log10() } else { value };
     let (low, high) = (scaled(range.min), scaled(range.max));
@@ -163,18 +163,18 @@ fn empty(sweep: &Sweep, title: &str) -> Figure {
     )
 }
 
-/// The unit of a field, nothing where it has none.
+/// Unit of a key of the scene file; empty if it has none.
 #[must_use]
 pub fn unit(field: &Field) -> &'static str {
     field.unit_shown()
 }
 
-/// Rectangles of the cells that are chosen, neighbours of a row as one, and equal stretches of rows as one.
+/// Rectangles that cover the chosen cells. Neighbouring cells of a row are joined, and then equal stretches of neighbouring rows.
 fn tiles(sweep: &Sweep, chosen: &dyn Fn(u64) -> bool) -> Vec<[f64; 4]> {
     let (x, y) = (&sweep.grid.x, &sweep.grid.y);
     let wide = x.values.len();
     let mut tiles: Vec<[f64; 4]> = Vec::new();
-    // Those that reach up to the row at hand.
+    // Rectangles that reach up to the current row.
     let mut open: Vec<usize> = Vec::new();
     for row in 0..y.values.len() {
         let (low, high) = y.edges(row).into_inner();
@@ -226,7 +226,7 @@ fn draw_over(figure: &mut Figure, sweep: &Sweep, over: &Over) {
     }
 }
 
-/// Name of the file of a measure's map.
+/// File name of a measure's map; of the map of verdicts for `None`.
 #[must_use]
 pub fn file(measure: Option<&Measure>) -> String {
     format!(

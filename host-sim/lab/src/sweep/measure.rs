@@ -1,4 +1,4 @@
-//! The values that are kept of each cell's run: the verdict, and the chosen measures of the summary.
+//! The results that are stored for each cell: the verdict, and the chosen measures of the run.
 
 use crate::report::measures::MEASURES;
 use touchstone_sim::error::{Error, Result};
@@ -8,26 +8,26 @@ use touchstone_sim::scene::nearest;
 
 /// Name of the verdict among the measures.
 pub const VERDICT: &str = "verdict";
-/// Used instead of a verdict for a scene that contradicts itself or that its law refuses.
+/// Stands in place of a verdict if values of the scene contradict each other, or if the law refuses the scene.
 pub const REFUSED: &str = "refused";
 
-/// A number of a run.
+/// A measure: a number from the summary of a run.
 #[derive(Debug, Clone, Copy)]
 pub struct Measure {
-    /// The measure's name, a field of `results.json`.
+    /// Name of the measure, which is a field of `results.json`.
     pub name: &'static str,
-    /// Text for people.
+    /// Name of the measure for readers.
     pub words: &'static str,
-    /// SI unit; `1` is a plain number.
+    /// SI unit; `1` for a number without unit.
     pub unit: &'static str,
-    /// Meaning of the measure.
+    /// Meaning of the measure, in words.
     pub meaning: &'static str,
     /// The measure's value; `None` where it does not apply.
     pub of: fn(&Summary) -> Option<f64>,
 }
 
 impl Measure {
-    /// The heading of its column: the name, with its unit where the name has none.
+    /// Heading of the measure's column: its name, followed by the unit if the name does not contain it.
     #[must_use]
     pub fn column(&self) -> String {
         let unit = match self.unit {
@@ -46,7 +46,7 @@ impl Measure {
     }
 }
 
-/// All measures.
+/// All measures that a sweep can store.
 #[must_use]
 pub fn measures() -> Vec<Measure> {
     let mut all: Vec<Measure> = MEASURES
@@ -76,10 +76,10 @@ pub fn measures() -> Vec<Measure> {
     all
 }
 
-/// The measures of these names without the verdict; each once.
+/// Returns the measures with these names, without the verdict and without repetitions.
 ///
 /// # Errors
-/// [`Error::Option`] for an unknown name.
+/// [`Error::Option`]: a name is unknown.
 pub fn named(names: &[String]) -> Result<Vec<Measure>> {
     let all = measures();
     let mut found: Vec<Measure> = Vec::new();
@@ -102,7 +102,7 @@ pub fn named(names: &[String]) -> Result<Vec<Measure>> {
     Ok(found)
 }
 
-/// Words that a cell may have in the place of a verdict, from good to bad.
+/// Words that may stand in place of a verdict, from good to bad; [`REFUSED`] is among them.
 #[must_use]
 pub fn verdicts() -> Vec<&'static str> {
     WORDS
@@ -112,24 +112,24 @@ pub fn verdicts() -> Vec<&'static str> {
         .collect()
 }
 
-/// A line of the table: the kept values of a cell.
+/// A row of the table: the stored results of one cell.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Row(
-    /// Number of the cell.
+    /// Number of the cell in the map.
     pub u64,
-    /// The value of x.
+    /// Value of the horizontal axis, as text.
     pub String,
-    /// The value of y.
+    /// Value of the vertical axis, as text.
     pub String,
-    /// The verdict, or [`REFUSED`].
+    /// The verdict on the run, or [`REFUSED`].
     pub String,
-    /// The measures; what does not apply or is not finite is `NaN` in the table.
+    /// The chosen measures. A value that does not apply or is not finite is `NaN` in the table.
     #[serde(default, with = "crate::journal::or_nan::each")]
     pub Vec<Option<f64>>,
 );
 
 impl Row {
-    /// The row of a cell, with its run or without one.
+    /// The row of a cell from its run; without a run the cell was refused.
     #[must_use]
     pub fn of(cell: u64, [x, y]: [String; 2], run: Option<&Run>, measures: &[Measure]) -> Self {
         let verdict = run.map_or(REFUSED, |run| run.summary.verdict_name());
@@ -151,7 +151,7 @@ impl Row {
 mod tests {
     use super::*;
 
-    /// A new unit needs its word here.
+    /// Checks that the heading of every column contains the unit once.
     #[test]
     fn every_column_says_its_unit_once() {
         for measure in measures() {

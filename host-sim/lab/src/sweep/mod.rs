@@ -1,9 +1,9 @@
-//! Any two settings of a scene against any measure of its run: a map, cell by cell.
+//! Maps of a sweep: two settings of a scene vary, and every cell of the map has the results of its run.
 //!
-//! [`axis`] and [`grid`] make the cells' scenes, and [`measure`] the values to keep. [`store`] keeps the cells in a
-//! folder, so that an interrupted sweep goes on and shards come together. [`lines`] computes what theory predicts for
-//! the same plane, [`map`] draws both, and [`output`] writes everything. A cell depends only on its scene: threads,
-//! shards and interruptions do not change a byte.
+//! [`axis`] and [`grid`] build the cells' scenes, [`measure`] has the results to store. [`store`] keeps the cells in a folder, so
+//! that an interrupted sweep can continue and shards can be combined. [`lines`] calculates what theory predicts in the same plane,
+//! [`map`] draws cells and lines, [`output`] writes all files. A cell depends only on its scene, so files are the same, byte for
+//! byte, for any number of threads, shards or interruptions.
 
 pub mod axis;
 pub mod grid;
@@ -30,29 +30,29 @@ use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run;
 use touchstone_sim::scene::{MotionSpec, Scene};
 
-/// Time between two writes: the most that an interruption loses.
+/// Time between two writes; an interruption loses at most the work of this time.
 const PIECE: Duration = Duration::from_millis(500);
 
-/// A sweep.
+/// A sweep: the cells, and what is stored for each.
 #[derive(Debug, Clone)]
 pub struct Sweep {
-    /// The cells.
+    /// The cells of the map and their scenes.
     pub grid: Grid,
-    /// Measures that are kept of each cell beside its verdict.
+    /// Measures that are stored for each cell besides its verdict.
     pub measures: Vec<Measure>,
-    /// The program that runs them.
+    /// Version of the program.
     pub program: ProgramVersion,
-    /// The command that makes the whole again, without words that say where, in which part and how.
+    /// Command that computes the whole map, without options on folders, shards and threads.
     pub command: String,
     /// Files that the scene reads, with their hashes.
     inputs: Vec<Value>,
 }
 
 impl Sweep {
-    /// Puts a sweep together; `x` and `y` as on the command line.
+    /// Creates a sweep; `x` and `y` are axes in the form of the command line.
     ///
     /// # Errors
-    /// An axis that does not fit the scene, an unknown measure, a recording that cannot be read.
+    /// An axis does not fit the scene, a measure is unknown, or a recording cannot be read.
     pub fn new(
         scene: &Scene,
         [x, y]: [&str; 2],
@@ -86,7 +86,7 @@ impl Sweep {
         })
     }
 
-    /// Everything that decides about the cells, and the command.
+    /// Everything on which the cells depend, and the command, as JSON.
     #[must_use]
     pub fn plan(&self) -> Value {
         let axis =
@@ -103,7 +103,7 @@ impl Sweep {
         })
     }
 
-    /// Names of the columns of the cells.
+    /// Names of the columns in the table of cells.
     #[must_use]
     pub fn header(&self) -> Vec<String> {
         let mut names = vec![
@@ -116,7 +116,7 @@ impl Sweep {
         names
     }
 
-    /// Computes one cell; with the error if it is refused.
+    /// Computes one cell. A refused cell comes with its error.
     pub fn cell(&self, scenes: &mut grid::Scenes<'_>, cell: u64) -> (Row, Option<Error>) {
         let (column, row) = self.grid.place(cell);
         let place = [self.grid.x.text(column), self.grid.y.text(row)];
@@ -129,11 +129,11 @@ impl Sweep {
         }
     }
 
-    /// Computes the missing cells of a shard, as many at a time as there are threads; reports how many of the shard
-    /// are done.
+    /// Computes the missing cells of a shard in parallel, and stores them. `told` is called with the number of the shard's finished
+    /// cells.
     ///
     /// # Errors
-    /// A folder that cannot be written.
+    /// The folder cannot be written.
     pub fn fill(
         &self,
         store: &mut Store,
@@ -178,7 +178,7 @@ impl Sweep {
             filled.computed += now.len() as u64;
             told(filled.before + filled.computed);
             rest = later;
-            // Towards the time that a piece is to take, by a factor of four at most.
+            // The number of cells per batch is adjusted so that a batch takes the intended time, by at most a factor of four.
             let took = begun.elapsed().as_secs_f64().max(1e-6);
             let factor = (PIECE.as_secs_f64() / took).clamp(0.25, 4.0);
             piece = ((piece as f64 * factor) as usize).max(rayon::current_num_threads());
@@ -187,21 +187,21 @@ impl Sweep {
     }
 }
 
-/// Result of a call of [`Sweep::fill`].
+/// Result of [`Sweep::fill`]: how many cells were computed, and the first refusal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Filled {
-    /// Cells that were there.
+    /// Number of cells that the folder already held.
     pub before: u64,
-    /// Cells that were computed.
+    /// Number of cells that this call computed.
     pub computed: u64,
-    /// The first cell that was refused in this call, and why.
+    /// Number of the first cell that was refused in this call, and the error.
     pub refusal: Option<(u64, Error)>,
 }
 
-/// A sweep read back from folders with its cells; the first folder describes it.
+/// Reads a sweep with its cells from the folders of its shards. The first folder gives the description.
 ///
 /// # Errors
-/// A folder without a sweep; folders of different sweeps, or of another program; missing cells.
+/// A folder has no sweep, the folders belong to different sweeps or to another program version, or cells are missing.
 pub fn gathered(folders: &[PathBuf], program: ProgramVersion) -> Result<(Sweep, store::Cells)> {
     let mut first: Option<(Value, &Path)> = None;
     let mut cells = store::Cells::new();
@@ -303,10 +303,10 @@ impl Sweep {
     }
 }
 
-/// Sets the number of threads.
+/// Sets the number of threads for simulations.
 ///
 /// # Errors
-/// The threads cannot be started, or others run already.
+/// The threads cannot be started, or were started before.
 pub fn use_threads(threads: usize) -> std::result::Result<(), String> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)

@@ -1,4 +1,4 @@
-//! The folder of a map: cells as CSV and Parquet with where they are from, maps as SVG, and `results.json`.
+//! Writes the folder of a map: cells as CSV and Parquet with their origin, maps as SVG, and `results.json`.
 
 use super::map::{self, Over, Overlay};
 use super::measure::{REFUSED, VERDICT, verdicts};
@@ -22,21 +22,22 @@ const SIZE: Size = Size {
 };
 const SCENE: &str = "scene.toml";
 
-/// How it is drawn.
+/// Options for drawing the maps.
 #[derive(Clone, Default)]
 pub struct Drawing<'a> {
-    /// Measured places over it.
+    /// Points from a user's measurements, drawn over the map.
     pub points: Option<Overlay>,
-    /// Leaves out the certificate's boundary.
+    /// Leaves out the boundary of the stability certificate.
     pub no_certificate: bool,
-    /// Called while certificates are computed.
+    /// Function that is called while certificates are calculated.
     pub progress: Option<&'a lines::Progress<'a>>,
 }
 
-/// Places from a file: two columns of numbers under a header, in the axes' units; the file's name without its ending names them.
+/// Reads points from a CSV file: two columns of numbers under a header, in the axes' units. The file's name without ending is their
+/// name.
 ///
 /// # Errors
-/// A file that is not that.
+/// The file cannot be read or has another format.
 pub fn overlay(file: &Path) -> Result<Overlay> {
     let wrong = |problem: String| Error::Io {
         path: file.to_owned(),
@@ -55,7 +56,7 @@ pub fn overlay(file: &Path) -> Result<Overlay> {
     })
 }
 
-/// The results as JSON: the sweep's settings, the number of cells of each kind, and the range of each measure.
+/// The results as JSON: settings of the sweep, number of cells for each verdict, and range of each measure.
 #[must_use]
 pub fn results(sweep: &Sweep, shard: Shard, cells: &Cells, over: &Over, files: &[String]) -> Value {
     let axis = |axis: &super::axis::Axis| {
@@ -108,10 +109,11 @@ pub fn results(sweep: &Sweep, shard: Shard, cells: &Cells, over: &Over, files: &
     })
 }
 
-/// Writes the folder, and gives what `results.json` says. A shard has its cells alone; the maps are the whole's.
+/// Writes the map's folder; returns the contents of `results.json` and the paths of the files. A shard gets its cells only; maps
+/// are drawn for the whole sweep.
 ///
 /// # Errors
-/// Same as [`folder::publish`].
+/// The errors of [`folder::publish`].
 pub fn write(
     sweep: &Sweep,
     shard: Shard,
@@ -169,7 +171,7 @@ pub fn write(
     Ok((results, paths))
 }
 
-/// Name, type, meaning and unit of every column.
+/// Name, type, meaning and unit of every column of the cells' table.
 fn columns(sweep: &Sweep) -> Vec<[String; 4]> {
     let axis = |axis: &super::axis::Axis| {
         let kind = if axis.numbers().is_some() {
@@ -209,7 +211,7 @@ fn columns(sweep: &Sweep) -> Vec<[String; 4]> {
     columns
 }
 
-/// Where the cells are from.
+/// Metadata that say where the cells come from.
 fn origin(sweep: &Sweep, shard: Shard, columns: &[[&str; 4]]) -> Vec<(&'static str, String)> {
     let plan = sweep.plan();
     let of = |index: usize| -> serde_json::Map<String, Value> {

@@ -1,10 +1,10 @@
-//! The JSON schema of a map's `results.json`. `docs/schema/sweep.schema.json` is its text.
+//! JSON schema of a map's `results.json`. The file `docs/schema/sweep.schema.json` holds its text.
 
 use super::measure::verdicts;
 use crate::report::plain_schema::{Field, array, document, object, program};
 use serde_json::{Value, json};
 
-/// The schema.
+/// The JSON schema of a map's `results.json`.
 #[must_use]
 pub fn schema() -> Value {
     let texts = || array(json!({"type": "string"}));

@@ -1,8 +1,7 @@
-//! The folder of a map while it is computed: its plan, and the finished cells.
+//! The folder of a map while the cells are computed: a description of the sweep, and the finished cells.
 //!
-//! `sweep.json` has the plan; it is written before the first cell. `journal.csv` gets the cells as they are done, and
-//! is removed when `cells.csv` has all of them in order. So a folder keeps all its cells, and no cell is computed
-//! twice.
+//! `sweep.json` has the description; it is written before the first cell. `journal.csv` gets the cells as they are finished, and is
+//! removed when `cells.csv` has all of them in order. So no finished cell is lost or computed twice.
 
 use super::Sweep;
 use super::measure::Row;
@@ -13,18 +12,18 @@ use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::output;
 
-/// Name of the plan's file.
+/// Name of the file that describes the sweep.
 pub const PLAN: &str = "sweep.json";
-/// Cells in order.
+/// Name of the file with all cells in order.
 pub const CELLS: &str = "cells.csv";
 const JOURNAL: &str = "journal.csv";
 
-/// Some of the cells: those whose number leaves this remainder.
+/// One part of a sweep: the cells whose number modulo `of` is `index - 1`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// Number of this part, from 1 to [`Shard::of`].
+    /// Number of this shard, from 1 to [`Shard::of`].
     pub index: u64,
-    /// Number of parts.
+    /// Number of shards into which the sweep is divided.
     pub of: u64,
 }
 
@@ -32,7 +31,7 @@ impl Shard {
     /// The only shard of a sweep that is not divided.
     pub const WHOLE: Shard = Shard { index: 1, of: 1 };
 
-    /// Whether the shard has a cell. Neighbours go to different shards, so that all shards take the same time.
+    /// Whether a cell belongs to the shard. Neighbouring cells go to different shards, so that all shards take about the same time.
     #[must_use]
     pub fn has(self, cell: u64) -> bool {
         cell % self.of == self.index - 1
@@ -52,24 +51,24 @@ impl std::str::FromStr for Shard {
     }
 }
 
-/// Cells by their numbers.
+/// Finished cells by their numbers.
 pub type Cells = BTreeMap<u64, Row>;
 
-/// The folder.
+/// An open folder with the cells of a sweep.
 #[derive(Debug)]
 pub struct Store {
     folder: PathBuf,
     journal: Journal,
     header: Vec<String>,
-    /// The cells that are done.
+    /// The finished cells of the map.
     pub cells: Cells,
 }
 
 impl Store {
-    /// Opens the folder for a sweep, with its finished cells. `force` removes files of another sweep.
+    /// Opens the folder of a sweep and reads its finished cells. `force` removes the files of another sweep.
     ///
     /// # Errors
-    /// A folder of another sweep, or one in which a program is at work; a folder that cannot be written.
+    /// The folder holds another sweep, another program is writing it, or it cannot be written.
     pub fn open(folder: &Path, sweep: &Sweep, force: bool) -> Result<Self> {
         std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
         let (plan, asked) = (folder.join(PLAN), sweep.plan());
@@ -108,10 +107,10 @@ impl Store {
         })
     }
 
-    /// Keeps cells that are done.
+    /// Stores finished cells.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// The file cannot be written.
     pub fn keep(&mut self, rows: Vec<Row>) -> Result<()> {
         let header: Vec<&str> = self.header.iter().map(String::as_str).collect();
         self.journal.append(Some(&header), &rows)?;
@@ -119,19 +118,19 @@ impl Store {
         Ok(())
     }
 
-    /// Removes the journal: [`CELLS`] has all its rows.
+    /// Removes the file of finished cells (journal) after [`CELLS`] has been written with all its rows; returns the cells.
     pub fn close(self) -> Cells {
         drop(self.journal);
-        // One that stays holds nothing that is not known.
+        // A journal that cannot be removed does no harm, because `cells.csv` has all its rows.
         let _ = std::fs::remove_file(self.folder.join(JOURNAL));
         self.cells
     }
 }
 
-/// The cells in a folder that no program writes now.
+/// Reads the cells of a folder that no program is writing.
 ///
 /// # Errors
-/// Files that cannot be read.
+/// The files cannot be read.
 pub fn read_all(folder: &Path) -> Result<Cells> {
     let mut cells = read_cells(folder)?;
     let rows: Vec<Row> = journal::read(&folder.join(JOURNAL))?;
@@ -144,10 +143,10 @@ fn read_cells(folder: &Path) -> Result<Cells> {
     Ok(rows.into_iter().map(|row| (row.0, row)).collect())
 }
 
-/// The plan of a folder; `None` where it has none.
+/// Reads the description of the sweep in a folder; `None` if there is none.
 ///
 /// # Errors
-/// A file that is no plan.
+/// The file has another format.
 pub fn plan_of(folder: &Path) -> Result<Option<Value>> {
     let path = folder.join(PLAN);
     match std::fs::read(&path) {
@@ -163,13 +162,13 @@ pub fn plan_of(folder: &Path) -> Result<Option<Value>> {
     }
 }
 
-/// Whether two plans have the same cells: everything but the words of the command.
+/// Whether two sweeps have the same cells. Everything in their descriptions has to be equal except the command.
 #[must_use]
 pub fn same(a: &Value, b: &Value) -> bool {
     difference(a, b).is_empty()
 }
 
-/// What differs between two plans, in a word or two.
+/// What differs between two descriptions of sweeps, in a few words.
 #[must_use]
 pub fn difference(a: &Value, b: &Value) -> String {
     [

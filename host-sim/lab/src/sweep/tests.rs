@@ -1,4 +1,4 @@
-//! Cells against scenes made from text, whole against parts, lines against their closed forms.
+//! Tests that cells equal runs of scenes from text, that shards together equal the whole, and that lines follow their formulas.
 
 use super::measure::Row;
 use super::output::{self, Drawing};
@@ -40,7 +40,7 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Fills and writes, and gives how many cells were computed.
+/// Computes a shard and writes its folder; returns the number of cells that were computed.
 fn made(sweep: &Sweep, shard: Shard, folder: &Path) -> u64 {
     let mut store = Store::open(folder, sweep, false).unwrap();
     let filled = sweep.fill(&mut store, shard, |_| ()).unwrap();
@@ -57,7 +57,7 @@ fn made(sweep: &Sweep, shard: Shard, folder: &Path) -> u64 {
     filled.computed
 }
 
-/// Names and bytes.
+/// Names and bytes of all files in a folder.
 fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut files: Vec<(String, Vec<u8>)> = fs::read_dir(folder)
         .unwrap()
@@ -205,7 +205,7 @@ fn what_was_ended_goes_on_and_no_cell_is_computed_twice() {
         .fill(&mut store, Shard { index: 2, of: 3 }, |_| ())
         .unwrap();
     drop(store);
-    // As a program leaves it that was ended in the middle of a line.
+    // The file as a program leaves it that is ended in the middle of a line.
     let journal = ended.join("journal.csv");
     let mut text = fs::read_to_string(&journal).unwrap();
     let lines = text.lines().count();

@@ -1,6 +1,6 @@
-//! What the thesis says of its experiments in one degree of freedom, claim by claim, against the simulation.
+//! Compares the thesis' statements on its experiments in one degree of freedom with the simulation.
 //!
-//! A claim that does not reproduce is reported as such, with what was measured; nothing here is tuned until it fits.
+//! A statement that the simulation does not reproduce is reported as such, with the measured values.
 
 use super::{COUNTS, GRIPS, STIFFNESSES};
 use touchstone_control::{FirstContact, IdealStep, LawKind, ObserverForm, OffsetUpdate};
@@ -9,19 +9,19 @@ use touchstone_sim::run::record::{Run, Summary, Trace, Verdict};
 use touchstone_sim::run::{self};
 use touchstone_sim::scene::Scene;
 
-/// How a claim fared.
+/// Whether the simulation reproduces a statement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
-    /// The simulation shows it.
+    /// The simulation reproduces the thesis' statement.
     Reproduced,
-    /// The simulation shows it only under the conditions that the text names.
+    /// The simulation reproduces the thesis' statement only for some of the runs, or under the conditions in the text.
     Partly,
-    /// The simulation shows otherwise.
+    /// The simulation contradicts the statement.
     NotReproduced,
 }
 
 impl Outcome {
-    /// Name for tables.
+    /// Name of the outcome for tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -32,22 +32,22 @@ impl Outcome {
     }
 }
 
-/// A statement of the thesis, and the finding.
+/// A statement of the thesis, and what the simulation shows.
 #[derive(Debug, Clone)]
 pub struct Claim {
-    /// Short name, stable across versions.
+    /// Short name of the statement; it does not change between versions.
     pub name: &'static str,
-    /// Section or figure.
+    /// Section or figure of the thesis.
     pub source: &'static str,
-    /// The claim in words.
+    /// The statement in words.
     pub statement: &'static str,
-    /// The outcome of the check.
+    /// Whether the simulation reproduces the statement.
     pub outcome: Outcome,
-    /// The measured value.
+    /// The measured values, in words.
     pub measured: String,
 }
 
-/// The runs of one law at one stiffness, over all grips and encoders.
+/// The runs with one control law and stiffness, over all grips and encoders.
 fn of(runs: &[Run], law: LawKind, k_desired: f64) -> impl Iterator<Item = &Summary> + Clone {
     runs.iter()
         .map(|run| &run.summary)
@@ -66,7 +66,7 @@ fn all_or_part(hits: usize, total: usize) -> Outcome {
     }
 }
 
-/// A claim that every run of a set is to meet.
+/// Creates a claim that each of some runs has to meet; the outcome follows from the number of runs that do.
 fn counted<'a>(
     name: &'static str,
     source: &'static str,
@@ -104,7 +104,8 @@ fn shaky(run: &Summary) -> bool {
     run.verdict >= Verdict::LimitCycle
 }
 
-/// Largest force step from one tick to the next while the hand withdraws, N·m; the shape of TDPA's discontinuity.
+/// Largest change of the force from one tick to the next while the hand withdraws, N·m. The force of the time-domain passivity
+/// approach (TDPA) is discontinuous there.
 fn largest_step_on_the_way_out(trace: &Trace, from_s: f64) -> f64 {
     let out = trace
         .time_s
@@ -117,7 +118,7 @@ fn largest_step_on_the_way_out(trace: &Trace, from_s: f64) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// A cell of the comparison with other settings of its law.
+/// Simulates a cell of the comparison with changed settings.
 fn variant(
     base: &Scene,
     k_desired: f64,
@@ -128,10 +129,10 @@ fn variant(
     run::run(&scene.with(change)?, true)
 }
 
-/// All claims, checked against `runs`, which are those of [`super::cells`], and a few more runs.
+/// Checks all claims against `runs`, which are those of [`super::cells`], and against a few more runs.
 ///
 /// # Errors
-/// A base scene that cannot be run.
+/// The base scene cannot be run.
 pub fn check(base: &Scene, runs: &[Run]) -> Result<Vec<Claim>> {
     let mut claims = at_rest(runs);
     claims.extend(low_stiffness(base)?);
@@ -139,7 +140,7 @@ pub fn check(base: &Scene, runs: &[Run]) -> Result<Vec<Claim>> {
     Ok(claims)
 }
 
-/// Claims about the verdicts of §5.1.
+/// Claims about the verdicts in §5.1 of the thesis.
 fn at_rest(runs: &[Run]) -> Vec<Claim> {
     let high = [STIFFNESSES[2], STIFFNESSES[3]];
     let at_high = |law| high.into_iter().flat_map(move |k| of(runs, law, k));
@@ -225,7 +226,7 @@ fn at_rest(runs: &[Run]) -> Vec<Claim> {
             "§5.1.3, Fig. 5.7",
             "Enhanced SFA shows k_de on the first contact.",
             at_high(LawKind::EnhancedSfa),
-            // A force that is off by up to half a count tilts the slope over 7 mrad, the least depth of these presses, by that much.
+            // An error of the force by half a count tilts the slope over 7 mrad, the least depth of these presses, by this much.
             |run| {
                 let counts = run.encoder_counts_per_rev.unwrap_or(f64::INFINITY);
                 let share = 1.5 * std::f64::consts::TAU / counts / 0.007;
@@ -242,7 +243,7 @@ fn at_rest(runs: &[Run]) -> Vec<Claim> {
     ]
 }
 
-/// Claims about low stiffness that need a trace.
+/// Claims about low stiffnesses; their runs need traces.
 fn low_stiffness(base: &Scene) -> Result<Vec<Claim>> {
     let law = |kind: LawKind, observer: ObserverForm| {
         variant(base, STIFFNESSES[0], kind, |scene| {
@@ -282,7 +283,7 @@ fn low_stiffness(base: &Scene) -> Result<Vec<Claim>> {
     }])
 }
 
-/// Claims about why the laws do what they do.
+/// Claims about the reasons for the laws' behaviour.
 fn inside_the_law(base: &Scene, runs: &[Run]) -> Result<Vec<Claim>> {
     let enhanced = |k_desired: f64, change: fn(&mut Scene)| {
         let run = variant(base, k_desired, LawKind::EnhancedSfa, change)?;
@@ -292,7 +293,7 @@ fn inside_the_law(base: &Scene, runs: &[Run]) -> Result<Vec<Claim>> {
         scene.law.observer = ObserverForm::Thesis;
         scene.law.offset_update = OffsetUpdate::Inward;
         scene.law.ideal_step = IdealStep::Position;
-        // With a light filter: the thesis gives no values, and a heavier one is slower still.
+        // With a light virtual mass: the thesis gives no values, and a heavier mass would be slower.
         scene.law.filter.ground_damping_n_m_s_per_rad = 8e-4;
     })?;
     let kept = enhanced(5.0, |scene| {

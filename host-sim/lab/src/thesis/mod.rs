@@ -1,8 +1,8 @@
-//! The thesis' comparison in one degree of freedom (§5.1), as the main job: four stiffnesses, five laws, one knob.
+//! The thesis' comparison in one degree of freedom (§5.1): four stiffnesses and five laws on one knob.
 //!
-//! The comparison itself (medium grip, 40,000 counts) keeps its traces for the plots; the same matrix for the other grips and
-//! for a 14-bit encoder, and the row beyond the thesis at 20 `k_c`, run beside it for their numbers. [`claims`] then holds
-//! each statement of the thesis against them.
+//! The comparison itself, with a medium grip and 40,000 encoder counts, keeps its traces for plots. The other grips, a 14-bit
+//! encoder and a stiffness beyond the thesis (20 `k_c`) are simulated for their numbers only. [`claims`] compares the thesis'
+//! statements with the results.
 
 pub mod claims;
 pub mod space;
@@ -13,11 +13,11 @@ use touchstone_sim::error::Result;
 use touchstone_sim::run::{self, record::Run};
 use touchstone_sim::scene::{Grip, Scene};
 
-/// Desired stiffnesses of §5.1, N·m/rad.
+/// Requested stiffnesses of §5.1 of the thesis, N·m/rad.
 pub const STIFFNESSES: [f64; 4] = [0.5, 1.0, 2.5, 5.0];
-/// Beyond the thesis: twenty times its critical stiffness, N·m/rad.
+/// A stiffness beyond the thesis, N·m/rad: twenty times the critical one.
 pub const BEYOND: f64 = 20.0;
-/// Laws of §5.1, in its order.
+/// Control laws of §5.1 of the thesis, in its order.
 pub const LAWS: [LawKind; 5] = [
     LawKind::Spring,
     LawKind::Tdpa,
@@ -25,13 +25,13 @@ pub const LAWS: [LawKind; 5] = [
     LawKind::Sfa,
     LawKind::EnhancedSfa,
 ];
-/// Grips, the thesis' first.
+/// Grips of the simulated hand; the thesis' comes first.
 pub const GRIPS: [Grip; 3] = [Grip::Medium, Grip::Light, Grip::Firm];
-/// Encoders, the finer one first.
+/// Encoder counts per turn, the finer encoder first.
 pub const COUNTS: [u32; 2] = [40_000, 16_384];
 
-/// Fields and tables of the base scene that every [`cell`] replaces, so that a change of them would be lost; each with
-/// the values that it gets.
+/// Keys and tables of the base scene that every [`cell`] replaces, so that a user's change of them would have no effect, with the
+/// values that they get.
 pub const REPLACED: [(&str, &str); 5] = [
     ("wall.k_desired_n_m_per_rad", "stiffnesses"),
     ("law.kind", "laws"),
@@ -40,25 +40,26 @@ pub const REPLACED: [(&str, &str); 5] = [
     ("encoder", "encoders"),
 ];
 
-/// A note for people on the field that a [`cell`] replaces for one law.
+/// A note for readers: the time-domain passivity approach (TDPA) always runs with the thesis' observer, whatever the scene sets.
 pub const TDPA_OBSERVES: &str = "TDPA runs with the thesis' observer, as it was published, whatever law.observer says; \
                                  the enhanced law runs with law.observer";
 
-/// One cell of the comparison.
+/// One cell of the comparison: a scene to simulate.
 #[derive(Debug, Clone)]
 pub struct Cell {
-    /// The scene.
+    /// The scene of the cell.
     pub scene: Scene,
-    /// Whether its trace is kept for the plots.
+    /// Whether the run's trace is kept for plots.
     pub plotted: bool,
 }
 
-/// The scene of one cell: `base` with stiffness, law, grip and encoder.
+/// The scene of one cell: `base` with this stiffness, law, grip and encoder. The time-domain passivity approach (TDPA) gets the
+/// thesis' observer, see [`TDPA_OBSERVES`]; all other settings are those of `base`.
 ///
-/// [`TDPA_OBSERVES`], since the comparison is with the thesis' TDPA; every other choice is the scene's.
+/// TDPA gets the thesis' observer, see [`TDPA_OBSERVES`]; all other settings are those of `base`.
 ///
 /// # Errors
-/// A base scene that cannot have one of them.
+/// The base scene does not accept one of the values.
 pub fn cell(base: &Scene, k_desired: f64, law: LawKind, grip: Grip, counts: u32) -> Result<Scene> {
     base.with(|scene| {
         scene.wall.k_desired_n_m_per_rad = k_desired;
@@ -72,10 +73,11 @@ pub fn cell(base: &Scene, k_desired: f64, law: LawKind, grip: Grip, counts: u32)
     })
 }
 
-/// All cells: the plotted comparison first, then the other grips and encoder, then the row beyond the thesis.
+/// All cells of the comparison. The plotted ones come first, then those with other grips and the other encoder; each part includes
+/// the stiffness beyond the thesis.
 ///
 /// # Errors
-/// Same as [`cell`].
+/// The errors of [`cell`].
 pub fn cells(base: &Scene) -> Result<Vec<Cell>> {
     let mut cells = Vec::new();
     for counts in COUNTS {
@@ -83,7 +85,7 @@ pub fn cells(base: &Scene) -> Result<Vec<Cell>> {
             let plotted = counts == COUNTS[0] && grip == GRIPS[0];
             for k_desired in STIFFNESSES.into_iter().chain([BEYOND]) {
                 for law in LAWS {
-                    // Beyond the thesis only the enhanced law has something to show.
+                    // At the stiffness beyond the thesis only the enhanced law is simulated.
                     if k_desired != BEYOND || law == LawKind::EnhancedSfa {
                         cells.push(Cell {
                             scene: cell(base, k_desired, law, grip, counts)?,
@@ -97,13 +99,13 @@ pub fn cells(base: &Scene) -> Result<Vec<Cell>> {
     Ok(cells)
 }
 
-/// Name of what ships in tables and figures.
+/// Name of the shipped wall in tables and figures.
 pub const SHIPPED: &str = "Shipped";
 
-/// The wall that ships, `base` with all its own settings, at every stiffness, grip and encoder of [`cells`].
+/// Cells of the shipped wall: `base` with its own law and settings, at every stiffness, grip and encoder of [`cells`].
 ///
 /// # Errors
-/// Same as [`cell`].
+/// The errors of [`cell`].
 pub fn shipped_cells(base: &Scene) -> Result<Vec<Cell>> {
     let mut cells = Vec::new();
     for counts in COUNTS {
@@ -120,10 +122,10 @@ pub fn shipped_cells(base: &Scene) -> Result<Vec<Cell>> {
     Ok(cells)
 }
 
-/// Runs the cells on all cores, in their order; calls `done` after each.
+/// Simulates the cells on all cores; returns the runs in the order of the cells. `done` is called after each.
 ///
 /// # Errors
-/// The first cell that cannot run.
+/// The error of the first cell that cannot run.
 pub fn run_all(cells: &[Cell], done: impl Fn() + Sync) -> Result<Vec<Run>> {
     cells
         .par_iter()

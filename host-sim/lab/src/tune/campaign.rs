@@ -1,7 +1,8 @@
-//! Random devices, each with a law tuned for it: how often is there a setting?
+//! Tunes laws for random devices, to find out how often there are settings with which the wall holds.
 //!
-//! A device of [`crate::random_device`] is drawn again where its wall cannot be resolved. A press of at most [`MOST_N_M`] must go 20
-//! counts deep, stand above dry friction four times, and stay within a radian. The torque limit is twice that press.
+//! Devices come from [`crate::random_device`]. A device is replaced if encoder or torque are too small for its wall. A press of at
+//! most [`MOST_N_M`] must go 20 encoder counts deep, exceed the dry friction four times, and stay below a depth of 1 rad. The
+//! torque limit is twice [`MOST_N_M`].
 
 use super::diagnosis::{self, FailureCause};
 use super::outcome::Outcome;
@@ -16,29 +17,29 @@ use std::f64::consts::TAU;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::{MotionSpec, Scene, TouchAndPress};
 
-/// Largest press, N·m.
+/// Largest torque of a press, N·m.
 pub const MOST_N_M: f64 = 0.5;
-/// Share of `J/T²` that an estimator was seen to hold.
+/// Fraction of `J/T²` up to which an estimator was found to hold a stiffness.
 const OF_INERTIA: f64 = 0.16;
 
-/// Class of the wanted stiffness.
+/// Class of the requested stiffness: how it is derived from the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Class {
-    /// `5 k_c`.
+    /// Five times the critical stiffness, `5 k_c`.
     FiveCritical,
-    /// `20 k_c`, where that is below `0.16 J/T²`.
+    /// Twenty times the critical stiffness, `20 k_c`, for devices where that is below `0.16 J/T²`.
     TwentyCritical,
-    /// `0.16 J/T²`.
+    /// The limit by inertia, `0.16 J/T²`.
     Inertia,
 }
 
 impl Class {
-    /// All classes.
+    /// All classes of stiffness.
     pub const ALL: [Class; 3] = [Class::FiveCritical, Class::TwentyCritical, Class::Inertia];
 }
 
-/// The device of a number at its wall.
+/// Scene with the random device of this number and the wall to tune.
 #[must_use]
 pub fn scene(seed: u64, class: Class, number: u64) -> Scene {
     let mut random = Random::new(
@@ -91,12 +92,12 @@ fn drawn(random: &mut Random, class: Class) -> Option<Scene> {
     Some(scene)
 }
 
-/// What became of a device under one law.
+/// Results of tuning one law for one device.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Row {
-    /// The class of stiffness.
+    /// Class of the requested stiffness.
     pub class: Class,
-    /// Number of the device.
+    /// Number of the random device within its seed.
     pub number: u64,
     /// The law that was tuned.
     pub law: String,
@@ -106,70 +107,71 @@ pub struct Row {
     pub damping_n_m_s_per_rad: f64,
     /// Dry friction, N·m.
     pub friction_n_m: f64,
-    /// Counts a revolution.
+    /// Encoder counts per turn.
     pub counts_per_rev: f64,
     /// Control rate, Hz.
     pub rate_hz: u32,
-    /// Delay, ticks.
+    /// Delay from sample to force, ticks.
     pub delay_ticks: f64,
-    /// `k_de`, N·m/rad.
+    /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
-    /// `T sqrt(k_de/J)`.
+    /// `T sqrt(k_de/J)`: angle in rad by which the oscillation on the wall advances per tick.
     pub stiffness_per_tick: f64,
-    /// `b T/J`, the share of its speed that a device loses in a tick.
+    /// `b T/J`: fraction of its speed that the free device loses per tick.
     pub damping_per_tick: f64,
-    /// Whether a press in every grip comes to rest within 5 % of `k_de`.
+    /// Whether a press comes to rest in every grip, at a stiffness within 5 % of `k_de`.
     pub rests: bool,
-    /// Whether a hand that moves feels `k_de` within 15 % and 15° up to 4 Hz in every grip.
+    /// Whether force over penetration of an oscillating hand is within 15 % and 15° of `k_de` up to 4 Hz, in every grip.
     pub moves: bool,
-    /// Whether a press in every grip comes to rest, however stiff.
+    /// Whether a press comes to rest in every grip, at whatever stiffness.
     pub ends_at_rest: bool,
-    /// Largest deviation at rest, share; empty where a press does not rest.
+    /// Largest relative deviation of the stiffness at rest from `k_de`; empty if a press does not rest.
     pub displayed_error: Option<f64>,
-    /// Deviation of the modulus of a hand that moves, share; empty where the wall was left.
+    /// Relative deviation of force over penetration from `k_de` for an oscillating hand; empty if the knob left the wall.
     pub modulus_error: Option<f64>,
-    /// Phase of the response to a moving hand, degrees.
+    /// Phase of force over penetration for an oscillating hand, degrees.
     pub phase_deg: Option<f64>,
-    /// Settings that were examined.
+    /// Number of settings that were examined.
     pub looks: u64,
-    /// Refill of its energy guard, W; absent where the delay is longer than a guard answers for.
+    /// Power that refills the guard's energy account, W; absent if the delay is longer than a guard covers.
     pub guard_refill_w: Option<f64>,
-    /// What `certify` says of the hands of the scorecard; empty where it cannot.
+    /// Worst verdict of the stability certificate over the scorecard's hands; empty if there is no certificate.
     pub certificate: String,
-    /// Why, in its words.
+    /// Causes that the certificate gives for its verdict.
     pub certificate_causes: String,
     /// Why a press does not rest at `k_de`; empty where it does.
     pub rest_cause: Option<FailureCause>,
-    /// Why a hand that moves does not feel `k_de`; empty where it does.
+    /// Why an oscillating hand meets another stiffness than `k_de`; empty if it does not.
     pub motion_cause: Option<FailureCause>,
 }
 
 impl Row {
-    /// Whether a certificate says stable of a wall that does not come to rest.
+    /// Whether the certificate says stable although the wall does not come to rest.
     #[must_use]
     pub fn is_wrongly_stable(&self) -> bool {
         self.certificate == Verdict::Stable.word() && !self.ends_at_rest
     }
 
-    /// How good it is: both, then rest.
+    /// Rank of the result; the greatest is best. Best is a wall that rests and gives a moving hand the right stiffness; then one
+    /// that only rests.
     fn rank(&self) -> (bool, bool, bool) {
         (self.rests && self.moves, self.rests, self.moves)
     }
 }
 
-/// How long a search may look, ticks: at first, and once more from elsewhere where that does not hold.
+/// Lengths of the searches in simulated ticks: of the first one, and of a second one if the first finds no wall that holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Budget {
-    /// The first value that the search tries.
+    /// Length of the first search, simulated ticks.
     pub first: f64,
-    /// Second try; 0: none.
+    /// Length of the second search, simulated ticks; 0 for none.
     pub second: f64,
 }
 
-/// Tunes a law for a device and judges it.
+/// Tunes a law for the device of this number, and judges the result.
 ///
 /// # Errors
-/// A scene that no law can run in.
+/// A scene in which no law can run.
 pub fn row(
     seed: u64,
     class: Class,
@@ -253,10 +255,10 @@ fn rank(outcome: &Outcome) -> (bool, bool, bool) {
     (outcome.holds(), outcome.rests(), outcome.moves())
 }
 
-/// What `certify` says of a wall in the three grips.
+/// The stability certificate of a wall for the three grips.
 ///
 /// # Errors
-/// Settings that the law cannot take.
+/// The control law does not accept its settings.
 pub fn certificate(scene: &Scene) -> Result<Certificate> {
     let pressed = Programme::of(scene).scene(scene, GRIPS[1], Deed::Press);
     let asked = certify::Options {
@@ -267,7 +269,7 @@ pub fn certificate(scene: &Scene) -> Result<Certificate> {
     certify::certify(&pressed, &asked)
 }
 
-/// The best of a device's laws, which a user would choose.
+/// The best of the results for one device, which has one result per law; a user would choose that law.
 #[must_use]
 pub fn best<'a>(rows: &[&'a Row]) -> Option<&'a Row> {
     rows.iter().copied().max_by_key(|row| row.rank())

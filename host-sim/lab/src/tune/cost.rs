@@ -1,4 +1,4 @@
-//! How bad a setting is: the scorecard as one number to be made small.
+//! The cost of law settings, which a search minimises: their scorecard as one number.
 
 use super::outcome;
 use crate::scorecard::cases::{CASES, Case, Deed, GRIPS, Programme};
@@ -12,58 +12,59 @@ use touchstone_sim::run::judge::Judge;
 use touchstone_sim::run::terms::Terms;
 use touchstone_sim::scene::{Grip, Scene, SensorNoise};
 
-/// A figure this many times beyond its limit costs no more if it goes further.
+/// Largest cost of a figure, as a multiple of its limit. A figure further beyond its limit does not cost more.
 const WORST_SHARE: f64 = 20.0;
-/// From this share of its limit on a figure counts: a setting that just holds is not tuned.
+/// A figure costs nothing up to this fraction of its limit. It is below 1, so that tuned settings have a margin.
 const NEAR: f64 = 0.95;
-/// Beyond this sum a setting fails badly, and needs no further device.
+/// Sum of costs above which settings are so bad that no further device is simulated.
 const HOPELESS: f64 = 60.0;
-/// What cannot be run at all.
+/// Cost of settings that cannot be run at all.
 pub const REFUSED: f64 = 1e6;
 
-/// Depth of a touch over the ideal damped wall's up to which a touch costs nothing that counts.
+/// Depth of a touch, as a multiple of the ideal damped wall's, up to which a touch hardly adds to the cost of settings.
 const TOUCH: f64 = 1.5;
-/// Noise of the position sensor under which the nominal device should still rest, degrees rms: that of a magnetic
-/// sensor (AS5046).
+/// Sensor noise with which the nominal device should still rest, degrees, root mean square; that of a magnetic sensor (AS5046).
 const NOISE_DEG: f64 = 0.03;
-/// Largest allowed motion at rest with noise, peak to peak, rad; four counts where these are coarser.
+/// Largest allowed motion at rest with sensor noise, peak to peak, rad. It is four encoder counts if these are larger.
 const NOISY_REST_RAD: f64 = 6e-4;
-/// Weight of a wish beside a limit, and the largest share that it counts for: a search never gives up a limit for a
-/// wish.
+/// Weight of goals without a limit. Their contribution is bounded by `MOST_WISH`, so that a search never exceeds a limit for such a
+/// goal.
 const WISH: f64 = 0.25;
 const MOST_WISH: f64 = 3.0;
 
-/// The figures by which a search judges settings.
+/// Judges settings of a law by simulated runs.
 #[derive(Debug, Clone)]
 pub struct Judgement {
     programme: Programme,
     cases: Vec<&'static Case>,
     reference: Reference,
     aim: Aim,
-    /// The ideal touch on every device, in the order of `cases`; none where touches are not judged.
+    /// Touches of the ideal wall on every device, in the order of `cases`; empty if touches are not judged.
     ideal: Vec<IdealTouch>,
 }
 
-/// The goals of a setting.
+/// The figures by which settings are judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Aim {
-    /// Every figure of the scorecard.
+    /// Settings are judged by every figure of the scorecard.
     Scorecard,
-    /// A press that comes to rest, and a hand that moves: see [`super::outcome`].
+    /// Settings are judged only by whether a press comes to rest and an oscillating hand meets the right stiffness, see
+    /// [`super::outcome`].
     Outcome,
 }
 
-/// The findings on a setting.
+/// Cost of the settings of a law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// The value that the search makes small.
+    /// The cost, which the search minimises.
     pub value: f64,
-    /// The largest share of a limit; infinite where not every device was examined.
+    /// The largest figure divided by its limit; infinite if not every device was simulated.
     pub worst: f64,
 }
 
 impl Judgement {
-    /// The judgement for a scene's device. `quick` tries the most decisive devices, and shorter presses.
+    /// Creates the judgement for a scene's device by the scorecard's figures. `quick` uses the most decisive devices only, and
+    /// shorter presses.
     #[must_use]
     pub fn new(scene: &Scene, reference: Reference, quick: bool) -> Self {
         let programme = match quick {
@@ -71,14 +72,14 @@ impl Judgement {
             false => Programme::of(scene).with_fewer_motions(),
         };
         let mut cases: Vec<&Case> = asked(scene).collect();
-        // Where sampling ends few are asked for, and the latest of them decides.
+        // For very stiff walls only few devices count, and the one with the longest delay decides.
         if quick && cases.len() > DECISIVE.len() {
             cases.retain(|case| DECISIVE.contains(&case.name));
         }
         let touches = cases
             .iter()
             .map(|case| IdealTouch::of(&case.of(scene), &programme));
-        // A device that no run can be made of is refused by every other judgement too.
+        // A device that cannot be simulated is refused by every other judgement too.
         let ideal = touches.collect::<Result<_>>().unwrap_or_default();
         Self {
             programme,
@@ -89,8 +90,8 @@ impl Judgement {
         }
     }
 
-    /// The judgement on the nominal device alone: a press that comes to rest at `k_de`, its touch, and a hand that
-    /// moves at 4 Hz; by the limits of [`super::outcome`] only.
+    /// Creates a judgement on the nominal device alone, by the limits of [`super::outcome`]. A press should come to rest at `k_de`,
+    /// and a hand that oscillates at 4 Hz should meet `k_de`.
     #[must_use]
     pub fn at_rest(scene: &Scene, reference: Reference) -> Self {
         let mut programme = Programme::of(scene);
@@ -104,7 +105,7 @@ impl Judgement {
         }
     }
 
-    /// Ticks of one look at all devices.
+    /// Simulated ticks for judging one set of law settings on all devices.
     #[must_use]
     pub fn ticks(&self, scene: &Scene) -> f64 {
         self.programme.seconds(scene)
@@ -112,7 +113,7 @@ impl Judgement {
             * (GRIPS.len() * (self.cases.len() + usize::from(self.is_shaken(scene)))) as f64
     }
 
-    /// Judges a scene with its law.
+    /// Calculates the cost of a scene with its law.
     #[must_use]
     pub fn cost(&self, scene: &Scene) -> Cost {
         let (mut over, mut most, mut wishes) = (0.0, 0.0_f64, 0.0);
@@ -141,7 +142,7 @@ impl Judgement {
                     most = most.max(share);
                 }
                 if over > HOPELESS {
-                    // Lost is lost by every figure; by how much, the eigenvalues say.
+                    // All figures of a lost wall are infinite. Eigenvalues show how far it is from stable.
                     let radius = super::eigenvalue::radius(scene).min(10.0);
                     return Cost {
                         value: 1e3 + over + 1e2 * radius,
@@ -161,12 +162,12 @@ impl Judgement {
         }
     }
 
-    /// Whether the nominal device is also judged with noise: where the scene says nothing of any.
+    /// Whether settings are also judged on the nominal device with sensor noise. They are if the scene has no noise of its own.
     fn is_shaken(&self, scene: &Scene) -> bool {
         self.aim == Aim::Scorecard && scene.sensor.noise.is_none() && scene.encoder.is_some()
     }
 
-    /// Motion at rest and ripple under noise, each over what it should be, in every grip.
+    /// Motion at rest and ripple with sensor noise, each divided by its limit, for every grip.
     fn of_noise(&self, scene: &Scene) -> Vec<f64> {
         let mut noisy = scene.clone();
         noisy.sensor.noise = Some(SensorNoise {
@@ -186,7 +187,7 @@ impl Judgement {
         shares
     }
 
-    /// Figures of all actions in a grip, and those of a press without a limit.
+    /// Figures of all actions of the hand in a grip, and the figures of the press that have no limit.
     fn felt(&self, scene: &Scene, grip: Grip) -> Result<(Figures, Beside)> {
         let (mut figures, mut beside) = (Figures::NONE, Beside::default());
         for deed in self.programme.deeds() {
@@ -200,7 +201,7 @@ impl Judgement {
         Ok((figures, beside))
     }
 
-    /// Each figure over its limit, and those of a press without a limit.
+    /// Each figure divided by its limit, and the figures of the press that have no limit.
     fn of_scorecard(&self, scene: &Scene, case: &Case, grip: Grip) -> Result<(Vec<f64>, Beside)> {
         let (figures, beside) = self.felt(scene, grip)?;
         Ok((
@@ -209,7 +210,7 @@ impl Judgement {
         ))
     }
 
-    /// Motion at rest and displayed stiffness of the press, modulus and phase of the motion, each over its limit.
+    /// Motion at rest, stiffness error, modulus error and phase, each divided by its limit.
     fn of_outcome(&self, scene: &Scene, grip: Grip) -> Result<Vec<f64>> {
         let mut shares = Vec::with_capacity(4);
         for deed in self.programme.deeds() {
@@ -231,14 +232,15 @@ impl Judgement {
                 ]);
             }
         }
-        // What is no number is as bad as can be.
+        // NaN counts as the worst value.
         Ok(shares
             .into_iter()
             .map(|share| if share.is_nan() { f64::INFINITY } else { share })
             .collect())
     }
 
-    /// Whether a wall holds apart from its ripple: for the Pareto table.
+    /// Figures on the nominal device if the wall is within all limits on every device, the limit of the ripple left out; else
+    /// `None`. For the Pareto table.
     #[must_use]
     pub fn holds(&self, scene: &Scene) -> Option<Figures> {
         let mut nominal = None;
@@ -258,14 +260,14 @@ impl Judgement {
         nominal
     }
 
-    /// The hand's actions.
+    /// The actions of the hand in the simulated runs.
     #[must_use]
     pub fn programme(&self) -> &Programme {
         &self.programme
     }
 }
 
-/// Devices that decide most.
+/// Names of the devices that most often decide about a setting.
 const DECISIVE: [&str; 5] = [
     "0.41 of the counts",
     "half the inertia",

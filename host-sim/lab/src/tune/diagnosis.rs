@@ -1,7 +1,8 @@
-//! Why a tuned wall fails: it is run again with one thing changed at a time, and what mends it is the cause.
+//! Finds out why a tuned wall fails: it is simulated again with one change at a time; the change with which it holds shows the
+//! cause.
 //!
-//! A certificate speaks of the linear loop alone. A wall that it rightly calls stable may still chatter by a count, be held back
-//! by its guard, or show too little: this says which.
+//! A certificate describes the linear loop only. A wall that it rightly calls stable may still oscillate by a count, be weakened by
+//! its guard, or have the wrong stiffness.
 
 use super::campaign::certificate;
 use super::outcome::Outcome;
@@ -14,45 +15,45 @@ use crate::scorecard::{Cell, Row, figures};
 use serde::{Deserialize, Serialize};
 use touchstone_sim::scene::{MotionSpec, Number, Scene};
 
-/// Why a wall fails. The order is that in which they are tried.
+/// Why a wall fails. Most causes are tried in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FailureCause {
-    /// The law has no settings for such a device.
+    /// The control law accepts no settings for such a device.
     Refused,
-    /// The linear loop grows: so says the certificate.
+    /// The linear loop is unstable according to the certificate.
     UnstableLoop,
-    /// The wall holds without the energy guard.
+    /// The wall fails by the energy guard: it holds without the guard.
     Guard,
-    /// The wall holds with a hundred times the torque.
+    /// The wall fails by the torque limit: it holds with a hundred times the torque.
     TorqueLimit,
-    /// The wall holds in `f64`.
+    /// The wall fails by rounding in the law: it holds if the law calculates in `f64`.
     LawRounding,
-    /// The wall holds without the sensor's noise.
+    /// The wall fails by the sensor's noise: it holds without the noise.
     Noise,
-    /// With the exact angle it holds: a limit cycle by counts, or a wall too shallow for them.
+    /// The wall fails by encoder counts: it holds with the exact angle. It oscillates by counts, or a press is too few counts deep.
     Counts,
-    /// The wall holds without dry friction, with which the device sticks where the hand should move it.
+    /// The wall fails by dry friction, which keeps the device stuck where the hand should move it: it holds without friction.
     Friction,
-    /// Where the light touch before the press is as deep as the press it holds: it is the touch, some counts deep, that does not
-    /// come to rest.
+    /// The wall fails in the light touch before the press, which is some counts deep: it holds if the touch is as strong as the
+    /// press.
     LightTouch,
-    /// The wall holds in a hold of ten times the length.
+    /// The wall comes to rest too slowly: it holds if touch and hold last ten times as long.
     Slow,
-    /// Touched and pressed slowly it holds: the blow is what it does not survive.
+    /// The wall fails by the impact of a fast touch: it holds if touch and press come slowly.
     Contact,
-    /// The wall holds with the exact angle and no dry friction together, and not with only one of the two.
+    /// The wall fails by encoder counts and dry friction together: it holds without both, but not without one alone.
     CountsAndFriction,
-    /// The wall comes to rest and displays another stiffness, for none of these reasons.
+    /// The wall comes to rest at another stiffness, and none of the other causes explains it.
     Stiffness,
-    /// A hand that moves feels another stiffness for none of these reasons: the law's own dynamics.
+    /// An oscillating hand meets another stiffness, and none of the other causes explains it. So the law's own dynamics cause it.
     Dynamics,
-    /// No single change mends it.
+    /// No single change makes the wall hold.
     Unexplained,
 }
 
 impl FailureCause {
-    /// All causes.
+    /// All causes of failure.
     pub const ALL: [FailureCause; 15] = [
         FailureCause::Refused,
         FailureCause::UnstableLoop,
@@ -71,7 +72,7 @@ impl FailureCause {
         FailureCause::Unexplained,
     ];
 
-    /// The cause in words for people.
+    /// The cause in words for readers.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
@@ -94,7 +95,7 @@ impl FailureCause {
     }
 }
 
-/// A cause, and the single change that would mend it.
+/// A cause, and the change of the scene that removes it.
 type Remedy = (FailureCause, fn(&mut Scene));
 
 const REMEDIES: [Remedy; 10] = [
@@ -134,10 +135,10 @@ const REMEDIES: [Remedy; 10] = [
     }),
 ];
 
-/// The first cause whose remedy makes a wall hold.
+/// The first cause whose removal makes the wall hold.
 fn mended(scene: &Scene, holds: impl Fn(&Scene) -> bool) -> Option<FailureCause> {
     let mut pressed = scene.clone();
-    // More torque is no reason to press harder.
+    // The press stays the same even if a change allows more torque.
     pressed.operator.motion = MotionSpec::TouchAndPress(Programme::of(scene).press);
     let found = REMEDIES.iter().find(|(_, remedy)| {
         let mut mended = pressed.clone();
@@ -147,7 +148,7 @@ fn mended(scene: &Scene, holds: impl Fn(&Scene) -> bool) -> Option<FailureCause>
     found.map(|(cause, _)| *cause)
 }
 
-/// The cause of a failure; `fails` judges whether a run still fails.
+/// Finds the cause of a failure; `fails` says whether a result still fails.
 #[must_use]
 pub fn cause(
     scene: &Scene,
@@ -155,7 +156,7 @@ pub fn cause(
     certificate: Said,
     fails: fn(&Outcome) -> bool,
 ) -> FailureCause {
-    // What the law refuses mends nothing.
+    // A change with which the law refuses the scene does not make the wall hold.
     let holds = |scene: &Scene| Outcome::of(scene).is_ok_and(|outcome| !fails(&outcome));
     match (mended(scene, holds), certificate) {
         (Some(cause), _) => cause,
@@ -166,13 +167,13 @@ pub fn cause(
     }
 }
 
-/// Why a row of a scorecard fails: the cause on the device that fails most. `None` where it passes.
+/// Cause why a law fails in a scorecard, on the device with the worst figure; `None` if the law passes.
 #[must_use]
 pub fn of_row(scene: &Scene, row: &Row, reference: &Reference) -> Option<FailureCause> {
     (!row.passes).then(|| why(scene, row, reference))
 }
 
-/// Why a row that fails does.
+/// Cause why a law that does not pass fails in a scorecard.
 fn why(scene: &Scene, row: &Row, reference: &Reference) -> FailureCause {
     let share = |cell: &Cell| cell.worst.1.unwrap_or(f64::INFINITY);
     let Some(worst) = row

@@ -1,13 +1,14 @@
-//! The loop's largest eigenvalue, for a search.
+//! The largest eigenvalue of the loop of law, device and hand, as a criterion for a search of settings.
 
 use crate::certify::contact::Contact;
 use crate::certify::hands::GRIPS;
 use touchstone_sim::scene::Scene;
 
-/// Gains of the position that a loop should survive: counts, friction and a touch that is lost at times all act as such.
+/// Factors on the loop's gain at which the loop should be stable. Encoder counts, friction and a touch that is lost at times act
+/// like changes of the gain.
 const GAINS: [f64; 3] = [0.7, 1.0, 1.3];
 
-/// Largest eigenvalue of the loop over grips, phases and `GAINS`; infinite for settings that the law refuses.
+/// Largest magnitude of an eigenvalue over grips, phases of the law and `GAINS`; infinite if the law refuses its settings.
 #[must_use]
 pub fn radius(scene: &Scene) -> f64 {
     let Ok(contact) = Contact::of(scene) else {

@@ -1,31 +1,32 @@
-//! Covariance matrix adaptation: the search distribution, without the loop around it.
+//! Covariance matrix adaptation (CMA-ES): the search distribution, without the loop around it.
 //!
-//! (μ/μ_w, λ)-CMA-ES with negative weights, the constants as in N. Hansen, *The CMA Evolution Strategy: A Tutorial*
-//! (arXiv:1604.00772v2), section B. A caller asks for a generation's points, judges them in any order, and tells their costs.
+//! It is the (μ/μ_w, λ)-CMA-ES with negative weights. Constants are those of N. Hansen, *The CMA Evolution Strategy: A Tutorial*
+//! (arXiv:1604.00772v2), section B. A caller asks for the points of a generation, judges them in any order, and passes their costs
+//! back.
 
 use crate::random_device::Random;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// The search ends when all costs of this many generations lie within this range.
+/// The search ends when the least costs of the last generations lie within this range.
 const FLAT: f64 = 1e-12;
-/// Beyond this ratio of the distribution's axes, squared, its matrix says nothing.
+/// Largest squared ratio of the search distribution's axes; above it the covariance matrix is not numerically reliable.
 const WORST_CONDITION: f64 = 1e14;
 
-/// The constants that dimension and population give.
+/// Constants that depend on the number of dimensions and on the population.
 #[derive(Debug)]
 struct Constants {
-    /// By rank, best first; those of the better half sum to 1, the others are negative.
+    /// Weights by rank, the best point first. Those of the better half sum to 1; the others are negative.
     weights: Vec<f64>,
-    /// How many weights are positive.
+    /// Number of positive weights.
     parents: usize,
-    /// Variance of the parents' mean, as a share: `1 / Σw²`.
+    /// Effective number of parents, `1 / Σw²` over the positive weights.
     effective: f64,
     c_sigma: f64,
     d_sigma: f64,
     c_path: f64,
     c_one: f64,
     c_mu: f64,
-    /// Expected length of a standard normal vector.
+    /// Expected length of a vector with standard normal entries.
     length: f64,
 }
 
@@ -72,7 +73,7 @@ impl Constants {
     }
 }
 
-/// A normal distribution that moves to where the costs are small.
+/// A normal distribution of search points that moves to where costs are small.
 #[derive(Debug)]
 pub struct Evolution {
     constants: Constants,
@@ -80,23 +81,23 @@ pub struct Evolution {
     mean: DVector<f64>,
     step: f64,
     covariance: DMatrix<f64>,
-    /// The covariance's axes as columns, and its standard deviations along them.
+    /// Axes of the covariance matrix as columns, and the standard deviations along them.
     axes: DMatrix<f64>,
     deviations: DVector<f64>,
     path_sigma: DVector<f64>,
     path_c: DVector<f64>,
     generations: i32,
-    /// This generation's points, less the mean and in steps.
+    /// Points of this generation relative to the mean, in units of the step size.
     drawn: Vec<DVector<f64>>,
-    /// Each generation's least cost, newest last.
+    /// Least cost of each generation, the newest last.
     least: Vec<f64>,
 }
 
 impl Evolution {
-    /// Around `start`, which has a dimension at least, with a standard deviation of `step` along each axis.
+    /// Creates a distribution around `start` with a standard deviation of `step` along each axis.
     ///
     /// # Panics
-    /// No dimension, or fewer than four points a generation.
+    /// `start` has no dimension, or a generation has fewer than four points.
     #[must_use]
     pub fn new(start: &[f64], step: f64, population: usize, seed: u64) -> Self {
         let n = start.len();
@@ -120,7 +121,7 @@ impl Evolution {
         }
     }
 
-    /// The next generation's points.
+    /// Draws the points of the next generation.
     pub fn ask(&mut self) -> Vec<Vec<f64>> {
         self.drawn.clear();
         for _ in 0..self.constants.weights.len() {
@@ -132,7 +133,8 @@ impl Evolution {
         self.drawn.iter().map(point).collect()
     }
 
-    /// The costs of the points that [`ask`](Self::ask) gave, in its order. `false`: the search has ended.
+    /// Takes the costs of the points that [`ask`](Self::ask) returned, in the same order. Returns `false` when the search has
+    /// ended.
     pub fn tell(&mut self, costs: &[f64]) -> bool {
         debug_assert_eq!(costs.len(), self.drawn.len());
         let mut ranks: Vec<usize> = (0..costs.len()).collect();
@@ -192,12 +194,12 @@ impl Evolution {
         self.goes_on(costs, &ranks)
     }
 
-    /// `C^(-1/2)` times a vector.
+    /// `C^(-1/2)` times a vector, with the covariance matrix `C`.
     fn whitened(&self, vector: &DVector<f64>) -> DVector<f64> {
         &self.axes * self.axes.tr_mul(vector).component_div(&self.deviations)
     }
 
-    /// Takes the matrix apart for the next generation, unless nothing is left to find.
+    /// Decomposes the covariance matrix for the next generation. Returns `false` if the search has ended.
     fn goes_on(&mut self, costs: &[f64], ranks: &[usize]) -> bool {
         let (least, most) = (costs[ranks[0]], costs[ranks[ranks.len() - 1]]);
         let long = 10 + (30.0 * self.mean.len() as f64 / costs.len() as f64).ceil() as usize;
@@ -223,7 +225,7 @@ impl Evolution {
     }
 }
 
-/// Standard normal, by Marsaglia's polar method.
+/// Draws a standard normal number by Marsaglia's polar method.
 fn normal(random: &mut Random) -> f64 {
     loop {
         let [u, v] = [(); 2].map(|()| 2.0 * random.unit() - 1.0);
@@ -238,7 +240,7 @@ fn normal(random: &mut Random) -> f64 {
 mod tests {
     use super::*;
 
-    /// Points that a search looks at before its mean costs less than `1e-9`; `None`: it ended before.
+    /// Number of points that a search examines until the cost of its mean is below `1e-9`; `None` if the search ends before.
     fn looked(start: &[f64], seed: u64, cost: impl Fn(&[f64]) -> f64) -> Option<usize> {
         let population = 4 + (3.0 * (start.len() as f64).ln()) as usize;
         let mut search = Evolution::new(start, 0.3, population, seed);
@@ -255,7 +257,7 @@ mod tests {
         None
     }
 
-    /// The median of eleven seeds. Hansen's tutorial has no table; the bounds are twice what this code needs.
+    /// Median number of points that a search examines, over eleven seeds. The tests' bounds are twice what this code needs.
     fn median(start: &[f64], cost: impl Fn(&[f64]) -> f64) -> usize {
         let mut all: Vec<usize> = (0..11)
             .map(|seed| looked(start, seed, &cost).unwrap_or(usize::MAX))
@@ -288,7 +290,7 @@ mod tests {
         assert!(curved < 4_800, "{curved}");
     }
 
-    /// What makes it more than a random walk: the axes are found, whichever way they lie.
+    /// Checks that the search finds the axes of an ellipsoid whatever their direction.
     #[test]
     fn a_turned_ellipsoid_is_no_harder_than_a_straight_one() {
         let (sin, cos) = 0.7_f64.sin_cos();
@@ -306,7 +308,7 @@ mod tests {
         assert!(turned < straight * 3 / 2, "{turned} against {straight}");
     }
 
-    /// Only ranks count: a cost may be squashed, or infinite where a point is not allowed.
+    /// Checks that only the ranks of costs matter: costs may be compressed, or infinite where a point is not allowed.
     #[test]
     fn ranks_alone_decide() {
         let plain = looked(&[1.0, 1.0], 7, |x| ellipsoid(x, 4.0));
@@ -330,7 +332,7 @@ mod tests {
             search.tell(&[1.0; 6])
         });
         assert!(flat.count() < 50);
-        // One dimension has no second axis, and is searched as well.
+        // A single dimension is searched as well.
         assert!(looked(&[3.0], 1, |x| x[0] * x[0]).is_some());
     }
 

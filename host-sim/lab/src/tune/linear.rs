@@ -1,7 +1,7 @@
-//! A setting judged by its matrices alone: a thousand times faster than by runs, and graded where every run is lost.
+//! Judges settings by the eigenvalues of the loop alone, which is a thousand times faster than simulated runs.
 //!
-//! If the wall is lost in every grip, a search by runs cannot see in which direction it is lost less. The loop's
-//! eigenvalues can. So a search begins where they are best.
+//! If the wall is lost in every grip, simulated runs do not show in which direction settings become better. Eigenvalues do. So a
+//! search begins at the settings with the best eigenvalues.
 
 use super::cost::Cost;
 use super::eigenvalue::radius;
@@ -14,14 +14,14 @@ use nalgebra::{Complex, DMatrix};
 use std::f64::consts::TAU;
 use touchstone_sim::scene::Scene;
 
-/// Looks of a search for each parameter.
+/// Number of settings that a search examines, per parameter.
 const LOOKS_PER_PARAMETER: u64 = 60;
-/// Frequency at which a hand should feel `k_de`, Hz.
+/// Frequency at which an oscillating hand should meet `k_de`, Hz.
 const MOVING_HZ: f64 = 4.0;
-/// What cannot be built at all.
+/// Cost of settings for which there is no loop, or no finite eigenvalue.
 const REFUSED: f64 = 1e3;
 
-/// To be made small: how slowly or how fast the worst motion dies out or grows, and how far the law is from `k_de` at 4 Hz.
+/// Cost of settings: growth rate of the slowest motion, and deviation of the law's force over position from `k_de` at 4 Hz.
 fn cost(scene: &Scene) -> f64 {
     let Ok(contact) = Contact::of(scene) else {
         return REFUSED;
@@ -31,7 +31,7 @@ fn cost(scene: &Scene) -> f64 {
         return REFUSED;
     }
     let period_s = contact.clock.period_s;
-    // How many times a second a motion grows by e, against the fifty that a brisk hand asks for.
+    // Growth rate of the slowest motion, divided by the 50 1/s of decay that a brisk hand needs.
     let growth = (radius.ln() / period_s / 50.0).clamp(-1.0, 100.0);
     let stiffness = contact.phases.lasting.last().and_then(|phase| {
         let lag_s = contact.clock.delay_s + 0.5 * period_s;
@@ -43,7 +43,7 @@ fn cost(scene: &Scene) -> f64 {
     growth + 3.0 * (off - 0.05).max(0.0)
 }
 
-/// Force over position of a law at a frequency, rad/s, with a lag.
+/// Force over position of a law at the angular frequency `omega` in rad/s, delayed by `lag_s`. `None` if it is infinite.
 fn response(law: &StateSpace, omega: f64, period_s: f64, lag_s: f64) -> Option<Complex<f64>> {
     let z = Complex::from_polar(1.0, omega * period_s);
     let order = law.order();
@@ -58,7 +58,7 @@ fn response(law: &StateSpace, omega: f64, period_s: f64, lag_s: f64) -> Option<C
     Some((through + complex(law.d)) * Complex::from_polar(1.0, -omega * lag_s))
 }
 
-/// The point at which the matrices are best, from the best of `starts`.
+/// Settings with the best eigenvalues of the loop, from a search that begins at the best of `starts`.
 pub fn start(
     rival: &Rival,
     scene: &Scene,
@@ -96,7 +96,7 @@ mod tests {
         });
         let (omega, period_s) = (TAU * 4.0, 1e-3);
         let found = response(&spring, omega, period_s, 1.5e-3).unwrap();
-        // 5 + 2 (1 - exp(-iωT)), turned by the lag.
+        // 5 + 2 (1 - exp(-iωT)), rotated by the lag.
         let back = Complex::from_polar(1.0, -omega * period_s);
         let expected =
             (Complex::new(7.0, 0.0) - back * 2.0) * Complex::from_polar(1.0, -omega * 1.5e-3);

@@ -1,9 +1,9 @@
-//! Settings for a device: from inertia, damping, friction, counts, delay, torque limit and rate to a law that displays
-//! the wanted wall.
+//! Tunes a law for a device: finds settings with which the law renders the requested wall. The device is given by inertia, damping,
+//! friction, encoder counts, delay, torque limit and control rate.
 //!
-//! A setting is judged by the worst figure of its [scorecard](crate::scorecard) over three grips and every device of
-//! its cases, the limit of its ripple among them. [`search`] makes that small, starting from a rule in [`parameters`].
-//! [`settings`] writes the result, [`pareto`] shows the cost of more stiffness, less ripple or more delay.
+//! Settings are judged by the worst figure of their [scorecard](crate::scorecard) over three grips and every device of its cases,
+//! the ripple included. [`search`] minimises that figure, starting from a rule in [`parameters`]. [`settings`] writes the result.
+//! [`pareto`] shows the price of more stiffness, less ripple or more delay.
 
 pub mod campaign;
 pub mod cost;
@@ -26,30 +26,30 @@ use parameters::{Axis, at, axes};
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 
-/// Options of a search.
+/// Options of a search for settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Seed: the same finds the same.
+    /// Seed of the random numbers; the same seed finds the same settings.
     pub seed: u64,
-    /// How long it may look.
+    /// Length of the search for settings.
     pub effort: Effort,
-    /// What ripple may be on the nominal device, N·m; absent: [`Reference`].
+    /// Largest allowed ripple on the nominal device, N·m; absent: the limit of [`Reference`].
     pub ripple_n_m: Option<f64>,
 }
 
-/// How long a search may look. Counted in simulated ticks and not in seconds, so that every machine finds the same.
+/// Length of the search, in simulated ticks instead of seconds, so that every machine finds the same settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effort {
-    /// All devices: a minute and a half on two cores.
+    /// All devices; takes a minute and a half on two cores.
     Full,
-    /// The devices that decide most, shorter presses: some seconds.
+    /// The most decisive devices and shorter presses; takes some seconds.
     Quick,
-    /// As quick, with this many ticks.
+    /// Devices and presses as for `Quick`, with this many simulated ticks.
     Ticks(f64),
 }
 
 impl Effort {
-    /// Most ticks: some 250 ns each where dry friction holds the device most of the time.
+    /// Most simulated ticks. One takes some 250 ns if dry friction holds the device most of the time.
     const fn ticks(self) -> f64 {
         match self {
             Effort::Full => 6.0e8,
@@ -58,39 +58,39 @@ impl Effort {
         }
     }
 
-    /// Whether not all devices are examined.
+    /// Whether only the most decisive devices are simulated.
     #[must_use]
     pub fn is_quick(self) -> bool {
         self != Effort::Full
     }
 }
 
-/// Most looks for each parameter: by then a search stands still.
+/// Most settings that are examined per parameter; a search makes no progress beyond that.
 const LOOKS_PER_PARAMETER: f64 = 400.0;
 
-/// A law with settings that were found.
+/// A law with tuned settings.
 #[derive(Debug, Clone)]
 pub struct Tuned {
-    /// The law in use.
+    /// The tuned law.
     pub rival: &'static Rival,
     /// The scene with the tuned law.
     pub scene: Scene,
-    /// The tuned settings: path and value.
+    /// The tuned settings: key in the scene file, and value.
     pub parameters: Vec<(&'static str, f64)>,
-    /// The largest share of a limit in the search's own, shorter programme.
+    /// The largest figure divided by its limit, over the devices and presses of the search.
     pub worst: f64,
-    /// Points that were examined.
+    /// Number of settings that were examined.
     pub evaluations: u64,
-    /// What ripple was measured by.
+    /// The spring-damper from which the limit of the ripple was calculated.
     pub reference: Reference,
-    /// Seed of the search.
+    /// Seed of the search's random numbers.
     pub seed: u64,
 }
 
-/// Tunes a law for the device and wall of a scene; `progress` gets the finished and the total work.
+/// Tunes a law for the device and wall of a scene; `progress` is called with the finished and the total number of settings.
 ///
 /// # Errors
-/// A scene whose spring-damper cannot run.
+/// The reference spring-damper cannot run in the scene.
 pub fn tune(
     scene: &Scene,
     rival: &'static Rival,
@@ -104,7 +104,7 @@ pub fn tune(
     let judgement = Judgement::new(scene, reference, options.effort.is_quick());
     let looks = Looks {
         most: options.effort.ticks() / judgement.ticks(scene),
-        // As good as can be found.
+        // No goal: the search uses its whole budget.
         enough: 0.0,
         seed: options.seed,
     };
@@ -112,8 +112,8 @@ pub fn tune(
     Ok(no_worse_than_own(scene, tuned, &judgement))
 }
 
-/// The tuned settings; or the scene's own with the guard's values, where these are better in the whole programme on
-/// all devices. Both are judged by more than a quick search tries.
+/// Returns the tuned settings, or the scene's own law settings with the tuned guard if these are better. All devices are simulated
+/// for this comparison, even after a quick search.
 fn no_worse_than_own(scene: &Scene, mut tuned: Tuned, judgement: &Judgement) -> Tuned {
     let mut own = tuned.rival.of(scene);
     own.law.states = tuned.scene.law.states;
@@ -128,21 +128,21 @@ fn no_worse_than_own(scene: &Scene, mut tuned: Tuned, judgement: &Judgement) -> 
     tuned
 }
 
-/// How long a search looks, and from where.
+/// Length and goal of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Looks {
-    /// Largest number of settings.
+    /// Largest number of settings to examine.
     most: f64,
-    /// Largest share of a limit that needs no better.
+    /// The search ends when the largest figure divided by its limit is at most this.
     enough: f64,
     seed: u64,
 }
 
-/// A figure within this share of its limit needs no improvement, where a wall only has to hold.
+/// Largest figure, as a fraction of its limit, at which a search for a wall that only has to hold ends.
 const ENOUGH: f64 = 0.7;
 
-/// Tunes a law with this many ticks, until a press in every grip comes to rest and a moving hand is held, by the
-/// limits of [`outcome`]. Ripple is not judged.
+/// Tunes a law with at most this many simulated ticks. The goal is a press that comes to rest in every grip and the right stiffness
+/// for an oscillating hand, by the limits of [`outcome`]. Ripple is not judged.
 #[must_use]
 pub fn to_rest(scene: &Scene, rival: &'static Rival, ticks: f64, seed: u64) -> Tuned {
     let reference = Reference::none();
@@ -155,7 +155,8 @@ pub fn to_rest(scene: &Scene, rival: &'static Rival, ticks: f64, seed: u64) -> T
     search_by(scene, rival, reference, &judgement, looks, &mut |_, _| ())
 }
 
-/// The scene with a law's settings where its matrices are best, without a run; those of the rule for a law that has none.
+/// The scene with the law's settings that have the best eigenvalues of the loop, without a simulated run. A law without matrices
+/// gets the settings of the start rule.
 #[must_use]
 pub fn by_matrices(scene: &Scene, rival: &'static Rival, seed: u64) -> Scene {
     let axes = axes(rival, scene);
@@ -166,7 +167,7 @@ pub fn by_matrices(scene: &Scene, rival: &'static Rival, seed: u64) -> Scene {
     at(rival, scene, &axes, &point)
 }
 
-/// Tunes by a judgement of one's own.
+/// Tunes a law with the given judgement.
 fn search_by(
     scene: &Scene,
     rival: &'static Rival,
@@ -208,13 +209,14 @@ fn search_by(
     }
 }
 
-/// Path and value of every parameter.
+/// Key and value of every tuned setting.
 fn values(axes: &[Axis], scene: &mut Scene) -> Vec<(&'static str, f64)> {
     let mut of = |axis: &Axis| (axis.parameter.path, *(axis.parameter.of)(&mut scene.law));
     axes.iter().map(&mut of).collect()
 }
 
-/// Starting points of a search: the rule, the scene's own settings, and earlier results for soft and for stiff walls.
+/// Start points of a search: the rule for the device, the scene's own settings, and settings that were found earlier for soft and
+/// for stiff walls.
 fn starts(scene: &Scene, axes: &[Axis]) -> Vec<Vec<f64>> {
     let mut own = scene.law.clone();
     let own: Vec<f64> = axes
@@ -238,8 +240,8 @@ fn starts(scene: &Scene, axes: &[Axis]) -> Vec<Vec<f64>> {
     starts
 }
 
-/// Ratios to the rule of settings that were found for the thesis' knob, at 5 and at 20 times its critical stiffness, and as a damped wall that
-/// holds the whole family at 14 times.
+/// Settings that were found earlier for the thesis' knob, each divided by that of the start rule. They are for 5 and 20 times its
+/// critical stiffness, and for a damped wall that holds every device variant at 14 times.
 const KNOWN: [&[(&str, f64)]; 3] = [
     &[
         ("law.limit_of_penetration_per_ms", 11.4),

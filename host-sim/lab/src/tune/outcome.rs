@@ -1,4 +1,4 @@
-//! The results of a press and a moving hand at a wall, which a campaign needs of every device.
+//! Results of a press and of an oscillating hand at a wall, in three grips.
 
 use crate::scorecard::cases::{CASES, Deed, GRIPS, Programme};
 use crate::scorecard::figures;
@@ -9,31 +9,31 @@ use touchstone_sim::run;
 use touchstone_sim::run::record::Verdict;
 use touchstone_sim::scene::Scene;
 
-/// Largest deviation at rest, share of `k_de`.
+/// Largest accepted deviation of the stiffness at rest, as a fraction of `k_de`.
 pub const RESTING: f64 = 0.05;
-/// Largest deviation of the modulus of a moving hand, share of `k_de`.
+/// Largest accepted deviation of force over penetration for an oscillating hand, as a fraction of `k_de`.
 pub const MODULUS: f64 = 0.15;
-/// Largest phase of a moving hand, degrees.
+/// Largest accepted phase of force over penetration for an oscillating hand, degrees.
 pub const PHASE_DEG: f64 = 15.0;
 
-/// The worst of three grips.
+/// Results of a press and an oscillating hand, the worst of three grips.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Outcome {
-    /// How the worst press ended.
+    /// Verdict on the worst press of the three grips.
     pub ended: Verdict,
-    /// Largest deviation at rest, share of `k_de`; absent where a press does not come to rest.
+    /// Largest deviation of the stiffness at rest, as a fraction of `k_de`; absent if a press does not come to rest.
     pub displayed_error: Option<f64>,
-    /// Deviation of the modulus for a hand that moves, share; absent where the wall was left.
+    /// Deviation of force over penetration from `k_de` for an oscillating hand, as a fraction; absent if the knob left the wall.
     pub modulus_error: Option<f64>,
-    /// Phase of the response to a moving hand, degrees.
+    /// Phase of force over penetration for an oscillating hand, degrees.
     pub phase_deg: Option<f64>,
 }
 
 impl Outcome {
-    /// The outcome of a scene's device and law, in the scene's press.
+    /// Simulates a scene's device and law with the scene's press.
     ///
     /// # Errors
-    /// Settings that the law cannot have.
+    /// The control law does not accept its settings.
     pub fn of(scene: &Scene) -> Result<Self> {
         let programme = Programme::of(scene);
         let (felt, _) = figures(scene, &programme, &CASES[0], false)?;
@@ -56,26 +56,27 @@ impl Outcome {
         Ok(outcome)
     }
 
-    /// Whether a press in every grip comes to rest, however stiff it is there.
+    /// Whether a press comes to rest in every grip, at whatever stiffness.
     #[must_use]
     pub fn ends_at_rest(&self) -> bool {
         at_rest(self.ended)
     }
 
-    /// Whether a press in every grip comes to rest within [`RESTING`] of `k_de`.
+    /// Whether a press comes to rest in every grip, at a stiffness within [`RESTING`] of `k_de`.
     #[must_use]
     pub fn rests(&self) -> bool {
         self.displayed_error.is_some_and(|error| error <= RESTING)
     }
 
-    /// Whether a hand that moves feels `k_de` within [`MODULUS`] and [`PHASE_DEG`] up to 4 Hz in every grip.
+    /// Whether force over penetration of an oscillating hand is within [`MODULUS`] and [`PHASE_DEG`] of `k_de` up to 4 Hz, in every
+    /// grip.
     #[must_use]
     pub fn moves(&self) -> bool {
         self.modulus_error.is_some_and(|error| error <= MODULUS)
             && self.phase_deg.is_some_and(|phase| phase <= PHASE_DEG)
     }
 
-    /// The outcome in a line: what fails, if anything does.
+    /// The results in one line: what fails, if anything does.
     #[must_use]
     pub fn words(&self) -> String {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
@@ -98,7 +99,7 @@ impl Outcome {
         format!("{resting}; {moving}")
     }
 
-    /// Whether both press and moving hand hold.
+    /// Whether press and oscillating hand are both within their limits.
     #[must_use]
     pub fn holds(&self) -> bool {
         self.rests() && self.moves()

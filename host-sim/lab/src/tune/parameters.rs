@@ -1,8 +1,8 @@
-//! The settings that are tuned of each law, and where the search starts.
+//! The settings that are tuned for each law, and where the search starts.
 //!
-//! Every start is a rule in the device's own measures, `k_de`, `J` and `T`, so that one rule serves all devices:
-//! dampings in `sqrt(k J)`, bandwidths in `sqrt(k/J)/2π`, stiffnesses in `k`, masses in `J`, shares of a tick in `T
-//! sqrt(k/J)`.
+//! The start is a rule in the device's own measures: stiffness `k`, inertia `J` and period `T`. So one rule serves all devices.
+//! Dampings are in units of `sqrt(k J)`, bandwidths of `sqrt(k/J)/2π`, stiffnesses of `k`, masses of `J`, and fractions per tick of
+//! `T sqrt(k/J)`.
 
 use crate::scorecard::rivals::Rival;
 use crate::scorecard::stiffness_per_tick;
@@ -10,25 +10,25 @@ use std::f64::consts::TAU;
 use touchstone_control::choices::{LawKind, StatesKind, VelocityKind};
 use touchstone_sim::scene::{Law, Scene};
 
-/// A parameter of the law.
+/// A setting of a law that can be tuned.
 #[derive(Debug, Clone, Copy)]
 pub struct Parameter {
-    /// The setting's path in a scene.
+    /// Key of the setting in the scene file.
     pub path: &'static str,
-    /// Position, m.
+    /// Returns the setting's value in a law, so that it can be read or changed.
     pub of: fn(&mut Law) -> &mut f64,
 }
 
-/// Start and range of a parameter. All are above 0: the search goes by ratios.
+/// Start and range of a tuned setting. All values are above 0, because the search works with ratios.
 #[derive(Debug, Clone, Copy)]
 pub struct Axis {
-    /// The parameter.
+    /// The setting that is tuned.
     pub parameter: Parameter,
-    /// Where the search starts.
+    /// Value of the setting at which the search starts.
     pub start: f64,
-    /// Least value.
+    /// Least value of the setting in the search.
     pub least: f64,
-    /// Largest value.
+    /// Largest value of the setting in the search.
     pub most: f64,
 }
 
@@ -41,10 +41,10 @@ macro_rules! parameter {
     };
 }
 
-/// Share of the control rate that an estimator's bandwidth may be: its setting ends at a fifth.
+/// Largest bandwidth of an estimator, as a fraction of the control rate; its setting accepts up to a fifth.
 const FASTEST_BANDWIDTH: f64 = 0.19;
 
-/// Parameters of a law for the device and wall of a scene.
+/// The settings that are tuned for a law on the device and wall of a scene.
 #[must_use]
 pub fn axes(rival: &Rival, scene: &Scene) -> Vec<Axis> {
     let own = rival.to_tune(scene);
@@ -59,7 +59,7 @@ fn of_law(scene: &Scene) -> Vec<Axis> {
     let (j, k) = (scene.device.inertia_kg_m2, scene.wall.k_desired_n_m_per_rad);
     let rate = f64::from(scene.timing.rate_hz);
     let unit = (k * j).sqrt();
-    // Shares of a tick were found at T sqrt(k/J) = 0.447.
+    // The fractions per tick were found at T sqrt(k/J) = 0.447.
     let per_ms = (stiffness_per_tick(scene) / 0.447).min(1.0) * (rate / 1000.0);
     let axis = |parameter, start: f64, least: f64, most: f64| Axis {
         parameter,
@@ -76,7 +76,7 @@ fn of_law(scene: &Scene) -> Vec<Axis> {
             10.0 * b,
         )
     };
-    // k_c with the damping that is trusted at first.
+    // The critical stiffness k_c, with the damping that the search assumes at the start.
     let critical = 2.5 * b * rate;
     match scene.law.kind {
         LawKind::Spring => Vec::new(),
@@ -87,7 +87,8 @@ fn of_law(scene: &Scene) -> Vec<Axis> {
                 0.01 * unit,
                 10.0 * unit,
             );
-            // Three times the wall's own rate: late enough to be quiet, and not so late that it drives what it is to damp.
+            // Three times the wall's own frequency: low enough for little ripple, and high enough not to excite what it should
+            // damp.
             let own_hz = (k / j).sqrt() / TAU;
             let velocity = match scene.law.velocity.from {
                 VelocityKind::Told => None,
@@ -146,14 +147,14 @@ fn of_law(scene: &Scene) -> Vec<Axis> {
                 1e-3 * unit,
                 50.0 * unit,
             ),
-            // At k_de the law is a plain spring.
+            // With a soft stiffness of k_de the law is a plain spring.
             axis(
                 parameter!(k_soft_n_m_per_rad),
                 0.75 * k,
                 (0.02 * k).max(0.01),
                 0.98 * k,
             ),
-            // Beside the augmented wall; at the least it is next to none.
+            // Virtual damping in addition to the augmented wall; its least value is nearly zero.
             axis(
                 parameter!(virtual_damping_n_m_s_per_rad),
                 0.05 * unit,
@@ -164,7 +165,7 @@ fn of_law(scene: &Scene) -> Vec<Axis> {
     }
 }
 
-/// Bandwidth, delay and inertia; damping and all else is as measured.
+/// Bandwidth, delay and inertia of the estimator. Its other settings are not tuned.
 fn of_estimator(scene: &Scene) -> Vec<Axis> {
     let j = scene.device.inertia_kg_m2;
     let rate = f64::from(scene.timing.rate_hz);
@@ -183,7 +184,7 @@ fn of_estimator(scene: &Scene) -> Vec<Axis> {
             (0.003 * rate).min(fastest),
             fastest,
         ),
-        // What is on the way already counts, up to the two ticks that an estimator predicts.
+        // The estimator also predicts commands that do not act yet, up to two ticks.
         axis(
             parameter!(estimator.delay_s),
             scene.timing.computational_delay_s + 0.8 / rate,
@@ -194,8 +195,8 @@ fn of_estimator(scene: &Scene) -> Vec<Axis> {
     ]
 }
 
-/// The scene with its law at a point, whose coordinates are natural logarithms of the ratios to the start. A value is
-/// rounded to four digits, so that the judged value is the written one.
+/// The scene with its law's settings at a point. The point's coordinates are natural logarithms of value over start value. Values
+/// are rounded to four digits, so that the judged settings are those in the file.
 #[must_use]
 pub fn at(rival: &Rival, scene: &Scene, axes: &[Axis], point: &[f64]) -> Scene {
     let mut scene = rival.to_tune(scene);
@@ -206,7 +207,7 @@ pub fn at(rival: &Rival, scene: &Scene, axes: &[Axis], point: &[f64]) -> Scene {
     scene
 }
 
-/// The value, rounded to four digits.
+/// Rounds a value to four significant digits.
 #[must_use]
 pub fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)

@@ -1,4 +1,4 @@
-//! The cost of more stiffness, less ripple or more delay: settings of which none is better than another in all three.
+//! The price of more stiffness, less ripple or more delay: settings of which none is better than another in all three.
 
 use super::Tuned;
 use super::cost::Judgement;
@@ -11,31 +11,32 @@ use serde::Serialize;
 use touchstone_control::choices::{LawKind, StatesKind};
 use touchstone_sim::scene::{Law, Scene};
 
-/// A setting that holds every device of its cases.
+/// Settings that hold on every device of the scorecard.
 #[derive(Debug, Clone, Serialize)]
 pub struct Point {
-    /// `k_de`, N·m/rad.
+    /// Requested stiffness `k_de`, N·m/rad.
     pub k_desired: f64,
-    /// Ripple on the nominal device, N·m.
+    /// Change of the torque from tick to tick on the nominal device while the hand oscillates, root mean square, N·m.
     pub ripple_rms_n_m: f64,
-    /// Longest delay with which the nominal device is not lost, ticks, to a sixteenth; the search ends at 3.
+    /// Longest delay with which the wall on the nominal device is within the limits, to a sixteenth of a tick; the search ends at 3
+    /// ticks.
     pub delay_margin_ticks: f64,
-    /// Bandwidth of its estimator, Hz; absent on measured states.
+    /// Bandwidth of the law's estimator, Hz; absent if the law uses measured states.
     pub bandwidth_hz: Option<f64>,
-    /// Whether no other point is as good in all three and better in one.
+    /// Whether no other point is at least as good in stiffness, ripple and delay and better in one of them.
     pub best: bool,
 }
 
-/// Stiffnesses that are tried, as factors of the wanted one.
+/// Stiffnesses that are tried, as factors on the requested one.
 const STIFFNESSES: [f64; 6] = [0.4, 0.6, 0.8, 1.0, 1.25, 1.6];
-/// Bandwidths of the estimator, of the tuned one.
+/// Bandwidths of the estimator that are tried, as factors on the tuned one.
 const BANDWIDTHS: [f64; 4] = [0.6, 0.8, 1.0, 1.3];
-/// Dampings, of the tuned one.
+/// Dampings that are tried, as factors on the tuned one.
 const DAMPINGS: [f64; 4] = [0.5, 0.7, 1.0, 1.4];
-/// Most delay that is looked for, ticks.
+/// Longest delay that is tried, ticks.
 const MOST_TICKS: f64 = 3.0;
 
-/// The tuned law for a wall this many times as stiff, with further factors on bandwidth and damping: frequencies and
+/// The tuned law for a wall that is `stiffness` times as stiff, with additional factors on bandwidth and damping. Frequencies and
 /// dampings scale with `sqrt(k)`, stiffnesses with `k`.
 fn scaled(scene: &Scene, stiffness: f64, bandwidth: f64, damping: f64) -> Scene {
     let mut scene = scene.clone();
@@ -54,7 +55,7 @@ fn scaled(scene: &Scene, stiffness: f64, bandwidth: f64, damping: f64) -> Scene 
     scene
 }
 
-/// Points around a tuned law; calls `progress` after each. `quick` tries only a few.
+/// Examines settings around a tuned law; calls `progress` after each. `quick` tries only a few.
 pub fn points(tuned: &Tuned, quick: bool, progress: impl Fn() + Sync) -> Vec<Point> {
     let estimated = tuned.scene.law.states == StatesKind::Estimated;
     let damped = matches!(
@@ -101,7 +102,7 @@ pub fn points(tuned: &Tuned, quick: bool, progress: impl Fn() + Sync) -> Vec<Poi
     points
 }
 
-/// How many are examined.
+/// Number of settings that [`points`] examines.
 #[must_use]
 pub fn count(tuned: &Tuned, quick: bool) -> u64 {
     let estimated = tuned.scene.law.states == StatesKind::Estimated;
@@ -130,7 +131,7 @@ fn dominates(one: &Point, other: &Point) -> bool {
     as_good && better
 }
 
-/// Most delay at which the nominal device still is pressed and moved as a late one may be.
+/// Longest delay in ticks at which the nominal device is within the limits for delayed devices.
 fn delay_margin(judgement: &Judgement, scene: &Scene) -> f64 {
     let holds = |ticks: f64| {
         let case = Case {
@@ -157,7 +158,7 @@ fn delay_margin(judgement: &Judgement, scene: &Scene) -> f64 {
     low
 }
 
-/// Ripple over stiffness; the sign of a point shows its margin in delay.
+/// Figure of ripple over stiffness; the sign of a point shows its delay margin.
 #[must_use]
 pub fn figure(points: &[Point]) -> Figure {
     let x = Axis::new(

@@ -1,34 +1,34 @@
-//! The search itself: covariance matrix adaptation, by seed.
+//! The search for settings: covariance matrix adaptation with a seed.
 
 use super::cost::Cost;
 use super::evolution::Evolution;
 
-/// Result of a search.
+/// Result of a search for settings.
 #[derive(Debug, Clone)]
 pub struct Found {
-    /// The best point.
+    /// The point with the least cost. Its coordinates are natural logarithms of settings over their start values.
     pub point: Vec<f64>,
-    /// The cost of an eccentric encoder for a wall.
+    /// Cost of the best point.
     pub cost: Cost,
-    /// Points that were examined.
+    /// Number of points that were examined.
     pub evaluations: u64,
 }
 
-/// First step, as the logarithm of a ratio.
+/// Standard deviation of the first generation, as the natural logarithm of a ratio.
 const STEP: f64 = 0.3;
 
-/// When a search ends, and the seed of its way.
+/// When a search ends, and the seed of its random numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Until {
-    /// Largest number of points.
+    /// Largest number of points to examine.
     pub evaluations: u64,
     /// The search also ends when [`Cost::worst`] of the best point is at most this.
     pub worst: f64,
-    /// Seed.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
-/// Minimises `cost` from the best of `starts`. The same seed finds the same, on any number of cores.
+/// Minimises `cost`, starting at the best of `starts`. The same seed gives the same result on any number of cores.
 pub fn minimise(
     starts: &[Vec<f64>],
     until: &Until,
@@ -63,7 +63,7 @@ pub fn minimise(
             let points = search.ask();
             let costs: Vec<Cost> = points.par_iter().map(|point| cost(point)).collect();
             let values: Vec<f64> = costs.iter().map(|cost| cost.value).collect();
-            // Of two equal ones the first.
+            // The first of two equal points is kept.
             for (point, cost) in points.into_iter().zip(costs) {
                 if cost.value.total_cmp(&best.1.value).is_lt() {
                     best = (point, cost);

@@ -1,14 +1,15 @@
-//! The result as a file of settings: rate, wall and law, in the rows that a scene and a device share.
+//! Writes tuned settings as a file: control rate, wall and law, with the keys that a scene and a device share.
 
 use super::Tuned;
 use serde_json::Value;
 use std::fmt::Write;
 use touchstone_sim::scene::Scene;
 
-/// Rows of the law that only a scene has.
+/// Keys of the law that only a scene has.
 const OF_SCENES_ONLY: [&str; 1] = ["number"];
 
-/// The settings as TOML, which `touchstone config import` and, as `--settings`, every command that takes a scene accept.
+/// The settings as TOML. `touchstone config import` accepts them, as does the option `--settings` of every command that takes a
+/// scene.
 #[must_use]
 pub fn toml(tuned: &Tuned) -> String {
     let scene = &tuned.scene;
@@ -49,7 +50,7 @@ pub fn toml(tuned: &Tuned) -> String {
     text
 }
 
-/// Rate, stiffness and every row of the law.
+/// Lines of the file with control rate, stiffness and every setting of the law.
 #[must_use]
 pub fn rows(scene: &Scene) -> String {
     let mut text = format!("\n[timing]\nrate_hz = {}\n", scene.timing.rate_hz);
@@ -88,7 +89,7 @@ fn table(text: &mut String, name: &str, value: &Value) {
     }
 }
 
-/// Without an exponent and with a point, as both readers take it.
+/// A decimal number without exponent and with a point, the only form that scene and device both accept.
 fn decimal(value: f64) -> String {
     let plain = format!("{value}");
     match plain.contains('.') {

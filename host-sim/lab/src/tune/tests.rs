@@ -1,4 +1,4 @@
-//! The search finds a known optimum, the same every time, and writes the settings that it judged.
+//! Tests that the search finds a known optimum, the same every time, and writes the settings that it judged.
 
 use super::campaign::{Budget, Class, row, scene};
 use super::cost::{Cost, Judgement};
@@ -41,7 +41,7 @@ fn a_bowl_has_a_bottom_and_every_seed_its_own_way_there() {
     assert!(found.evaluations <= 600);
     assert_eq!(found.point, find(1).point);
     assert_ne!(found.point, find(2).point);
-    // Without a parameter there is nothing to look for.
+    // Without a parameter there is nothing to search.
     let none = minimise(
         &[Vec::new()],
         &until(100, 1),
@@ -56,8 +56,8 @@ fn a_bowl_has_a_bottom_and_every_seed_its_own_way_there() {
 
 #[test]
 fn a_quick_search_leaves_no_device_out_where_few_are_asked_for() {
-    // At 50 times the critical stiffness three: the latest, half a tick, decides.
-    // One more is the nominal device with noise.
+    // At 50 times the critical stiffness three devices count, of which the one with half a tick of delay decides. The nominal
+    // device with noise is one more.
     for (k_desired, devices) in [(5.0, 6.0), (20.0, 6.0), (50.0, 4.0)] {
         let scene = knob(k_desired);
         let judgement = Judgement::new(&scene, Reference::none(), true);
@@ -105,10 +105,10 @@ fn tuning_makes_a_wall_that_was_lost_and_writes_what_it_judged() {
     let tuned = tune(&scene, rival, &options, |done, all| last = (done, all)).expect("runs");
     assert!(last.0 > 0 && last.0 <= last.1, "{last:?}");
     assert!(tuned.worst < 1.0, "{}", tuned.worst);
-    // The same seed, the same settings.
+    // The same seed gives the same settings.
     let again = tune(&scene, rival, &options, |_, _| ()).expect("runs");
     assert_eq!(tuned.parameters, again.parameters);
-    // What is written is what was judged, in a scene.
+    // The settings in the file are those that were judged.
     let folder = std::env::temp_dir().join(format!("touchstone-tune-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
     let file = folder.join("settings.toml");
@@ -153,7 +153,7 @@ fn of_the_best_points_none_is_better_than_another() {
                 && one.delay_margin_ticks > other.delay_margin_ticks;
             assert!(!better, "{one:?} {other:?}");
         }
-        // One tick is among the cases that were held.
+        // One tick of delay is among the devices on which the wall held.
         assert!(one.delay_margin_ticks >= 0.9, "{one:?}");
     }
     let drawn = crate::report::standalone("x", &[pareto::figure(&points)]);
@@ -173,7 +173,7 @@ fn ten_random_devices_can_be_resolved_and_most_of_them_rest() {
             second: 0.0,
         };
         let row = row(1, class, number, rival, budget).expect("runs");
-        // Every failure has a cause, and what holds has none.
+        // Every failure has a cause, and a wall that holds has none.
         assert_eq!(row.rests, row.rest_cause.is_none(), "{row:?}");
         assert_eq!(row.moves, row.motion_cause.is_none(), "{row:?}");
         println!("{row:?}");
@@ -185,7 +185,7 @@ fn ten_random_devices_can_be_resolved_and_most_of_them_rest() {
 #[test]
 fn what_is_tuned_is_never_worse_than_what_was_there() {
     let rival = Rival::named("enhanced").expect("a law");
-    // A search that may look at next to nothing, with its starts made useless by a device that is not the settings'.
+    // A search with next to no budget. Its start points are of no use, because the device is not the one of the settings.
     for (k_desired, inertia) in [(5.0, 1.0), (5.0, 1.6), (14.0, 1.0)] {
         let mut scene = knob(k_desired);
         scene.device.inertia_kg_m2 *= inertia;
@@ -226,7 +226,7 @@ fn a_wall_that_fails_says_why() {
         &[-0.29, 0.02, -0.47, 0.03],
     );
     assert_eq!(fails(&good), None);
-    // A guard that has nothing to pay with holds back every force.
+    // A guard without energy to give reduces every force.
     let mut empty = good.clone();
     empty.law.guard.capacity_j = 1e-5;
     assert_eq!(fails(&empty), Some(FailureCause::Guard));
@@ -236,7 +236,7 @@ fn a_wall_that_fails_says_why() {
     let mut noisy = good.clone();
     noisy.sensor.noise = Some(SensorNoise { rms_rad: 3e-3 });
     assert_eq!(fails(&noisy), Some(FailureCause::Noise));
-    // A press of 0.1 N·m is nine counts deep at 5 N·m/rad with these.
+    // With these counts a press of 0.1 N·m is nine counts deep at 5 N·m/rad.
     let mut coarse = good.clone();
     coarse.encoder = Some(Encoder {
         counts_per_rev: 2830.0,

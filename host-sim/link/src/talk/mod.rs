@@ -1,7 +1,7 @@
-//! Questions and answers over bytes: what a page does with a port of its own, without a program between them.
+//! The communication with a board for a page that opens the serial port itself, without another program between them.
 //!
-//! Bytes that came in, orders of a person and the time go in; bytes to send, messages and rows come out. There is no clock and no port
-//! here: whoever has them calls [`Talk::turn`] some fifty times a second.
+//! Inputs are received bytes, a person's orders and the time. Outputs are bytes to send, messages and rows of numbers. The code has
+//! no clock and no port: its owner calls [`Talk::turn`] some fifty times a second.
 
 mod questions;
 
@@ -21,36 +21,36 @@ use touchstone_protocol::{
 };
 use touchstone_sim::error::{Error, Result};
 
-/// A device that should send and is silent for this long is taken to be gone.
+/// Silence, ms, after which a device that should send counts as gone.
 const SILENCE_MS: f64 = 2000.0;
-/// Interval of attempts to reach a device that is gone.
+/// Time between two attempts to reach a device that is gone, ms.
 const AGAIN_MS: f64 = 1000.0;
-/// The device hears of the desktop at least this often.
+/// Longest time without a request to the device, ms.
 const SIGN_OF_LIFE_MS: f64 = 250.0;
-/// Interval at which the device's counters are read.
+/// Time between two requests of the device's counters, ms.
 const LOOK_MS: f64 = 2000.0;
 
-/// Where the conversation stands.
+/// State of the communication.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Stage {
-    /// There is no port.
+    /// No port is open.
     Closed,
-    /// The question "who is there" is sent.
+    /// The request for the device's identity was sent.
     Asking,
-    /// Records arrive.
+    /// The device sends telemetry records.
     There,
-    /// The device is silent; the next attempt is at this time.
+    /// The device is silent. Holds the time of the next attempt, ms.
     Gone(f64),
 }
 
-/// The conversation with one device.
+/// The communication with one device.
 pub struct Talk {
     place: String,
     decoder: Decoder,
     questions: Questions,
     said: VecDeque<Value>,
     stage: Stage,
-    /// A device was there before: what it does now was not watched.
+    /// Whether the connection to a device was lost before. What the device has done meanwhile is unknown.
     again: bool,
     identity: Option<Identity>,
     settings: DeviceSettings,
@@ -63,7 +63,7 @@ pub struct Talk {
 }
 
 impl Talk {
-    /// Before there is a port; the place is for messages.
+    /// A communication without an open port. `place` names the device in messages.
     #[must_use]
     pub fn new(place: &str) -> Self {
         Self {
@@ -84,7 +84,7 @@ impl Talk {
         }
     }
 
-    /// A port is open: asks which device is there.
+    /// Reports that a port was opened: requests the identity of the device.
     pub fn opened(&mut self, now_ms: f64) {
         self.questions.begin();
         self.state = None;
@@ -93,13 +93,13 @@ impl Talk {
         self.questions.send(now_ms);
     }
 
-    /// The port is gone.
+    /// Reports that the port was closed or lost.
     pub fn closed(&mut self, why: &str) {
         self.stage = Stage::Closed;
         self.lost(why);
     }
 
-    /// Takes bytes that came in.
+    /// Handles received bytes.
     pub fn take(&mut self, bytes: &[u8], now_ms: f64) {
         for &byte in bytes {
             let Some(Ok(payload)) = self.decoder.push(byte) else {
@@ -121,7 +121,8 @@ impl Talk {
         self.questions.send(now_ms);
     }
 
-    /// Does what is due by now: repeats unanswered questions, sends signs of life, notices a silent device.
+    /// Does what is due at this time: repeats unanswered requests, sends a request to show that the desktop is alive, notices a
+    /// silent device.
     pub fn turn(&mut self, now_ms: f64) {
         self.overdue(now_ms);
         match self.stage {
@@ -148,7 +149,7 @@ impl Talk {
         self.questions.send(now_ms);
     }
 
-    /// An order of the page: `{"do": …}`, with `path` and `value` of a setting.
+    /// Handles an order of the page: JSON `{"do": …}`, with `path` and `value` of a setting.
     pub fn order(&mut self, text: &str, now_ms: f64) {
         let order: Value = serde_json::from_str(text).unwrap_or_default();
         let text = |name: &str| order[name].as_str().unwrap_or_default().to_owned();
@@ -158,17 +159,17 @@ impl Talk {
         }
     }
 
-    /// The bytes to be sent, which are then removed.
+    /// Returns the bytes to send and removes them.
     pub fn out(&mut self) -> Vec<u8> {
         self.questions.out()
     }
 
-    /// The next message for the page.
+    /// The next message for the page, as JSON.
     pub fn said(&mut self) -> Option<String> {
         self.said.pop_front().map(|message| message.to_string())
     }
 
-    /// The rows so far, which are then removed.
+    /// Returns the rows up to now and removes them.
     pub fn rows(&mut self) -> Vec<f64> {
         self.rows.numbers()
     }
@@ -363,7 +364,7 @@ impl Talk {
             .ask(&Request::Telemetry { decimation }, Purpose::Records);
     }
 
-    /// The model of these settings.
+    /// Starts the rows with a model of the device that has the present settings.
     fn model(&mut self) {
         let twin = self
             .identity

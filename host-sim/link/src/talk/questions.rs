@@ -1,35 +1,35 @@
-//! Questions to a device: in order, one under way at a time, repeated where the answer was lost.
+//! The queue of requests to a device. One request at a time is sent; it is repeated if its answer is lost.
 
 use std::collections::VecDeque;
 use touchstone_protocol::frame::{self, FRAME_MAX};
 use touchstone_protocol::{Request, ToDevice};
 
-/// An answer takes some milliseconds, the erase of a flash page 25.
+/// Longest wait for an answer, ms. An answer takes some milliseconds, the erase of a flash page 25.
 pub const ANSWER_LIMIT_MS: f64 = 500.0;
-/// Once more where the answer was lost or damaged.
+/// Number of attempts for a request whose answer was lost or damaged.
 pub const TRIES: u32 = 3;
 
-/// Purpose of a question.
+/// What a request is for.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Purpose {
     Hello,
-    /// All settings, after the device identified itself.
+    /// Requests all settings, after the device has identified itself.
     Begin,
-    /// Telemetry from now on.
+    /// Starts telemetry.
     Records,
-    /// All settings, after a change.
+    /// Requests all settings, after a change.
     Settings,
     State,
-    /// As `State`, after a lost connection; a device that is on, without a watching person, is switched off.
+    /// Requests the state after a lost connection. A device whose outputs are on is then switched off, because nobody watched it.
     FoundAgain,
-    /// Switches such a device off; with words for what was done.
+    /// Switches off a device that was found on after a lost connection. Holds the text for what was done.
     Off(&'static str),
     Troubles,
-    /// A person's order: its name, and the path of a setting.
+    /// Carries out a person's order. Holds the order's name and the path of a setting.
     Order(String, Option<String>),
 }
 
-/// A question under way or waiting.
+/// A request that waits to be sent or for its answer.
 #[derive(Debug)]
 struct Question {
     id: u8,
@@ -39,7 +39,7 @@ struct Question {
     until_ms: f64,
 }
 
-/// The questions, and the bytes to be sent for them.
+/// The queue of requests, with the bytes to send.
 #[derive(Debug, Default)]
 pub(super) struct Questions {
     next_id: u8,
@@ -49,7 +49,7 @@ pub(super) struct Questions {
 }
 
 impl Questions {
-    /// A port is open: nothing of before counts.
+    /// Starts with a newly opened port: drops all earlier requests.
     pub fn begin(&mut self) {
         self.under_way.clear();
         self.waiting.clear();
@@ -58,38 +58,38 @@ impl Questions {
         self.out.push(0);
     }
 
-    /// Adds a question behind those that wait.
+    /// Adds a request to the end of the queue.
     pub fn ask(&mut self, request: &Request<'_>, purpose: Purpose) {
         let question = self.question(request, purpose);
         self.waiting.push_back(question);
     }
 
-    /// Sends a question at once, before all that wait or are under way.
+    /// Sends a request at once, before all in the queue and the one that waits for its answer.
     pub fn overtake(&mut self, request: &Request<'_>, purpose: Purpose, now_ms: f64) {
         let question = self.question(request, purpose);
         self.waiting.push_front(question);
         self.send_first(now_ms);
     }
 
-    /// Sends the next question if none is under way.
+    /// Sends the next request if none waits for its answer.
     pub fn send(&mut self, now_ms: f64) {
         if self.under_way.is_empty() {
             self.send_first(now_ms);
         }
     }
 
-    /// Whether one waits.
+    /// Whether a request waits in the queue.
     pub fn wait(&self) -> bool {
         !self.waiting.is_empty()
     }
 
-    /// Purpose of the question with this number; `None` if its answer comes too late.
+    /// The purpose of the request with this number, whose answer arrived; `None` if the answer came too late.
     pub fn answered(&mut self, id: u8) -> Option<Purpose> {
         let at = self.under_way.iter().position(|asked| asked.id == id)?;
         Some(self.under_way.remove(at).purpose)
     }
 
-    /// Repeats a question that was not answered in time; returns one that was repeated often enough.
+    /// Repeats a request that was not answered in time. Returns the purpose of a request that has used all its attempts.
     pub fn overdue(&mut self, now_ms: f64) -> Option<Purpose> {
         let late = |asked: &Question| asked.until_ms <= now_ms;
         while let Some(at) = self.under_way.iter().position(late) {
@@ -103,14 +103,14 @@ impl Questions {
         None
     }
 
-    /// The questions that will have no answer.
+    /// Drops all requests and returns their purposes.
     pub fn forget(&mut self) -> Vec<Purpose> {
         let under_way = self.under_way.drain(..);
         let all = under_way.chain(self.waiting.drain(..));
         all.map(|question| question.purpose).collect()
     }
 
-    /// The bytes to be sent, which are then removed.
+    /// Returns the bytes to send and removes them.
     pub fn out(&mut self) -> Vec<u8> {
         std::mem::take(&mut self.out)
     }

@@ -1,4 +1,4 @@
-//! Chooses the probe: the only one, or the one that is named.
+//! Chooses the debug probe: the one that the user names, or the only one.
 
 use std::io::ErrorKind;
 
@@ -7,19 +7,19 @@ use probe_rs::probe::{DebugProbeError, DebugProbeSelector, Probe, ProbeCreationE
 
 use super::fault::{Fault, NO_RIGHTS, chain, system};
 
-/// Where a problem is that no single probe has.
+/// Place in an error message that concerns no single probe.
 const PROBE: &str = "probe";
-/// The option that chooses one.
+/// The command-line option that names a probe.
 const OPTION: &str = "--probe";
 
-/// A probe at the USB.
+/// A debug probe that is connected by USB.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Found {
-    /// The probe as `--probe` names it: VID:PID:SERIAL.
+    /// The probe's name for the option `--probe`: VID:PID:SERIAL.
     pub selector: String,
     /// The name that the probe reports.
     pub name: String,
-    /// Whether this user may use it.
+    /// Whether this user has the rights to use the probe.
     pub usable: bool,
 }
 
@@ -41,13 +41,13 @@ impl Found {
     }
 }
 
-/// All probes that are connected.
+/// Lists all connected probes.
 pub fn found(lister: &Lister) -> Vec<Found> {
     let items = lister.list_all_with_access();
     items.iter().map(Found::of).collect()
 }
 
-/// Opens the probe that is named, or the only one there is; with what to call it.
+/// Opens the probe that the user names, or the only one. Also returns the probe's name for messages.
 pub fn open(lister: &Lister, wanted: Option<&str>) -> Result<(Probe, String), Fault> {
     let selector = wanted.map(parsed).transpose()?;
     let items = lister.list_with_access(selector.as_ref());

@@ -1,4 +1,4 @@
-//! What went wrong, in one line: where, what, how to mend it.
+//! The error type: where the problem is, what it is, and advice, for one line.
 
 use std::error::Error;
 use std::fmt;
@@ -7,13 +7,13 @@ use std::io::{self, ErrorKind};
 /// A problem with a probe or with the chip behind it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// The probe, the chip, or the option that names a probe.
+    /// What the problem concerns: the probe, the chip, or the option that names a probe.
     pub place: String,
-    /// The problem.
+    /// The problem in words.
     pub problem: String,
-    /// How to mend it.
+    /// Advice how to solve the problem.
     pub fix: String,
-    /// Whether the user's request was wrong, not the hardware or the system.
+    /// Whether the user's request was wrong, rather than the hardware or the system.
     pub asked: bool,
 }
 
@@ -26,7 +26,7 @@ impl fmt::Display for Fault {
 impl Error for Fault {}
 
 impl Fault {
-    /// An error about something unexpected.
+    /// The error for a problem of the hardware or the system.
     pub fn of(
         place: impl Into<String>,
         problem: impl Into<String>,
@@ -40,7 +40,7 @@ impl Fault {
         }
     }
 
-    /// A mistake in an option.
+    /// The error for a wrong option.
     pub fn asked(
         option: impl Into<String>,
         problem: impl Into<String>,
@@ -53,10 +53,10 @@ impl Fault {
     }
 }
 
-/// Udev's rule belongs to the doctor.
+/// Advice if the user has no rights to use the probe. `touchstone doctor` has the udev rule.
 pub const NO_RIGHTS: &str = "`touchstone doctor` prints the udev rule that gives this user the right, and how to install it";
 
-/// An error with all its causes on one line, each once.
+/// The text of an error and of all its causes on one line, each text once.
 pub fn chain(error: &(dyn Error + 'static)) -> String {
     let mut words: Vec<String> = Vec::new();
     for cause in causes(error) {
@@ -70,7 +70,7 @@ pub fn chain(error: &(dyn Error + 'static)) -> String {
     words.join(": ")
 }
 
-/// The system's error, if it was one.
+/// The kind of the operating system's error, if one is among the causes.
 pub fn system(error: &(dyn Error + 'static)) -> Option<ErrorKind> {
     causes(error).find_map(|cause| Some(cause.downcast_ref::<io::Error>()?.kind()))
 }

@@ -1,14 +1,14 @@
-//! The parts of a board's program for the flash, and the place in RAM where its log begins.
+//! The parts of a board's program for the flash, and the address in RAM of its log's control block.
 
 use object::elf::{PT_LOAD, ProgramHeader32};
 use object::read::elf::{ElfFile32, ProgramHeader};
 use object::{Endianness, Object, ObjectSymbol};
 use probe_rs::config::{MemoryRegion, Registry};
 
-/// The symbol of an RTT control block, by RTT's own convention.
+/// Name of the symbol of an RTT control block, by RTT's convention.
 const CONTROL_BLOCK: &str = "_SEGGER_RTT";
 
-/// A piece of a program.
+/// A part of a program: an address with the bytes from there on.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Part {
     pub address: u64,
@@ -21,29 +21,32 @@ impl Part {
     }
 }
 
-/// A board's program as its flash is to hold it.
+/// A board's program as it will be in flash.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Image {
     pub(super) parts: Vec<Part>,
-    /// Where the log's control block is, if the program has one.
+    /// Address of the log's control block in RAM, if the program has one.
     pub(super) control_block: Option<u64>,
 }
 
 impl Image {
-    /// The image of an ELF file for the flash of a chip. Errors are in words without a place.
+    /// Reads a program for the flash of `chip` from an ELF file.
+    ///
+    /// # Errors
+    /// What is wrong with the file, as text without the file's name.
     pub fn read(elf: &[u8], chip: &str) -> Result<Self, String> {
         let image = Self::parsed(elf)?;
         image.is_within(chip)?;
         Ok(image)
     }
 
-    /// Bytes that go into the flash.
+    /// Number of bytes that go into the flash.
     #[must_use]
     pub fn size_bytes(&self) -> usize {
         self.parts.iter().map(|part| part.bytes.len()).sum()
     }
 
-    /// Begin and end of each of its parts.
+    /// First address and end address of each part of the program.
     pub fn ranges(&self) -> impl Iterator<Item = (u64, u64)> {
         self.parts.iter().map(|part| (part.address, part.end()))
     }
@@ -87,7 +90,7 @@ impl Image {
         })
     }
 
-    /// Checks that every part goes into the chip's flash.
+    /// Checks that every part lies in the chip's flash.
     fn is_within(&self, chip: &str) -> Result<(), String> {
         let target = Registry::from_builtin_families()
             .get_target_by_name(chip)

@@ -1,4 +1,4 @@
-//! The log of a running program, through a ring in its RAM (RTT) that the probe reads.
+//! Reads the log of a running program: the probe reads a ring buffer in the chip's RAM (RTT).
 
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -10,29 +10,29 @@ use super::image::Image;
 use super::session::{Attached, CORE};
 use super::words::{Line, Words};
 
-/// The ring that defmt writes to.
+/// Number of the RTT channel to which defmt writes.
 const CHANNEL: usize = 0;
-/// Pause after an empty ring was read. It is short because the ring loses entries when it is full.
+/// Pause after an empty ring buffer was read. It is short because the buffer loses entries when it is full.
 const PAUSE: Duration = Duration::from_millis(10);
-/// A program that was started has set up its ring by then; a board that is being reset answers again.
+/// Longest wait for the ring buffer. A started program has set it up by then, and a board that is being reset answers again.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Bytes of each part of the program that are compared with the flash before its log is decoded.
+/// Number of bytes of each part of the program that are compared with the flash before its log is decoded.
 const COMPARED_BYTES: usize = 1024;
 
-/// What there is to tell of a log.
+/// An event while a log is read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Event {
-    /// A message.
+    /// A log message.
     Line(Line),
-    /// A message that was damaged: the ring ran over before it was read, or the log was joined in the middle of one.
+    /// A message was damaged: the ring buffer overflowed before it was read, or reading began in the middle of the message.
     Damaged,
-    /// The program began anew.
+    /// The program restarted.
     Restarted,
 }
 
-/// How reading ends for a moment.
+/// Why reading was interrupted.
 enum Lost {
-    /// The ring is not there, or is another one than before.
+    /// The ring buffer is not in RAM, or has changed.
     Ring(Error),
     /// The probe or the chip does not answer.
     Contact(Error),
@@ -48,7 +48,7 @@ impl From<Error> for Lost {
 }
 
 impl Attached {
-    /// Reads the log of the program that runs, which must be this image, for as long as `go_on` says.
+    /// Reads the log of the running program until `go_on` returns false. The program in flash must be `image`.
     pub fn log(
         &mut self,
         image: &Image,
@@ -100,7 +100,7 @@ impl Attached {
         Ok(channel.read(&mut core, bytes)?)
     }
 
-    /// Finds the ring, with some patience; `None` if the log is no longer wanted.
+    /// Finds the ring buffer; waits for it up to [`PATIENCE`]. `None` if `go_on` returns false before.
     fn joined(
         &mut self,
         region: &ScanRegion,
@@ -132,7 +132,8 @@ impl Attached {
         Ok(None)
     }
 
-    /// Whether what runs is this program, whose words alone fit to its numbers: the beginning of each part is compared.
+    /// Checks that the program in flash is `image`, because only its ELF file has the texts of its messages. Compares the beginning
+    /// of each part.
     fn is_running(&mut self, image: &Image) -> Result<(), Fault> {
         for part in &image.parts {
             let expected = &part.bytes[..part.bytes.len().min(COMPARED_BYTES)];

@@ -1,4 +1,4 @@
-//! Actions on a board behind a probe, in their order.
+//! Actions on a board behind a debug probe, in the order in which they are used.
 
 pub mod choose;
 mod fault;
@@ -16,5 +16,5 @@ pub use session::{Attached, attach};
 pub use words::{Line, Words};
 pub use write::{Phase, Step};
 
-/// The crate that does it, as in `Cargo.toml`.
+/// Name and version of the crate that accesses the probe, as in `Cargo.toml`.
 pub const LIBRARY: &str = "probe-rs 0.32.0";

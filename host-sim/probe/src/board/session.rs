@@ -1,14 +1,16 @@
-//! The chip behind a probe: that it answers, that it is the board's, and that it can be written.
+//! The connection to the chip behind a probe. Checks that the chip answers, that it is the board's chip, and that it can be
+//! written.
 
 use probe_rs::probe::Probe;
 use probe_rs::{Error, MemoryInterface, Permissions, Session};
 
 use super::fault::{Fault, chain};
 
-/// The core that a STM32G4 has.
+/// Number of the only processor core of an STM32G4.
 pub(super) const CORE: usize = 0;
 
-/// `DBGMCU_IDCODE` of RM0440, its part that says which device it is, and the chips that have it.
+/// Address of the register `DBGMCU_IDCODE` (RM0440). The next lines have the mask of its device number and the numbers of the
+/// chips.
 const IDCODE: u64 = 0xe004_2000;
 const DEVICE: u32 = 0xfff;
 const DEVICES: [(u32, &str, &[&str]); 3] = [
@@ -26,24 +28,25 @@ const DEVICES: [(u32, &str, &[&str]); 3] = [
     ),
     (0x479, "STM32G491 or G4A1", &["STM32G491", "STM32G4A1"]),
 ];
-/// `FLASH_OPTR` of RM0440, its part for the read protection, and the value of level 0, which protects nothing.
+/// Address of the register `FLASH_OPTR` (RM0440). The next lines have the mask of its read protection and the value for no
+/// protection (level 0).
 const OPTIONS: u64 = 0x4002_2020;
 const PROTECTION: u32 = 0xff;
 const UNPROTECTED: u32 = 0xaa;
 
-/// A board's chip, reached through a probe.
+/// A board's chip that is connected through a probe.
 #[derive(Debug)]
 pub struct Attached {
     pub(super) session: Session,
-    /// The probe, for messages.
+    /// Name of the probe in messages.
     pub(super) place: String,
-    /// The chip, for messages.
+    /// Name of the chip in messages.
     pub(super) chip: String,
 }
 
-/// Reaches a chip through a probe that is open, and looks whether it is the one.
+/// Connects to a chip through an open probe and checks that it is the expected chip.
 ///
-/// To look for breakpoints that another program may have left, the crate halts the processor for some milliseconds.
+/// The crate probe-rs halts the processor for some milliseconds, to remove breakpoints that another program may have left.
 pub fn attach((probe, place): (Probe, String), chip: &str) -> Result<Attached, Fault> {
     let session = probe
         .attach(chip, Permissions::default())
@@ -59,19 +62,19 @@ pub fn attach((probe, place): (Probe, String), chip: &str) -> Result<Attached, F
 }
 
 impl Attached {
-    /// A word of the chip's memory.
+    /// Reads a 32-bit word of the chip's memory.
     pub(super) fn word(&mut self, address: u64) -> Result<u32, Fault> {
         let read = |session: &mut Session| session.core(CORE)?.read_word_32(address);
         read(&mut self.session).map_err(|error| self.broken(&error))
     }
 
-    /// A part of the chip's memory.
+    /// Reads bytes of the chip's memory.
     pub(super) fn bytes(&mut self, address: u64, bytes: &mut [u8]) -> Result<(), Fault> {
         let read = |session: &mut Session, bytes| session.core(CORE)?.read(address, bytes);
         read(&mut self.session, bytes).map_err(|error| self.broken(&error))
     }
 
-    /// The connection does not hold.
+    /// The error for a connection that was lost.
     pub(super) fn broken(&self, error: &(dyn std::error::Error + 'static)) -> Fault {
         Fault::of(
             &self.place,
@@ -99,7 +102,7 @@ impl Attached {
         ))
     }
 
-    /// Whether its flash may be read and written from outside.
+    /// Checks that the chip's flash may be read and written through a probe.
     fn is_unlocked(&mut self) -> Result<(), Fault> {
         match self.word(OPTIONS)? & PROTECTION {
             UNPROTECTED => Ok(()),

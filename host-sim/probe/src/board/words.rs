@@ -1,28 +1,31 @@
-//! A program's messages: numbers on the wire, words in its ELF file's section `.defmt`.
+//! Decodes a program's log messages. They are numbers in the log; their texts are in the ELF file's section `.defmt`.
 
 use defmt_decoder::{DecodeError, Frame, Locations, StreamDecoder, Table};
 
-/// The messages that a program can send.
+/// The texts of all messages that a program can log.
 pub struct Words {
     table: Table,
     locations: Locations,
 }
 
-/// One message.
+/// A log message.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Line {
-    /// Time on the board's clock, if its program sends it.
+    /// Time on the board's clock, if its program logs it.
     pub time: Option<String>,
     /// Level of the message; `None` for a plain print.
     pub level: Option<&'static str>,
-    /// The message.
+    /// Text of the message.
     pub text: String,
-    /// Where in the sources it stands: file and line, if the ELF file still says so.
+    /// Place in the source code: file and line, if the ELF file has them.
     pub location: Option<String>,
 }
 
 impl Words {
-    /// The messages of an ELF file. Errors are in words without a place.
+    /// Reads the messages' texts from an ELF file.
+    ///
+    /// # Errors
+    /// What is wrong with the file, as text without the file's name.
     pub fn read(elf: &[u8]) -> Result<Self, String> {
         let table = Table::parse(elf)
             .map_err(|why| format!("has messages that cannot be read: {why}"))?
@@ -32,7 +35,7 @@ impl Words {
         Ok(Self { table, locations })
     }
 
-    /// Takes the bytes of a log as they come.
+    /// A decoder for the bytes of a log.
     pub(super) fn stream(&self) -> Stream<'_> {
         Stream {
             words: self,
@@ -51,14 +54,14 @@ impl Words {
     }
 }
 
-/// Bytes in, messages out.
+/// A decoder that takes the log's bytes and returns messages.
 pub(super) struct Stream<'w> {
     words: &'w Words,
     decoder: Box<dyn StreamDecoder + Send + Sync + 'w>,
 }
 
 impl Stream<'_> {
-    /// The messages that are whole now; `None` for one that was damaged.
+    /// Adds bytes and returns the messages that are complete; `None` for a damaged one.
     pub fn take(&mut self, bytes: &[u8]) -> Vec<Option<Line>> {
         self.decoder.received(bytes);
         let mut lines = Vec::new();
@@ -72,7 +75,7 @@ impl Stream<'_> {
     }
 }
 
-/// Makes a board's text printable on one line.
+/// Replaces characters of a board's text that cannot be printed on one line.
 fn printable(text: &str) -> String {
     let shown = |letter: char| if letter.is_control() { ' ' } else { letter };
     text.chars().map(shown).collect()

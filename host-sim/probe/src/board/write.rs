@@ -1,4 +1,4 @@
-//! A program into the flash: erased, written, read back, started.
+//! Writes a program into the flash: erases, writes, reads back, starts.
 
 use probe_rs::flashing::{
     DownloadOptions, FlashError, FlashProgress, ProgressEvent, ProgressOperation,
@@ -8,31 +8,31 @@ use super::fault::{Fault, chain};
 use super::image::Image;
 use super::session::{Attached, CORE};
 
-/// Phase of writing the flash.
+/// A phase of writing the flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Phase {
-    /// The pages that the program needs are erased, and no others.
+    /// The pages that the program needs are erased; other pages are not.
     Erase,
     /// The program is written.
     Program,
-    /// The flash is read back and compared.
+    /// The flash is read back and compared with the program.
     Verify,
 }
 
-/// How far it has come.
+/// The progress of writing the flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
-    /// A phase begins; with its number of bytes, if known.
+    /// A phase begins. Holds the number of its bytes, if known.
     Begins(Phase, Option<u64>),
-    /// This many more bytes are done.
+    /// This number of further bytes of a phase is done.
     Done(Phase, u64),
     /// A phase is over.
     Ends(Phase),
 }
 
 impl Attached {
-    /// Writes a program, reads it back and compares. Other pages of the flash keep their content. The chip is left
-    /// halted: [`Self::start`] starts it.
+    /// Writes a program, reads it back and compares it. Other pages of the flash keep their content. The processor stays halted;
+    /// [`Self::start`] starts it.
     pub fn write(&mut self, image: &Image, mut tell: impl FnMut(Step)) -> Result<(), Fault> {
         let mut loader = self.session.target().flash_loader();
         for part in &image.parts {
@@ -71,7 +71,7 @@ impl Attached {
     }
 }
 
-/// Translates an event of the probe's crate; `None` for one that is not shown.
+/// Converts a progress event of probe-rs; `None` for one that is not reported.
 fn step(event: ProgressEvent, totals: &mut Vec<(Phase, u64)>) -> Option<Step> {
     match event {
         ProgressEvent::AddProgressBar { operation, total } => {

@@ -1,4 +1,4 @@
-//! Choosing a probe, and the messages where it is ambiguous or cannot be used.
+//! Tests of choosing a probe, and of the messages if the choice is ambiguous or the probe cannot be used.
 
 use touchstone_probe::{Fault, attach, choose};
 

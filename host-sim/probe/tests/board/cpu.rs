@@ -1,23 +1,23 @@
-//! A Thumb processor, as much of the Armv7-M manual (DDI 0403) as a flash algorithm uses: its chapter A7 says what each instruction
-//! does, A5 how they are told apart. What is not here stops it, and says so.
+//! A simulated Thumb processor with the instructions of the Armv7-M manual (DDI 0403) that a flash algorithm uses. Chapter A7
+//! describes the instructions, A5 their encoding. Any other instruction stops the processor with a message.
 
 use crate::memory::Memory;
 
-/// Why it stopped.
+/// Why the processor stopped.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Stop {
-    /// BKPT.
+    /// The processor executed the breakpoint instruction BKPT.
     Breakpoint,
-    /// A fault without a handler, which locks the processor up.
+    /// A fault without a handler, which would lock a real processor up.
     Fault(String),
 }
 
-/// Registers of the processor.
+/// The registers of the processor.
 #[derive(Debug, Default)]
 pub struct Cpu {
     /// R0 to R12, SP, LR, and the address of the next instruction.
     pub r: [u32; 16],
-    /// Flags and Thumb bit of the processor.
+    /// The register XPSR: flags and Thumb bit.
     pub xpsr: u32,
 }
 
@@ -38,13 +38,13 @@ fn register(code: u32, low: u32) -> usize {
     field(code, low, 3) as usize
 }
 
-/// A number of this many bits, sign-extended.
+/// Sign-extends a number of `bits` bits to 32 bits.
 fn signed(value: u32, bits: u32) -> u32 {
     (((value << (32 - bits)) as i32) >> (32 - bits)) as u32
 }
 
 impl Cpu {
-    /// One instruction.
+    /// Executes one instruction.
     pub fn step(&mut self, memory: &mut Memory) -> Result<(), Stop> {
         let at = self.r[PC];
         let first = fetch(memory, at)?;
@@ -71,7 +71,7 @@ impl Cpu {
         result
     }
 
-    /// `AddWithCarry`, with all flags.
+    /// The function `AddWithCarry` of the Armv7-M manual; sets all flags.
     fn add(&mut self, a: u32, b: u32, carry: bool) -> u32 {
         let whole = u64::from(a) + u64::from(b) + u64::from(carry);
         let result = whole as u32;
@@ -84,7 +84,7 @@ impl Cpu {
         self.add(a, !b, true)
     }
 
-    /// `Shift_C` by an immediate: 0 LSL, 1 LSR, 2 ASR.
+    /// The function `Shift_C` of the Armv7-M manual, by an immediate value. `kind`: 0 LSL, 1 LSR, 2 ASR.
     fn shift(&mut self, kind: u32, value: u32, by: u32) -> u32 {
         let (result, carry) = match (kind, by) {
             (0, 0) => return value,
@@ -98,7 +98,7 @@ impl Cpu {
         result
     }
 
-    /// A register as an operand; the program counter then reads two narrow instructions ahead.
+    /// A register's value as operand of the instruction at address `at`. The program counter reads as `at + 4`.
     fn operand(&self, register: usize, at: u32) -> u32 {
         match register {
             PC => at + 4,
@@ -106,7 +106,7 @@ impl Cpu {
         }
     }
 
-    /// `BXWritePC` of the manual; only Thumb is supported.
+    /// The function `BXWritePC` of the Armv7-M manual; only Thumb code is supported.
     fn jump(&mut self, to: u32) -> Result<(), Stop> {
         self.r[PC] = to & !1;
         match to & 1 {
@@ -194,7 +194,7 @@ impl Cpu {
         Ok(())
     }
 
-    /// Data processing on two low registers.
+    /// Executes data processing on two low registers.
     fn logic(&mut self, code: u32, at: u32) -> Result<(), Stop> {
         let (rd, rm) = (register(code, 0), register(code, 3));
         let (a, b) = (self.r[rd], self.r[rm]);
@@ -219,7 +219,7 @@ impl Cpu {
         Ok(())
     }
 
-    /// ADD, CMP, MOV with all registers; BX and BLX.
+    /// Executes ADD, CMP and MOV with all registers, BX and BLX.
     fn high(&mut self, code: u32, at: u32) -> Result<(), Stop> {
         let rd = (field(code, 0, 3) | code >> 4 & 8) as usize;
         let rm = field(code, 3, 4) as usize;
@@ -241,7 +241,7 @@ impl Cpu {
         Ok(())
     }
 
-    /// The stack, hints, and BKPT.
+    /// Executes instructions of the stack, hints, and BKPT.
     fn miscellaneous(&mut self, code: u32, memory: &mut Memory) -> Result<(), Stop> {
         let at = self.r[PC] - 2;
         let listed = (0..8).filter(|register| code >> register & 1 == 1);
@@ -348,7 +348,7 @@ impl Cpu {
         Ok(())
     }
 
-    /// `ThumbExpandImm_C`.
+    /// The function `ThumbExpandImm_C` of the Armv7-M manual.
     fn expanded(&mut self, imm12: u32, flags: bool) -> u32 {
         let byte = imm12 & 0xff;
         match imm12 >> 8 {
@@ -366,7 +366,7 @@ impl Cpu {
         }
     }
 
-    /// Data processing with an immediate or a shifted register.
+    /// Executes data processing with an immediate value or a shifted register.
     #[expect(clippy::too_many_arguments, reason = "the fields of one instruction")]
     fn processed(
         &mut self,

@@ -1,30 +1,31 @@
-//! ELF files of programs that were made up: parts for the flash, symbols, and the messages of defmt.
+//! Builds ELF files of invented programs: parts for the flash, symbols, and defmt's messages.
 
-/// Where the made-up programs have their log's control block.
+/// Address of the log's control block in the invented programs.
 pub const CONTROL_BLOCK: u32 = 0x2000_4000;
 
-/// A program to be.
+/// An invented program.
 #[derive(Default)]
 pub struct Program {
     parts: Vec<(u32, Vec<u8>)>,
-    /// Names and values; those of messages are in the section `.defmt`.
+    /// Name and value of each symbol. The flag says whether it is a message, in the section `.defmt`.
     symbols: Vec<(String, u32, bool)>,
 }
 
 impl Program {
-    /// Adds a part that is loaded into flash.
+    /// The program with a part that is loaded into flash.
     pub fn with(mut self, address: u32, bytes: Vec<u8>) -> Self {
         self.parts.push((address, bytes));
         self
     }
 
-    /// Adds a symbol.
+    /// The program with a symbol.
     pub fn with_symbol(mut self, name: &str, value: u32) -> Self {
         self.symbols.push((name.into(), value, false));
         self
     }
 
-    /// With messages, each of a level with its format, numbered from 1 on; and with a clock, whose format is this.
+    /// The program with log messages, each a level and a format; their numbers begin at 1. `clock` is the format of the board's
+    /// time.
     pub fn with_messages(mut self, messages: &[(&str, &str)], clock: Option<&str>) -> Self {
         self = self
             .with_symbol("_SEGGER_RTT", CONTROL_BLOCK)
@@ -40,7 +41,7 @@ impl Program {
         self
     }
 
-    /// The file.
+    /// The bytes of the ELF file.
     pub fn elf(&self) -> Vec<u8> {
         const HEADER: usize = 52;
         let mut content = vec![0; HEADER + 32 * self.parts.len()];
@@ -111,7 +112,7 @@ impl Program {
     }
 }
 
-/// This many bytes without an early repetition, beginning with a stack and an entry point.
+/// A program of this many bytes that do not repeat early. It begins with a stack address and an entry point.
 pub fn code(size: usize) -> Vec<u8> {
     let mut bytes = 0x2000_8000_u32.to_le_bytes().to_vec();
     bytes.extend(0x0800_0101_u32.to_le_bytes());

@@ -1,6 +1,6 @@
-//! The flash and its controller, by RM0440's chapter on the embedded flash memory of category 3 and category 2 devices.
+//! The simulated flash and its controller, after the chapters of RM0440 on the embedded flash memory of category 3 and 2 devices.
 
-/// Where the flash begins.
+/// Address at which the flash begins.
 pub const FLASH: u32 = 0x0800_0000;
 /// Address of the flash controller's registers.
 pub const CONTROLLER: u32 = 0x4002_2000;
@@ -15,30 +15,30 @@ const LOCK: u32 = 1 << 31;
 const START: u32 = 1 << 16;
 const PROGRAM: u32 = 1;
 const PAGE_ERASE: u32 = 1 << 1;
-/// Errors: programming what is not erased, a page that does not exist or a wrong size, a wrong order.
+/// Error bits: programming a word that is not erased. The next lines: a wrong size or page; a wrong order of steps.
 const PROGERR: u32 = 1 << 3;
 const SIZERR: u32 = 1 << 6;
 const PGSERR: u32 = 1 << 7;
 /// Option bit for two banks, each with its own pages from 0 on.
 const DUAL_BANK: u32 = 1 << 22;
-/// The watchdog is started by software only.
+/// Option bit: software starts the watchdog, not the reset.
 const SOFTWARE_WATCHDOG: u32 = 1 << 16;
 
-/// A chip's flash.
+/// The flash of a chip with its controller.
 pub struct FlashMemory {
     /// Content of the flash.
     pub bytes: Vec<u8>,
     /// Option bytes.
     pub options: u32,
-    /// First addresses of the pages that were erased.
+    /// First addresses of the erased pages.
     pub erased: Vec<u32>,
     control: u32,
     status: u32,
-    /// Number of right keys so far; after a wrong one the flash is locked until the next reset.
+    /// Number of right keys received so far. `None` after a wrong key: the flash then is locked until the next reset.
     keys: Option<usize>,
-    /// The first half of a double word.
+    /// Address and value of the first half of a double word, until the second half is written.
     half: Option<(u32, u32)>,
-    /// A cell that does not take what is written, for a test.
+    /// Address of a defective cell, which does not store what is written, for a test.
     pub stuck: Option<u32>,
 }
 
@@ -58,18 +58,18 @@ impl FlashMemory {
         }
     }
 
-    /// A reset of the chip.
+    /// Resets the controller.
     pub fn reset(&mut self) {
         (self.control, self.status) = (LOCK, 0);
         (self.keys, self.half) = (Some(0), None);
     }
 
-    /// Whether it is protected against reading from outside.
+    /// Whether the flash is protected against reading through a probe.
     pub fn is_protected(&self) -> bool {
         self.options & 0xff != 0xaa
     }
 
-    /// A register is read.
+    /// Reads a register of the controller.
     pub fn read(&self, register: u32) -> u32 {
         match register {
             SR => self.status,
@@ -79,7 +79,7 @@ impl FlashMemory {
         }
     }
 
-    /// A register is written.
+    /// Writes a register of the controller.
     pub fn write(&mut self, register: u32, value: u32) {
         match register {
             KEYR => self.key(value),
@@ -121,7 +121,8 @@ impl FlashMemory {
         self.erased.push(FLASH + begin);
     }
 
-    /// The flash itself is written: double words, erased before, in order, with leave.
+    /// Programs the flash. Accepts only double words that were erased before, in the right order, after the controller permitted
+    /// it.
     pub fn program(&mut self, offset: u32, size: u32, value: u32) {
         if self.control & (LOCK | PROGRAM) != PROGRAM {
             self.status |= PGSERR;

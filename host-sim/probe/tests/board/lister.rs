@@ -1,4 +1,4 @@
-//! Boards as they may be connected, each with its probe.
+//! Simulated boards that can be connected, each with its probe.
 
 use std::fmt;
 use std::sync::{Arc, Mutex};
@@ -14,21 +14,21 @@ use crate::machine::Machine;
 use crate::memory::Memory;
 use crate::probe::SoftProbe;
 
-/// Trouble with a probe.
+/// A problem with a probe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trouble {
     None,
-    /// The system says that this user may not.
+    /// The system reports that this user has no rights.
     NoRights,
-    /// Missing rights, which show only when it is opened.
+    /// The user has no rights, which shows only when the probe is opened.
     NoRightsWhenOpened,
-    /// The device is in use by another program.
+    /// Another program uses the probe.
     Busy,
     /// No chip answers on the probe's wires.
     Silent,
 }
 
-/// A board, its probe by serial number.
+/// A simulated board, with its probe's serial number.
 #[derive(Clone)]
 pub struct Board {
     pub machine: Arc<Mutex<Machine>>,
@@ -37,12 +37,12 @@ pub struct Board {
 }
 
 impl Board {
-    /// The large chip: 512 KiB in two banks, 128 KiB of RAM.
+    /// A board with an STM32G474: 512 KiB of flash in two banks, 128 KiB of RAM.
     pub fn g474(serial: &'static str) -> Self {
         Self::of(serial, 0x469, FlashMemory::new(0x8_0000, true), 0x2_0000)
     }
 
-    /// The small one: 128 KiB, 32 KiB of RAM.
+    /// A board with an STM32G431: 128 KiB of flash, 32 KiB of RAM.
     pub fn g431(serial: &'static str) -> Self {
         Self::of(serial, 0x468, FlashMemory::new(0x2_0000, false), 0x8000)
     }
@@ -62,7 +62,7 @@ impl Board {
     }
 }
 
-/// A lister with these boards connected.
+/// A lister that finds the probes of these boards.
 pub fn connected(boards: &[&Board]) -> Lister {
     let boards = boards.iter().map(|board| (*board).clone()).collect();
     Lister::with_lister(Box::new(Boards(boards)))
@@ -119,7 +119,7 @@ impl ProbeLister for Boards {
     }
 }
 
-/// A probe's maker, needed only for its name.
+/// A factory of probes. The probe's description needs one for its name only.
 #[derive(Debug)]
 struct Maker;
 

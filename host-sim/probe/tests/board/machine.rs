@@ -1,4 +1,4 @@
-//! The processor as a debugger sees it: the debug registers of the Armv7-M manual (C1), and the effects of a reset.
+//! The simulated processor as a debugger sees it: the debug registers of the Armv7-M manual (C1), and the effects of a reset.
 
 use crate::cpu::{Cpu, Stop};
 use crate::flash_memory::FLASH;
@@ -12,7 +12,7 @@ const DCRSR: u32 = 0xe000_edf4;
 const DCRDR: u32 = 0xe000_edf8;
 const DEMCR: u32 = 0xe000_edfc;
 const MVFR0: u32 = 0xe000_ef40;
-/// The breakpoint unit: six for instructions, two for literals.
+/// Control register of the breakpoint unit, which compares six instruction addresses and two literal addresses.
 const FP_CTRL: u32 = 0xe000_2000;
 const FP_COMP: u32 = 0xe000_2008;
 const FP_COMP_END: u32 = 0xe000_2028;
@@ -21,25 +21,25 @@ const DEBUG_ENABLED: u32 = 1;
 const HALT: u32 = 1 << 1;
 const STEP: u32 = 1 << 2;
 const CATCH_RESET: u32 = 1;
-/// Bit that tells why the processor halted.
+/// Bits of the register that says why the processor halted: a halt request; the next lines: a breakpoint, a reset.
 const HALTED: u32 = 1;
 const BREAKPOINT: u32 = 1 << 1;
 const CAUGHT: u32 = 1 << 3;
-/// A flash algorithm that takes more instructions is in an endless loop.
+/// Largest number of instructions of a flash algorithm; with more it is in an endless loop.
 const INSTRUCTIONS_MAX: u32 = 10_000_000;
 
-/// Stands for the program in the flash, as far as a probe sees it. It is called whenever the probe looks while it
-/// runs; with `true` right after the start.
+/// A function in place of the program in flash. It is called whenever the probe accesses the running processor, with `true` right
+/// after the start.
 pub type Played = Box<dyn FnMut(&mut Memory, bool) + Send>;
 
-/// A chip.
+/// A simulated chip.
 pub struct Machine {
     pub memory: Memory,
-    /// How often the program in the flash was started by a reset.
+    /// Number of resets that started the program in flash.
     pub starts: u32,
-    /// How often the processor was halted.
+    /// Number of times that the processor was halted.
     pub halts: u32,
-    /// What stopped the processor, if it was no breakpoint.
+    /// Message of the fault that stopped the processor; `None` after a breakpoint.
     pub fault: Option<String>,
     pub played: Option<Played>,
     cpu: Cpu,
@@ -54,7 +54,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// A chip whose program runs.
+    /// A chip whose processor runs the program in flash.
     pub fn new(memory: Memory) -> Self {
         Self {
             memory,
@@ -79,7 +79,7 @@ impl Machine {
         !self.halted && self.fault.is_none() && self.cpu.r[15] < RAM
     }
 
-    /// Serves a probe's read; `None` is a fault on the bus.
+    /// Reads 1, 2 or 4 bytes for the probe; `None` is a bus fault.
     pub fn load(&mut self, address: u32, bytes: u32) -> Option<u32> {
         self.play();
         let protected = self.memory.flash.is_protected();
@@ -106,7 +106,7 @@ impl Machine {
         })
     }
 
-    /// Serves a probe's write; `None` is a fault on the bus.
+    /// Writes 1, 2 or 4 bytes for the probe; `None` is a bus fault.
     pub fn store(&mut self, address: u32, bytes: u32, value: u32) -> Option<()> {
         match address {
             AIRCR if value >> 16 == 0x05fa && value & 4 != 0 => self.reset(),
@@ -135,7 +135,7 @@ impl Machine {
         }
     }
 
-    /// Power as it was, everything else as after power came.
+    /// Resets the chip: all but the power state is as after power-on.
     pub fn reset(&mut self) {
         self.memory.flash.reset();
         self.cpu = Cpu::default();
@@ -154,7 +154,7 @@ impl Machine {
         }
     }
 
-    /// DHCSR is written.
+    /// Handles a write to the debug register DHCSR, which halts, steps or runs the processor.
     fn controlled(&mut self, control: u32) {
         self.control = control;
         if control & DEBUG_ENABLED == 0 {
@@ -200,14 +200,14 @@ impl Machine {
         }
     }
 
-    /// Halts, and sets the bit that records the reason.
+    /// Halts the processor and sets the bit that records the reason.
     fn halt(&mut self, reason: u32) {
         self.halted = true;
         self.control |= HALT;
         self.dfsr |= reason;
     }
 
-    /// DCRSR is written: a register into DCRDR, or the other way.
+    /// Handles a write to the debug register DCRSR: copies a processor register to DCRDR, or back if `write` is true.
     fn register(&mut self, which: usize, write: bool) {
         let place = match which {
             0..16 => &mut self.cpu.r[which],

@@ -1,5 +1,4 @@
-//! A simulated board behind a simulated probe. Writes and reads go through all of the crate probe-rs but its drivers
-//! for USB.
+//! Tests with a simulated board behind a simulated probe. They run all code of the crate probe-rs except its USB drivers.
 
 mod cpu;
 mod elf;

@@ -1,22 +1,22 @@
-//! The address space of an STM32G4, as far as a flash algorithm and a log use it.
+//! The address space of a simulated STM32G4, as far as a flash algorithm and a log use it.
 
 use crate::flash_memory::{CONTROLLER, FLASH, FlashMemory};
 
-/// Where the RAM begins.
+/// Address at which the RAM begins.
 pub const RAM: u32 = 0x2000_0000;
-/// `DBGMCU`: which device it is, and its control register.
+/// Address of the register `DBGMCU_IDCODE` with the device number; the next line has its control register.
 const IDCODE: u32 = 0xe004_2000;
 const DEBUG_CONTROL: u32 = 0xe004_2004;
-/// The flash's size in KiB.
+/// Address of the word with the flash's size in KiB.
 const FLASH_SIZE: u32 = 0x1fff_75e0;
 
 /// A chip's memory.
 pub struct Memory {
-    /// The flash and its controller.
+    /// The flash with its controller.
     pub flash: FlashMemory,
     /// The RAM.
     pub ram: Vec<u8>,
-    /// The device's number.
+    /// The chip's device number in `DBGMCU_IDCODE`.
     pub device: u32,
     debug_control: u32,
 }
@@ -32,7 +32,7 @@ impl Memory {
         }
     }
 
-    /// 1, 2 or 4 bytes; `None` where nothing answers.
+    /// Reads 1, 2 or 4 bytes; `None` at an address without memory or register.
     pub fn load(&mut self, address: u32, bytes: u32) -> Option<u32> {
         if let Some(register) = self.controller(address) {
             return Some(self.flash.read(register));
@@ -57,7 +57,7 @@ impl Memory {
         )
     }
 
-    /// 1, 2 or 4 bytes; `None` where nothing answers.
+    /// Writes 1, 2 or 4 bytes; `None` at an address without memory or register.
     pub fn store(&mut self, address: u32, bytes: u32, value: u32) -> Option<()> {
         if let Some(register) = self.controller(address) {
             self.flash.write(register, value);
@@ -78,7 +78,7 @@ impl Memory {
         Some(())
     }
 
-    /// A piece of RAM, for a program that is played.
+    /// Writes bytes into RAM, for a function that plays the running program.
     pub fn put(&mut self, address: u32, bytes: &[u8]) {
         let offset = (address - RAM) as usize;
         self.ram[offset..offset + bytes.len()].copy_from_slice(bytes);

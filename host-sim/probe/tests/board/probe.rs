@@ -1,4 +1,5 @@
-//! A probe that leads to a [`Machine`]: debug port and memory access port by ADIv5 (IHI 0031), as a CMSIS-DAP would reach them.
+//! A simulated probe that leads to a [`Machine`]: debug port and memory access port of ADIv5 (IHI 0031), as a CMSIS-DAP probe
+//! reaches them.
 
 use std::fmt;
 use std::sync::{Arc, Mutex};
@@ -13,14 +14,14 @@ use probe_rs::probe::{DebugProbe, DebugProbeError, WireProtocol};
 
 use crate::machine::Machine;
 
-/// Debug port: registers by their addresses.
+/// Addresses of the debug port's registers.
 const DPIDR_OR_ABORT: u8 = 0x0;
 const CTRL_STAT: u8 = 0x4;
 const SELECT: u8 = 0x8;
 const POWER: u32 = 1 << 28 | 1 << 30;
 const STICKY_ERROR: u32 = 1 << 5;
 const CLEAR_STICKY_ERROR: u32 = 1 << 2;
-/// Access port 0.
+/// Addresses of the registers of access port 0.
 const CSW: u32 = 0x00;
 const TAR: u32 = 0x04;
 const DRW: u32 = 0x0c;
@@ -28,10 +29,10 @@ const BANKED_DATA: u32 = 0x10;
 const BASE: u32 = 0xf8;
 const IDR: u32 = 0xfc;
 
-/// The probe.
+/// A simulated probe.
 pub struct SoftProbe {
     machine: Arc<Mutex<Machine>>,
-    /// Whether anything answers on its wires.
+    /// Whether a chip answers on the probe's wires.
     answers: bool,
     select: u32,
     control: u32,
@@ -46,7 +47,7 @@ impl fmt::Debug for SoftProbe {
 }
 
 impl SoftProbe {
-    /// Wired to a chip.
+    /// A probe that is wired to a chip.
     pub fn new(machine: Arc<Mutex<Machine>>, answers: bool) -> Self {
         Self {
             machine,
@@ -63,7 +64,7 @@ impl SoftProbe {
         ArmError::Dap(DapError::FaultResponse)
     }
 
-    /// Size of a transfer, and where it goes; the address moves on within 1 KiB if it is to.
+    /// Address and size in bytes of a transfer. The address register advances within 1 KiB if this is enabled.
     fn transfer(&mut self, register: u32) -> Option<(u32, u32)> {
         if register != DRW {
             return Some((self.tar & !0xf | register & 0xc, 4));

@@ -1,4 +1,5 @@
-//! A program into the flash: the crate's loader with the maker's flash algorithm, which runs on the processor in software.
+//! Tests of writing a program into the flash: probe-rs's loader with the maker's flash algorithm, which runs on the simulated
+//! processor.
 
 use std::collections::BTreeMap;
 
@@ -144,7 +145,7 @@ fn what_is_no_program_for_the_chip_is_refused_before_a_probe_is_looked_for() {
     }
 }
 
-/// The boards of which each kind of chip has one, with their chips.
+/// Boards for each type of chip: name of the board, name of its chip, and the simulated board.
 pub fn own_boards() -> [(&'static str, &'static str, Board); 3] {
     [
         ("nucleo-g474re", "STM32G474RETx", Board::g474("A1")),
@@ -153,7 +154,7 @@ pub fn own_boards() -> [(&'static str, &'static str, Board); 3] {
     ]
 }
 
-/// Where `cargo xtask firmware` puts their programs, or where `TOUCHSTONE_FIRMWARE` says.
+/// Folder of the boards' programs: that in `TOUCHSTONE_FIRMWARE`, else that of `cargo xtask firmware`.
 pub fn own_programs() -> std::path::PathBuf {
     std::env::var_os("TOUCHSTONE_FIRMWARE").map_or_else(
         || std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/firmware"),
@@ -161,7 +162,7 @@ pub fn own_programs() -> std::path::PathBuf {
     )
 }
 
-/// Where a developer has built them: the boards' own programs, whole.
+/// Writes the boards' own programs, if a developer has built them.
 #[test]
 fn the_boards_own_programs() {
     for (name, chip, board) in own_boards() {

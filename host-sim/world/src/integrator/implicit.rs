@@ -1,27 +1,30 @@
-//! Implicit Euler and implicit midpoint with set-valued friction: one step, at two points of the interval.
+//! The implicit Euler and implicit midpoint methods with set-valued friction. Both are one implicit step; they evaluate the rates
+//! at the end or in the middle of the substep.
 
 use super::{Method, Model, Reaction};
 use crate::plant::flow::{apply, columns};
 use crate::plant::{Invalid, Loss};
 
-/// `z⁺ = z + h (A z⁺ + B w) - e₁ h λ/J` with `λ ∈ F Sgn(v⁺)`: first order, stable for every substep, and a device that friction
-/// holds stays bit for bit (Kikuuwe, Takesue, Sano, Mochiyama and Fujimoto, IEEE T-RO 22(6) 1176, 2006; Acary and Brogliato, Systems
-/// & Control Letters 59(5) 284, 2010).
+/// Implicit Euler: `z⁺ = z + h (A z⁺ + B w) - e₁ h λ/J` with the friction torque `λ ∈ F Sgn(v⁺)`.
+///
+/// First order, and stable for every substep `h`. A device that friction holds keeps its position bit for bit (Kikuuwe, Takesue,
+/// Sano, Mochiyama and Fujimoto, IEEE T-RO 22(6) 1176, 2006; Acary and Brogliato, Systems & Control Letters 59(5) 284, 2010).
 pub type ImplicitEuler<const N: usize> = Implicit<N, false>;
 
-/// `z⁺ = z + h (A (z + z⁺)/2 + B w) - e₁ h λ/J` with `λ ∈ F Sgn(v⁺)`: second order, keeps the energy balance to rounding, and rings
-/// on poles that are fast against the substep.
+/// Implicit midpoint: `z⁺ = z + h (A (z + z⁺)/2 + B w) - e₁ h λ/J` with the friction torque `λ ∈ F Sgn(v⁺)`.
 ///
-/// Friction is implicit at the end of the step (the theta scheme of Moreau's stepping): at the middle it would hold the position
-/// while the velocity changes its sign at every substep.
+/// Second order, and the energy balance closes to rounding. The solution rings if a pole is fast compared with the substep `h`.
+///
+/// Friction is evaluated at the end of the step (the theta scheme of Moreau's stepping). In the middle of the step it would hold
+/// the position while the velocity changes its sign at every substep.
 pub type ImplicitMidpoint<const N: usize> = Implicit<N, true>;
 
-/// The implicit step with its rates at the substep's end, or at its `MIDDLE`.
+/// The implicit step. Its rates are those at the substep's end, or in its middle if `MIDDLE` is true.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Implicit<const N: usize, const MIDDLE: bool> {
-    /// `h (I - θ h A)⁻¹`, with `θ` 1 at the end and 1/2 at the middle.
+    /// The matrix `h (I - θ h A)⁻¹`. `θ` is 1 for rates at the end, and 1/2 in the middle.
     step: [[f64; N]; N],
-    /// Change of the state per torque of friction.
+    /// Change of the state in a substep per N·m of friction torque.
     response: [f64; N],
     step_s: f64,
 }

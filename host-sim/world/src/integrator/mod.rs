@@ -1,16 +1,17 @@
-//! Textbook integrators over the same equations as [`crate::plant`]: what another simulator would do in the exact step's place.
+//! Textbook integration methods for the equations of [`crate::plant`], as other simulators use them.
 //!
-//! A run has no use for them: the exact step is both cheaper and free of a step size. They are here to be compared with: each
-//! divides an interval into substeps, and each leaves an error that the exact step does not have.
+//! Simulations do not use them: the exact step of [`crate::plant`] is faster and has no step size. They serve for comparison. Each
+//! method divides an interval into substeps and has an error that the exact step has not.
 //!
 //! | method | order | dry friction |
 //! |---|---|---|
 //! | [`ImplicitEuler`] | 1 | set-valued: true rest, no chatter |
 //! | [`ImplicitMidpoint`] | 2 | set-valued at the step's end: true rest |
-//! | [`SemiImplicitEuler`] | 1 | takes at most what stops the device |
+//! | [`SemiImplicitEuler`] | 1 | takes at most the torque that stops the device |
 //! | [`RungeKutta4`] | 4 | smoothed by a `tanh`: the device creeps where it should rest |
 //!
-//! Orders are those of smooth motion. At a stop or a start, which falls inside a substep, each is of first order at best.
+//! The orders hold for smooth motion. A stop or a start of the device falls inside a substep, where each method is of first order
+//! at best.
 
 mod implicit;
 mod model;
@@ -26,18 +27,18 @@ pub use substepped::Substepped;
 
 use crate::plant::{Coulomb, Invalid, Loss};
 
-/// A one-step method, prepared for substeps of one length.
+/// A one-step integration method, prepared for substeps of one length.
 pub trait Method<const N: usize>: Sized {
-    /// Order of its error over a fixed time, where the motion is smooth.
+    /// Order of the method's error over a fixed time, for smooth motion.
     const ORDER: u32;
 
     /// Prepares substeps of `step_s` seconds, above zero.
     ///
     /// # Errors
-    /// [`Invalid`] where the method has no step of this length.
+    /// [`Invalid`] if the method has no step of this length.
     fn new(model: &Model<N>, step_s: f64) -> Result<Self, Invalid>;
 
-    /// Makes one substep under a held torque and rest point; losses are computed only with `LOSS`.
+    /// Makes one substep under a held torque and a held rest point of the hand. Computes the losses only if `LOSS` is true.
     fn step<const LOSS: bool>(
         &self,
         model: &Model<N>,
@@ -46,7 +47,7 @@ pub trait Method<const N: usize>: Sized {
     ) -> Loss;
 }
 
-/// What friction does in one set-valued step.
+/// The result of set-valued friction in one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Reaction {
     /// Friction holds the device with this torque against the motion, N·m.
@@ -56,8 +57,9 @@ enum Reaction {
 }
 
 impl Reaction {
-    /// The torque for which the velocity at the step's end, `free - torque · per_torque`, and the torque agree; `before` is the
-    /// velocity at its start.
+    /// Finds the friction torque that is consistent with the velocity at the step's end, `free - torque · per_torque`.
+    ///
+    /// `before` is the velocity at the step's start; `free` would be that at its end without friction.
     #[inline(always)]
     fn of(coulomb: Coulomb, before: f64, free: f64, per_torque: f64) -> Self {
         let stopping = free / per_torque;
@@ -82,7 +84,7 @@ impl Reaction {
     }
 }
 
-/// What viscous damping and a torque of friction took over a substep, by the velocities of one state.
+/// Energy that viscous damping and a friction torque dissipate over a substep, J, calculated with the velocities of one state.
 #[inline(always)]
 fn losses<const N: usize>(model: &Model<N>, at: &[f64; N], friction: f64, step_s: f64) -> Loss {
     let Loss { device_j, hand_j } = model.viscous(at);

@@ -1,4 +1,4 @@
-//! The equations that the integrators step over.
+//! The equations of motion that the integration methods solve.
 
 use nalgebra::SMatrix;
 
@@ -6,8 +6,10 @@ use crate::plant::device::{not_negative, positive};
 use crate::plant::flow::{apply, columns, flow_integral, within_numbers};
 use crate::plant::{Coulomb, Device, Hand, Invalid, Loss};
 
-/// `z' = A z + B [u, r] - e₁ friction(v)/J`: a linear plant in absolute angles, with dry friction at the device's velocity `v`, the
-/// second entry. `u` is the held torque, N·m, `r` the hand's held rest point, rad.
+/// `z' = A z + B [u, r] - e₁ friction(v)/J`: a linear plant in absolute angles, with dry friction at the device.
+///
+/// The device's velocity `v` is the second entry of the state `z`. `u` is the held torque, N·m; `r` is the held rest point of the
+/// hand, rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model<const N: usize> {
     pub(super) matrix: SMatrix<f64, N, N>,
@@ -18,7 +20,8 @@ pub struct Model<const N: usize> {
 }
 
 impl Model<2> {
-    /// A device without a hand, `[x, v]`, as [`crate::plant::BareLinear`] and [`crate::plant::BareCoulomb`].
+    /// A device without a hand, with the state `[x, v]`; the same equations as [`crate::plant::BareLinear`] and
+    /// [`crate::plant::BareCoulomb`].
     ///
     /// # Errors
     /// [`Invalid`] when the device is out of range.
@@ -30,10 +33,11 @@ impl Model<2> {
 }
 
 impl Model<3> {
-    /// A device without a hand behind a current loop of one pole, `[x, v, torque]`: `torque' = 2π f (u - torque)`.
+    /// A device without a hand behind a current loop of first order, `torque' = 2π f (u - torque)`, with the state `[x, v,
+    /// torque]`.
     ///
     /// # Errors
-    /// [`Invalid`] when device or bandwidth (Hz) are out of range.
+    /// [`Invalid`] when device or bandwidth `f` (Hz) are out of range.
     pub fn with_current_loop(device: &Device, bandwidth_hz: f64) -> Result<Self, Invalid> {
         positive("bandwidth_hz", bandwidth_hz)?;
         let (j, b) = (device.inertia, device.damping);
@@ -48,7 +52,8 @@ impl Model<3> {
 }
 
 impl Model<4> {
-    /// A device in a hand, `[x, v, x_h, v_h]`, as [`crate::plant::HeldLinear`] and [`crate::plant::HeldCoulomb`].
+    /// A device in a hand, with the state `[x, v, x_h, v_h]`; the same equations as [`crate::plant::HeldLinear`] and
+    /// [`crate::plant::HeldCoulomb`].
     ///
     /// # Errors
     /// [`Invalid`] when device or hand are out of range.
@@ -96,14 +101,14 @@ impl<const N: usize> Model<N> {
         self.device.inertia
     }
 
-    /// `A z + B [u, r]`: the derivative without dry friction.
+    /// The time derivative `A z + B [u, r]` of the state without dry friction.
     #[inline(always)]
     pub(super) fn rate(&self, state: &[f64; N], held: [f64; 2]) -> [f64; N] {
         let (free, driven) = (apply(&self.rates, state), apply(&self.input, &held));
         std::array::from_fn(|i| free[i] + driven[i])
     }
 
-    /// Entries whose derivative is another entry: positions.
+    /// Marks the entries of the state that are positions: their derivative is another entry.
     pub(super) fn positions(&self) -> [bool; N] {
         std::array::from_fn(|i| {
             let row = self.matrix.row(i);
@@ -115,7 +120,7 @@ impl<const N: usize> Model<N> {
         })
     }
 
-    /// Power of the dampers at a state, W; dry friction apart.
+    /// Power that the dampers dissipate in a state, W, without dry friction.
     #[inline(always)]
     pub(super) fn viscous(&self, state: &[f64; N]) -> Loss {
         let v = state[1];
@@ -129,7 +134,7 @@ impl<const N: usize> Model<N> {
         }
     }
 
-    /// Kinetic and spring energy, J, as [`crate::plant::Stepper::stored_energy_j`].
+    /// Kinetic energy and energy of the springs, J, as in [`crate::plant::Stepper::stored_energy_j`].
     pub(super) fn stored_energy_j(&self, state: &[f64; N], rest: f64) -> f64 {
         let device = self.device.inertia * state[1] * state[1];
         let hand = self.hand.map_or(0.0, |hand| {
@@ -142,7 +147,7 @@ impl<const N: usize> Model<N> {
         0.5 * (device + hand)
     }
 
-    /// `(I - share·A)⁻¹`.
+    /// The matrix `(I - share·A)⁻¹`; `share` is a time, s.
     pub(super) fn resolvent(&self, share: f64) -> Result<SMatrix<f64, N, N>, Invalid> {
         let scaled = SMatrix::<f64, N, N>::from_fn(|row, column| {
             f64::from(u8::from(row == column)) - share * self.matrix[(row, column)]
@@ -155,7 +160,7 @@ impl<const N: usize> Model<N> {
     }
 }
 
-/// The inverse by elimination with pivots; `None` for a singular matrix.
+/// The inverse of a matrix, by elimination with pivots; `None` for a singular matrix.
 fn inverse<const N: usize>(mut m: SMatrix<f64, N, N>) -> Option<SMatrix<f64, N, N>> {
     let mut found = SMatrix::<f64, N, N>::identity();
     for column in 0..N {
@@ -182,7 +187,7 @@ fn inverse<const N: usize>(mut m: SMatrix<f64, N, N>) -> Option<SMatrix<f64, N, 
     Some(found)
 }
 
-/// The exact step of a model without dry friction, for plants that have none in [`crate::plant`].
+/// The exact step of a model without dry friction, for models that [`crate::plant`] has no plant for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExactLinear<const N: usize> {
     flow: [[f64; N]; N],
@@ -208,7 +213,7 @@ impl<const N: usize> ExactLinear<N> {
         })
     }
 
-    /// Advances by one interval: `z(h) - z(0) = Ψ(h) z'(0)`.
+    /// Advances the state by one interval `h`: `z(h) - z(0) = Ψ(h) z'(0)`.
     #[inline(always)]
     pub fn step(&self, model: &Model<N>, state: &mut [f64; N], held: [f64; 2]) {
         let increment = apply(&self.flow, &model.rate(state, held));

@@ -1,21 +1,23 @@
-//! The classical Runge–Kutta method with smoothed friction.
+//! The classical Runge–Kutta method of fourth order, with smoothed friction.
 
 use super::{Method, Model};
 use crate::plant::{Invalid, Loss};
 
-/// Velocity at which the smoothed friction has three quarters of its level, rad/s: below it a device creeps that should rest.
+/// Velocity at which the smoothed friction has three quarters of its full value, rad/s. A device that should rest creeps at a
+/// velocity below it.
 pub const CREEP_RAD_PER_S: f64 = 1e-3;
 
-/// Four evaluations, fourth order, stable while the substep is below 2.785 time constants of the fastest pole.
+/// The classical Runge–Kutta method: four evaluations per substep, fourth order. It is stable while the substep is shorter than
+/// 2.785 time constants of the fastest pole.
 ///
-/// It needs a derivative everywhere, so friction is `F_k tanh(v/v_s)` with [`CREEP_RAD_PER_S`]: another model, with no break-away
-/// torque and no rest, whose error no substep takes away.
+/// It needs a derivative everywhere, so friction is `F_k tanh(v/v_s)` with [`CREEP_RAD_PER_S`] as `v_s`. This is another model of
+/// friction, without break-away torque and without rest; no substep is short enough to remove its error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RungeKutta4<const N: usize> {
     step_s: f64,
 }
 
-/// Derivative of the state, and of the losses.
+/// Time derivative of the state, and the power of the losses.
 struct Slope<const N: usize> {
     rate: [f64; N],
     loss: Loss,

@@ -1,14 +1,16 @@
-//! Semi-implicit (symplectic) Euler.
+//! The semi-implicit (symplectic) Euler method.
 
 use super::{Method, Model, Reaction};
 use crate::plant::{Invalid, Loss};
 
-/// Velocities by the forces at the start of the substep, then positions by the new velocities. First order, one evaluation, and
-/// stable only while the substep is short against every pole. Friction takes at most what stops the device.
+/// Semi-implicit Euler: first the velocities, by the forces at the start of the substep, then the positions, by the new velocities.
+///
+/// First order, one evaluation per substep. It is stable only while the substep is short compared with every pole. Friction takes
+/// at most the torque that stops the device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SemiImplicitEuler<const N: usize> {
     positions: [bool; N],
-    /// Change of the velocity per torque of friction.
+    /// Change of the velocity in a substep per N·m of friction torque.
     response: f64,
     step_s: f64,
 }

@@ -1,11 +1,11 @@
-//! The three-phase bridge, averaged over a PWM period.
+//! The three-phase bridge of a motor, as its average over a PWM period.
 
-/// State of the bridge in a period.
+/// State of the bridge in a PWM period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Drive {
-    /// All six switches open.
+    /// All six switches are open.
     Off,
-    /// Compare values of phases A, B, C; a phase's voltage rises with its value.
+    /// Compare values of phases A, B, C. A phase's voltage rises with its compare value.
     On([u16; 3]),
 }
 
@@ -14,17 +14,17 @@ pub enum Drive {
 pub struct Bridge {
     /// Bus voltage, V.
     pub bus_v: f64,
-    /// Compare value at which a phase is always at the bus.
+    /// Compare value at which a phase is at the bus voltage during the whole period.
     pub top: u16,
-    /// Part of a period that is lost to dead time, per phase, `t_d f_pwm`; 0 for an ideal bridge. A current into the motor
-    /// then lowers the phase's average, one out of it raises it.
+    /// Dead time as a fraction of the PWM period, `t_d f_pwm`; 0 for an ideal bridge. For a current into the motor it lowers the
+    /// phase's average voltage, for a current out of the motor it raises it.
     pub dead_share: f64,
-    /// Forward voltage of the diodes, V.
+    /// Forward voltage of a switch's diode, V.
     pub diode_v: f64,
 }
 
 impl Bridge {
-    /// Ideal switches at a bus voltage.
+    /// A bridge without dead time.
     #[must_use]
     pub const fn ideal(bus_v: f64, top: u16) -> Self {
         Self {
@@ -35,7 +35,7 @@ impl Bridge {
         }
     }
 
-    /// Average phase voltages against ground, V, for the currents that flow.
+    /// Average voltages of the phases against ground, V. The currents' signs decide the effect of the dead time.
     #[must_use]
     pub fn voltages(&self, duties: [u16; 3], currents_a: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|phase| {

@@ -1,19 +1,19 @@
-//! Frames of the encoders for a shaft angle.
+//! The data that encoders return for a shaft angle.
 
-/// The nearest count for an angle, rad, and a number of counts a turn.
+/// The encoder count nearest to an angle (rad), for an encoder with this number of counts per turn.
 #[must_use]
 pub fn count(angle_rad: f64, counts_per_rev: u32) -> i64 {
     (angle_rad / std::f64::consts::TAU * f64::from(counts_per_rev)).round() as i64
 }
 
-/// AS5047P's answer to a read of its angle: 14 bits, even parity in the upper bit.
+/// The AS5047P's answer to a request of its angle: 14 bits, with even parity in the top bit.
 #[must_use]
 pub fn as5047p_frame(count: i64) -> u16 {
     let angle = (count & 0x3FFF) as u16;
     angle | ((angle.count_ones() as u16 & 1) << 15)
 }
 
-/// MT6701's SSI frame of 24 bits: 14 of angle, 4 of status, CRC-6 (`x⁶ + x + 1`) over them.
+/// The MT6701's SSI frame of 24 bits: 14 bits of angle, 4 of status, and a CRC-6 (`x⁶ + x + 1`) of these 18 bits.
 #[must_use]
 pub fn mt6701_frame(count: i64, status: u8) -> u32 {
     let data = (((count & 0x3FFF) as u32) << 4) | u32::from(status & 0xF);

@@ -1,4 +1,5 @@
-//! The electrical side: a permanent-magnet motor, its bridge and its sensors, coupled to a plant of [`crate::plant`].
+//! The electrical side of a simulated knob: a permanent-magnet motor, its bridge and its sensors, coupled to the mechanics of
+//! [`crate::plant`].
 //!
 //! ```text
 //! duties -> Bridge -> phase voltages -> Windings -> currents, torque -> plant -> angle -> Windings (back-EMF)
@@ -6,12 +7,12 @@
 //!                                       shunts (codes)                    encoder (frames)
 //! ```
 //!
-//! Everything goes in steps of one PWM period. During one the bridge is its average, a constant voltage vector that stands
-//! still, and the shaft's speed is its mean over the period, looked up ahead. Then windings and plant are both linear and both
-//! steps are exact ([`Windings::step`], [`crate::plant::Stepper`]). What is left is the coupling: a constant speed for the windings
-//! and a constant torque for the plant, an error that falls with the square of the period (tested).
+//! All steps are one PWM period long. During a period the bridge gives its average, a constant voltage vector in the stationary frame. The
+//! shaft's speed is taken as constant too: its mean over the period, from a trial step. With these two assumptions windings and mechanics
+//! are linear and their steps exact ([`Windings::step`], [`crate::plant::Stepper`]). The remaining error comes from constant speed and
+//! constant torque within a period; it falls with the square of the period (a test checks it).
 //!
-//! The same inputs give the same bits: there is no clock and no random number in here.
+//! Equal inputs give results with equal bits: this module has no clock and no random number.
 
 mod bridge;
 mod encoder;

@@ -1,11 +1,11 @@
-//! Motor, bridge, knob and hand in step with the caller: one call a PWM period.
+//! Motor, bridge, knob and hand together. The caller advances them by one PWM period per call.
 
 use super::bridge::{Bridge, Drive};
 use super::windings::{MotorParameters, Windings};
 use crate::plant::train::Harmonic;
 use crate::plant::{Device, Kinematics, Stepper};
 
-/// The quantities that can be measured after a period.
+/// The quantities that can be measured at the end of a PWM period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
     /// Phase currents into the motor, A.
@@ -14,16 +14,16 @@ pub struct Reading {
     pub angle_rad: f64,
     /// Shaft speed, rad/s.
     pub speed_rad_per_s: f64,
-    /// Mean torque of the motor over the last period, along `+x`, N·m.
+    /// Mean torque of the motor over the last PWM period in the direction of positive angles, N·m.
     pub torque_n_m: f64,
 }
 
-/// A motor on a plant.
+/// A motor with its bridge on a mechanical plant.
 #[derive(Debug, Clone)]
 pub struct Rig<S: Stepper> {
-    /// The bridge; the bus voltage may be changed between two periods.
+    /// The bridge. The bus voltage may be changed between two periods.
     pub bridge: Bridge,
-    /// The motor's cogging.
+    /// Harmonics of the motor's cogging torque; their torques are added.
     pub cogging: Vec<Harmonic>,
     windings: Windings,
     plant: S,
@@ -32,7 +32,7 @@ pub struct Rig<S: Stepper> {
 }
 
 impl<S: Stepper> Rig<S> {
-    /// A motor at rest at an angle, without current. The plant's interval is the PWM period.
+    /// A motor at rest at an angle, without current. The plant's interval must be the PWM period.
     #[must_use]
     pub fn new(motor: MotorParameters, bridge: Bridge, plant: S, angle_rad: f64) -> Self {
         Self {
@@ -45,7 +45,7 @@ impl<S: Stepper> Rig<S> {
         }
     }
 
-    /// What can be measured now.
+    /// The quantities that can be measured now.
     #[must_use]
     pub fn now(&self) -> Reading {
         Reading {
@@ -56,8 +56,8 @@ impl<S: Stepper> Rig<S> {
         }
     }
 
-    /// Crosses one PWM period with these duties at work and the hand's rest point here (rad; not read without a hand).
-    /// Returns what can be measured at its end.
+    /// Advances by one PWM period with this state of the bridge and this rest point of the hand (rad; not used without a hand).
+    /// Returns what can be measured at the period's end.
     pub fn step(&mut self, drive: Drive, rest_rad: f64) -> Reading {
         let angle = self.state.position();
         let torque_n_m = match drive {
@@ -80,26 +80,26 @@ impl<S: Stepper> Rig<S> {
         self.now()
     }
 
-    /// A torque with that of the cogging at an angle, N·m.
+    /// The sum of a torque and the cogging torque at an angle, N·m.
     fn with_cogging(&self, torque_n_m: f64, angle_rad: f64) -> f64 {
         self.cogging
             .iter()
             .fold(torque_n_m, |sum, it| sum + it.torque(angle_rad))
     }
 
-    /// Currents `(i_d, i_q)` in the rotor's true frame, A.
+    /// Currents `(i_d, i_q)` in the frame of the rotor's true angle, A.
     #[must_use]
     pub fn dq_a(&self) -> (f64, f64) {
         self.windings.dq_a(self.state.position())
     }
 
-    /// The plant's state, to start it elsewhere or to disturb it.
+    /// The plant's state, so that a caller can set or disturb it.
     pub fn state_mut(&mut self) -> &mut S::State {
         &mut self.state
     }
 }
 
-/// The thesis' knob: 1e-4 kg·m², 4e-4 N·m·s/rad, without its dry friction.
+/// The device of the thesis' knob without its dry friction: 1e-4 kg·m², 4e-4 N·m·s/rad.
 pub const KNOB: Device = Device {
     inertia: 1e-4,
     damping: 4e-4,

@@ -1,21 +1,22 @@
-//! Low-side shunts, their amplifiers and the converter: currents to codes.
+//! Current sensors: shunts between the lower transistors and ground, their amplifiers and the converter. They turn currents into
+//! codes.
 
-/// Reference of the converters, V.
+/// Reference voltage of the converters, V.
 const REFERENCE_V: f64 = 3.3;
 
-/// One phase's current sensor.
+/// The current sensor of one phase.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shunt {
-    /// Current into the motor per code, A; negative where the amplifier inverts.
+    /// Current into the motor per code of the converter, A; negative if the code falls with the current.
     pub amps_per_code: f64,
-    /// Code without current; a real one lies between two.
+    /// Code at zero current; on a real board it lies between two codes.
     pub offset_code: f64,
-    /// Largest code.
+    /// Largest code of the converter.
     pub full_scale: u16,
 }
 
 impl Shunt {
-    /// A 12-bit converter.
+    /// A current sensor with a 12-bit converter.
     #[must_use]
     pub const fn bits12(amps_per_code: f64, offset_code: f64) -> Self {
         Self {
@@ -25,14 +26,14 @@ impl Shunt {
         }
     }
 
-    /// A 12-bit converter behind an amplifier that does not invert, and a shunt below the lower transistor. A current into the motor
-    /// comes from ground through that shunt and pulls its upper end below ground: it lowers the code.
+    /// A current sensor with a shunt below the lower transistor, an amplifier that does not invert, and a 12-bit converter. A
+    /// current into the motor comes from ground through the shunt and pulls its upper end below ground, so it lowers the code.
     #[must_use]
     pub const fn low_side(shunt_ohm: f64, gain: f64, offset_code: f64) -> Self {
         Self::bits12(-REFERENCE_V / 4_096.0 / (shunt_ohm * gain), offset_code)
     }
 
-    /// The code for a current.
+    /// The converter's code for a current into the motor, A.
     #[must_use]
     pub fn code(&self, current_a: f64) -> u16 {
         let exact = self.offset_code + current_a / self.amps_per_code;

@@ -1,36 +1,37 @@
 //! The windings of a motor with a round magnetised rotor (no saliency): exact over an interval of constant speed.
 //!
-//! With phases as complex numbers that stand still (amplitude-invariant: `i = 2/3 (i_a + i_b e^{2πj/3} + i_c e^{4πj/3})`):
+//! The phase currents are one complex number in the stationary frame (amplitude-invariant:
+//! `i = 2/3 (i_a + i_b e^{2πj/3} + i_c e^{4πj/3})`):
 //!
 //! ```text
 //! L di/dt = v - R i - j ω λ e^{jθ}          torque = 3/2 p λ Im(i e^{-jθ})
 //! ```
 //!
-//! For constant `v` and `ω` the solution is `i = v/R + i_p e^{jθ} + c e^{-Rt/L}` with `i_p = -jωλ/(R + jωL)`, and the torque's
-//! mean over the interval follows in closed form.
+//! For constant `v` and `ω` the solution is `i = v/R + i_p e^{jθ} + c e^{-Rt/L}` with `i_p = -jωλ/(R + jωL)`. The mean torque over the
+//! interval follows in closed form.
 
 use nalgebra::Complex;
 
 type C = Complex<f64>;
 
-/// A motor.
+/// The parameters of a motor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorParameters {
     /// Resistance of a phase to the star point, Ω.
     pub resistance_ohm: f64,
     /// Inductance of a phase to the star point, H.
     pub inductance_h: f64,
-    /// Flux linkage `λ` of a phase, amplitude, Wb (V·s): back-EMF amplitude over electrical speed.
+    /// Amplitude of a phase's flux linkage `λ`, Wb (V·s): the back-EMF's amplitude divided by the electrical speed.
     pub flux_linkage_wb: f64,
-    /// Pole pairs `p`.
+    /// Number of pole pairs `p`.
     pub pole_pairs: u32,
-    /// Electrical angle at shaft angle 0, rad.
+    /// Electrical angle of the rotor at shaft angle 0, rad.
     pub electrical_zero_rad: f64,
-    /// Two phases are swapped: the electrical angle falls when the shaft's angle rises.
+    /// Whether two phases are swapped: the electrical angle then falls when the shaft's angle rises.
     pub reversed: bool,
 }
 
-/// A gimbal-type motor: 0.25 N·m/A at 7 pole pairs, 6 Ω, 3 mH; 0.5 N·m at 2 A, which 24 V can drive.
+/// A gimbal-type motor: 0.25 N·m/A with 7 pole pairs, 6 Ω, 3 mH. It gives 0.5 N·m at 2 A, which a bus of 24 V can drive.
 pub const GIMBAL: MotorParameters = MotorParameters {
     resistance_ohm: 6.0,
     inductance_h: 3e-3,
@@ -42,53 +43,53 @@ pub const GIMBAL: MotorParameters = MotorParameters {
 };
 
 impl MotorParameters {
-    /// Torque constant `3/2 p λ`, N·m/A of `i_q`.
+    /// Torque constant `3/2 p λ`: N·m per ampere of the q-axis current.
     #[must_use]
     pub fn torque_constant_nm_per_a(&self) -> f64 {
         1.5 * f64::from(self.pole_pairs) * self.flux_linkage_wb
     }
 
-    /// Electrical angle for a shaft angle, rad.
+    /// Electrical angle of the rotor at a shaft angle, rad.
     #[must_use]
     pub fn electrical_rad(&self, angle_rad: f64) -> f64 {
         self.ratio() * angle_rad + self.electrical_zero_rad
     }
 
-    /// Electrical turns a turn, with the direction's sign.
+    /// Electrical turns per turn of the shaft; negative if two phases are swapped.
     fn ratio(&self) -> f64 {
         let p = f64::from(self.pole_pairs);
         if self.reversed { -p } else { p }
     }
 }
 
-/// Windings prepared for intervals of one length, with their current.
+/// The windings with their current, prepared for intervals of one length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Windings {
     motor: MotorParameters,
     interval_s: f64,
-    /// Decay: `e^{-RT/L}`.
+    /// Factor by which a current decays in an interval: `e^{-RT/L}`.
     decay: f64,
     current: C,
 }
 
-/// `size e^{j angle}`, by functions of which the bits are the same everywhere.
+/// The complex number `size e^{j angle}`, by functions whose bits are the same on every machine.
 fn polar(size: f64, angle_rad: f64) -> C {
     let (sin, cos) = libm::sincos(angle_rad);
     C::new(size * cos, size * sin)
 }
 
-/// A third of a turn.
+/// The complex number `e^{2πj/3}`, a third of a turn.
 fn third() -> C {
     polar(1.0, std::f64::consts::TAU / 3.0)
 }
 
-/// The vector of three phases.
+/// The complex vector of three phase quantities.
 fn vector([a, b, c]: [f64; 3]) -> C {
     let t = third();
     (C::from(a) + t * b + t.conj() * c) * (2.0 / 3.0)
 }
 
-/// `∫₀ᵀ e^{-jωt} dt`, also for small `ωT`.
+/// `∫₀ᵀ e^{-jωt} dt`, accurate for small `ωT` too.
 fn turning_integral(omega: f64, interval: f64) -> C {
     let half = 0.5 * omega * interval;
     let sinc = if half.abs() < 1e-4 {
@@ -100,7 +101,7 @@ fn turning_integral(omega: f64, interval: f64) -> C {
 }
 
 impl Windings {
-    /// Without current, for intervals of `interval_s` seconds.
+    /// Windings without current, for intervals of `interval_s` seconds.
     #[must_use]
     pub fn new(motor: MotorParameters, interval_s: f64) -> Self {
         Self {
@@ -111,7 +112,7 @@ impl Windings {
         }
     }
 
-    /// The same currents, with intervals of another length: where the bridge changes within a period.
+    /// The same windings with the same current for intervals of another length, e.g. if the bridge changes within a PWM period.
     #[must_use]
     pub fn with_interval(self, interval_s: f64) -> Self {
         Self {
@@ -120,7 +121,7 @@ impl Windings {
         }
     }
 
-    /// The motor.
+    /// The motor's parameters.
     #[must_use]
     pub const fn motor(&self) -> &MotorParameters {
         &self.motor
@@ -133,15 +134,15 @@ impl Windings {
         [self.current, self.current * t.conj(), self.current * t].map(|i| i.re)
     }
 
-    /// Currents `(i_d, i_q)` at a shaft angle, A.
+    /// Currents `(i_d, i_q)` at this shaft angle, A.
     #[must_use]
     pub fn dq_a(&self, angle_rad: f64) -> (f64, f64) {
         let i = self.current * polar(1.0, -self.motor.electrical_rad(angle_rad));
         (i.re, i.im)
     }
 
-    /// Crosses one interval with the phases at these voltages (against any common point); the shaft begins at an angle and
-    /// turns at a constant speed. Returns the mean torque on the shaft along `+x`, N·m.
+    /// Advances by one interval with these constant phase voltages (against any common point). The shaft begins at `angle_rad` and
+    /// turns at a constant speed. Returns the mean torque on the shaft in the direction of positive angles, N·m.
     pub fn step(&mut self, phases_v: [f64; 3], angle_rad: f64, speed_rad_per_s: f64) -> f64 {
         let MotorParameters {
             resistance_ohm: r,
@@ -167,10 +168,12 @@ impl Windings {
         self.torque(integral.im / t)
     }
 
-    /// Crosses one interval with all switches open: the current flows on through the diodes, against the bus, and ends.
+    /// Advances by one interval with all switches open: the current continues through the diodes against the bus voltage until it
+    /// is zero. Returns the mean torque on the shaft in the direction of positive angles, N·m.
     ///
-    /// The diodes hold the vector at `-2/3 (bus + 2 drops)` along the current; the back-EMF is neglected against that. Without
-    /// current nothing flows, which is right as long as the back-EMF between two phases is below the bus: faster motors would brake.
+    /// While the current flows, the diodes hold the voltage vector at `-2/3 (bus + 2 drops)` along the current; the smaller
+    /// back-EMF is neglected. After that no current flows. This is right while the back-EMF between two phases is below the bus
+    /// voltage; a faster motor would brake.
     pub fn freewheel(&mut self, bus_v: f64, diode_v: f64, angle_rad: f64) -> f64 {
         let size = libm::hypot(self.current.re, self.current.im);
         if size == 0.0 {
@@ -194,7 +197,7 @@ impl Windings {
         self.torque(q * integral / self.interval_s)
     }
 
-    /// Torque along `+x` for a current `i_q`.
+    /// Torque in the direction of positive angles for a q-axis current, N·m.
     fn torque(&self, q: f64) -> f64 {
         let torque = self.motor.torque_constant_nm_per_a() * q;
         if self.motor.reversed { -torque } else { torque }

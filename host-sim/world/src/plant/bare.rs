@@ -1,4 +1,4 @@
-//! A device without a hand and without dry friction.
+//! A plant of a device without a hand and without dry friction.
 
 use nalgebra::{SMatrix, matrix};
 
@@ -7,15 +7,14 @@ use super::flow::{apply, columns, flow_integral, quadratic, quadratic_integral, 
 use super::state::State;
 use super::stepper::{LinearStepper, Loss, Stepper};
 
-/// Inertia and viscous damping under a held torque: `J dv/dt = u - b v`, two states.
+/// A device with inertia and viscous damping under a held torque: `J dv/dt = u - b v`, two states.
 ///
-/// A rest point is accepted and not read: there is no hand. The device's friction, where it has any, is left out: this is
-/// its linear part.
+/// The hand's rest point is accepted but not used, because there is no hand. Dry friction of the device is ignored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BareLinear {
-    /// Increment of `[x, v]` for each entry of the drive `[v, u]`.
+    /// Increment of the state `[x, v]` in an interval for each entry of the vector `[v, u]`.
     step: [[f64; 2]; 2],
-    /// Quadratic form of the viscous loss in the drive, J.
+    /// Matrix of the viscous loss in an interval, J, as a quadratic form of the vector `[v, u]`.
     loss: [[f64; 2]; 2],
     pub(super) inertia: f64,
     pub(super) damping: f64,
@@ -45,13 +44,13 @@ impl BareLinear {
         })
     }
 
-    /// Increment of `[x, v]` under the torque `w`.
+    /// Increment of `[x, v]` in an interval under the constant torque `w`.
     #[inline(always)]
     pub(super) fn increment(&self, velocity: f64, w: f64) -> [f64; 2] {
         apply(&self.step, &[velocity, w])
     }
 
-    /// `b ∫v² dt` over the interval under the torque `w`, J.
+    /// Viscous loss `b ∫v² dt` over the interval under the constant torque `w`, J.
     #[inline(always)]
     pub(super) fn viscous_loss(&self, velocity: f64, w: f64) -> f64 {
         quadratic(&self.loss, &[velocity, w])

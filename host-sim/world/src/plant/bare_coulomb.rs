@@ -1,19 +1,19 @@
-//! A device without a hand, with Coulomb friction: exact in closed form.
+//! A device without a hand, with Coulomb friction; exact in closed form.
 
 use super::bare::BareLinear;
 use super::device::{Coulomb, Device, Invalid};
 use super::state::State;
 use super::stepper::{Loss, Stepper};
 
-/// `J dv/dt = u - b v - friction(v)` under a held torque: two states.
+/// `J dv/dt = u - b v - friction(v)` under a held torque `u`: two states.
 ///
-/// While the device turns, friction is one more constant torque, `w = u - sign(v) F_k`, and the velocity moves
-/// monotonically towards `w/b`. It changes sign in the interval exactly if its value at the end has the other sign. Then
-/// the stop is known by one logarithm, and what follows it depends on `u` alone: rest while `|u| <= F_s`, else a start in
-/// the other direction that nothing ends. So there is at most one stop and one start in an interval.
+/// While the device turns, friction is a constant torque, so the total is `w = u - sign(v) F_k` and the velocity goes monotonically
+/// towards `w/b`. The velocity changes sign in the interval exactly if its value at the end has the other sign. Then a logarithm
+/// gives the time of the stop. What follows the stop depends on `u` alone: rest while `|u| <= F_s`, otherwise a start in the other
+/// direction, which lasts to the end of the interval. So an interval has at most one stop and one start.
 ///
-/// A tick without a stop is bit-identical to [`BareLinear`] under the torque `w`. With both levels of friction zero,
-/// ticks in which the velocity changes sign agree with [`BareLinear`] to rounding only.
+/// A tick without a stop gives the same bits as [`BareLinear`] under the torque `w`. If both levels of friction are zero, ticks in
+/// which the velocity changes sign agree with [`BareLinear`] to rounding only.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BareCoulomb {
     sliding: BareLinear,
@@ -36,7 +36,7 @@ impl BareCoulomb {
         })
     }
 
-    /// Advances by one interval; losses are computed only with `LOSS`.
+    /// Advances by one interval. Computes the losses only if `LOSS` is true.
     #[inline(always)]
     fn advance<const LOSS: bool>(&self, state: &mut State<2>, torque: f64) -> Loss {
         let v = state.0[1];
@@ -64,7 +64,7 @@ impl BareCoulomb {
         }
     }
 
-    /// The interval in which the device, turning under `w`, comes to a stop.
+    /// Advances by an interval in which the device, turning under the total torque `w`, comes to a stop.
     #[cold]
     #[inline(never)]
     fn stop_and_go_on<const LOSS: bool>(&self, state: &mut State<2>, torque: f64, w: f64) -> Loss {
@@ -91,7 +91,7 @@ impl BareCoulomb {
         }
     }
 
-    /// From `v` to rest under `w` of the other sign: the time it takes, and what happens in it.
+    /// The motion from velocity `v` to rest under a torque `w` of the opposite sign: returns its duration and what happens in it.
     ///
     /// With `q = -b v / w = exp(b τ / J) - 1`:
     ///
@@ -101,8 +101,8 @@ impl BareCoulomb {
     /// b ∫v² dt = J v² (1/2 - Λ(q))
     /// ```
     ///
-    /// Up to `q = 1` all three come from the series of `atanh`, `ln(1 + q) = 2 atanh(q / (2 + q))`, in a form in which
-    /// nothing cancels, down to `b = 0`.
+    /// Up to `q = 1` all three come from the series of `atanh`, `ln(1 + q) = 2 atanh(q / (2 + q))`, in a form without cancellation, down to
+    /// `b = 0`.
     fn stop(&self, v: f64, w: f64) -> (f64, Piece) {
         let (j, b) = (self.sliding.inertia, self.sliding.damping);
         let q = (-v * b / w).min(f64::MAX);
@@ -135,7 +135,7 @@ impl BareCoulomb {
         )
     }
 
-    /// From rest under `w` for the time `t`: the final velocity, and what happens on the way.
+    /// The motion from rest under the torque `w` for the time `t`: returns the final velocity and what happens in it.
     ///
     /// With `z = b t / J`:
     ///
@@ -159,13 +159,13 @@ impl BareCoulomb {
     }
 }
 
-/// Part of an interval, without change of direction.
+/// Displacement and loss in a part of an interval in which the direction does not change.
 struct Piece {
     travel: f64,
     viscous_j: f64,
 }
 
-/// `(φ₁, φ₂, κ)` of [`BareCoulomb::start`], for `z >= 0`.
+/// The functions `(φ₁, φ₂, κ)` of [`BareCoulomb::start`], for `z >= 0`.
 fn growth(z: f64) -> (f64, f64, f64) {
     if z > 1.0 {
         let decayed = libm::exp(-z);

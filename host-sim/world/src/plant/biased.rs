@@ -4,22 +4,22 @@ use super::device::Invalid;
 use super::state::State;
 use super::stepper::{Loss, Stepper};
 
-/// A plant with dry friction, of which both levels are greater by `bias` against positive motion and smaller by it against
-/// negative motion.
+/// A plant whose dry friction is larger by `bias` against positive motion and smaller by `bias` against negative motion, at rest
+/// and in motion.
 ///
-/// That is the plant with equal friction under a torque that is smaller by `bias`: in motion `u - (F + bias)` and `u + (F - bias)`, and
-/// at rest `-(F_s - bias) <= u <= F_s + bias`, are what equal friction makes of `u - bias`. So it is as exact as that plant. The
-/// bias is friction and no motor: its work is dissipated.
+/// It is the plant with equal friction under the torque `u - bias`. In motion the torque is `u - (F + bias)` or `u + (F - bias)`.
+/// Rest lasts while `-(F_s - bias) <= u <= F_s + bias`. So it is as exact as that plant. The bias is friction and not a motor: its
+/// work is dissipated.
 pub struct Biased<const N: usize> {
     inner: Box<dyn Stepper<State = State<N>>>,
     bias: f64,
 }
 
 impl<const N: usize> Biased<N> {
-    /// Around a plant with equal friction of `kinetic`.
+    /// Wraps a plant with equal friction; `kinetic` is its friction in motion.
     ///
     /// # Errors
-    /// [`Invalid`] for a bias with which friction would drive the device.
+    /// [`Invalid`] for a bias so large that friction would drive the device.
     pub fn new(
         inner: impl Stepper<State = State<N>> + 'static,
         kinetic: f64,

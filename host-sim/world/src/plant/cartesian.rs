@@ -1,7 +1,8 @@
-//! A device of three translations, as three axes that do not feel each other, and its published limits.
+//! A device with three translations as three independent axes, and its published limits.
 //!
-//! In its workspace a delta robot's effector is to a first approximation a mass that every direction moves alike; its linkage, whose inertia varies, is not
-//! in here. Each axis has its own stepper, so that the step is exact for linear axes, and its energy balance close as theirs do.
+//! In its workspace the effector of a delta robot is to a first approximation a mass that is the same in every direction. The
+//! inertia of the linkage, which varies, is not included. Each axis has its own stepper. So the step is exact for linear axes, and
+//! the energy balance closes as for one axis.
 
 use super::device::{Device, Invalid};
 use super::hand::Hand;
@@ -9,14 +10,14 @@ use super::held::HeldLinear;
 use super::state::{Kinematics, State};
 use super::stepper::{Loss, Stepper};
 
-/// Known limits of a device with three translations.
+/// Published limits of a device with three translations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Longest force in any direction, N.
+    /// Largest force in any direction, N.
     pub force_n: f64,
-    /// Radius of the workspace across the vertical, m.
+    /// Radius of the workspace, m: a cylinder with a vertical axis.
     pub radius_m: f64,
-    /// Half of its height, m.
+    /// Half of the workspace's height, m.
     pub half_height_m: f64,
     /// Resolution of the position along each axis, m.
     pub count_m: f64,
@@ -25,7 +26,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// A force that the motors give: a longer one is scaled, its direction kept.
+    /// The force that the motors give for a command, N: a larger one is scaled down and keeps its direction.
     #[must_use]
     pub fn limited(&self, force_n: [f64; 3]) -> [f64; 3] {
         let length = libm::sqrt(force_n.iter().map(|f| f * f).sum());
@@ -35,21 +36,22 @@ impl Limits {
         force_n.map(|f| f * self.force_n / length)
     }
 
-    /// Whether the effector can be there.
+    /// Whether the position is in the workspace.
     #[must_use]
     pub fn reaches(&self, position_m: [f64; 3]) -> bool {
         let [x, y, z] = position_m;
         x * x + y * y <= self.radius_m * self.radius_m && z.abs() <= self.half_height_m
     }
 
-    /// The nearest counts.
+    /// The position in whole steps of the resolution [`Limits::count_m`].
     #[must_use]
     pub fn counts(&self, position_m: [f64; 3]) -> [i32; 3] {
         position_m.map(|x| libm::round(x / self.count_m) as i32)
     }
 }
 
-/// Force Dimension's omega.3: 12 N, a workspace of 160 mm across and 110 mm of height, positions to 0.01 mm, 1 to 4 kHz.
+/// The limits of Force Dimension's omega.3: 12 N, a workspace of 160 mm diameter and 110 mm height, positions to 0.01 mm, 1 to 4
+/// kHz.
 pub const OMEGA3: Limits = Limits {
     force_n: 12.0,
     radius_m: 0.08,
@@ -58,16 +60,16 @@ pub const OMEGA3: Limits = Limits {
     rates_hz: (1000, 4000),
 };
 
-/// The omega.3's effector: 0.148 kg, which its maker's library uses, and the 2.5 N·s/m that the thesis found (§5.2),
-/// along each axis.
+/// Each axis of an omega.3: 0.148 kg, the effector's mass in its maker's library, and 2.5 N·s/m, which the thesis found (§5.2).
 pub const OMEGA3_AXIS: Device = Device {
     inertia: 0.148,
     damping: 2.5,
     friction: None,
 };
 
-/// A firm hand at the effector, along each axis: 0.8 kg, 5.5 N·s/m, 300 N/m, pad 2000 N/m and 0.5 N·s/m. Chosen, not measured; the pad damps a fifth of the device, as that of
-/// the thesis' knob does.
+/// A firm hand at the effector, for each axis: 0.8 kg, 5.5 N·s/m, 300 N/m, fingertip pad 2000 N/m and 0.5 N·s/m.
+///
+/// The values are chosen, not measured. The pad's damping is a fifth of the device's, as with the thesis' knob.
 pub const FIRM_TRANSLATION: Hand = Hand {
     inertia: 0.8,
     damping: 5.5,
@@ -76,7 +78,8 @@ pub const FIRM_TRANSLATION: Hand = Hand {
     pad_stiffness: 2000.0,
 };
 
-/// A light touch at the effector, along each axis: the linear values of [`super::LIGHT`], its pad's damping in that grip's ratio to the firm one.
+/// A light touch at the effector, for each axis: the linear values of [`super::LIGHT`]. The pad's damping has the ratio to that of
+/// [`FIRM_TRANSLATION`] which the two grips of a knob have.
 pub const LIGHT_TRANSLATION: Hand = Hand {
     inertia: 0.1,
     damping: 1.0,
@@ -85,7 +88,7 @@ pub const LIGHT_TRANSLATION: Hand = Hand {
     pad_stiffness: 300.0,
 };
 
-/// An ordinary grip at the effector, along each axis: as [`LIGHT_TRANSLATION`], of [`super::MEDIUM`].
+/// An ordinary grip at the effector, for each axis: derived from [`super::MEDIUM`] as [`LIGHT_TRANSLATION`] is from the light grip.
 pub const MEDIUM_TRANSLATION: Hand = Hand {
     inertia: 0.3,
     damping: 3.0,
@@ -94,17 +97,17 @@ pub const MEDIUM_TRANSLATION: Hand = Hand {
     pad_stiffness: 700.0,
 };
 
-/// Three axes.
+/// Three independent axes, each with its own stepper.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cartesian<S> {
     axes: [S; 3],
 }
 
 impl<S: Stepper> Cartesian<S> {
-    /// Three steppers with the same interval.
+    /// A device of three steppers, which must have the same interval.
     ///
     /// # Errors
-    /// [`Invalid`] where the intervals differ.
+    /// [`Invalid`] if the intervals differ.
     pub fn new(axes: [S; 3]) -> Result<Self, Invalid> {
         let interval = axes[0].interval_s();
         match axes.iter().find(|axis| axis.interval_s() != interval) {
@@ -117,26 +120,26 @@ impl<S: Stepper> Cartesian<S> {
         }
     }
 
-    /// At rest at a place.
+    /// The states of the three axes at rest at a position.
     #[must_use]
     pub fn at_rest(position: [f64; 3]) -> [S::State; 3] {
         position.map(S::State::at_rest)
     }
 
-    /// The place of the effector, m.
+    /// Position of the effector, m.
     #[must_use]
     pub fn position(state: &[S::State; 3]) -> [f64; 3] {
         state.map(|axis| axis.position())
     }
 
-    /// Crosses one interval under a force on the effector and a rest point of the hand.
+    /// Advances by one interval under a force on the effector (N) and a rest point of the hand (m).
     pub fn step(&self, state: &mut [S::State; 3], force: [f64; 3], rest: [f64; 3]) {
         for (i, axis) in self.axes.iter().enumerate() {
             axis.step(&mut state[i], force[i], rest[i]);
         }
     }
 
-    /// Same as [`Cartesian::step`], bit for bit; returns the dissipated energy.
+    /// Same as [`Cartesian::step`], bit for bit. Also returns the dissipated energy.
     pub fn step_with_loss(
         &self,
         state: &mut [S::State; 3],
@@ -150,7 +153,7 @@ impl<S: Stepper> Cartesian<S> {
         loss
     }
 
-    /// Kinetic and spring energy of device and hand, J.
+    /// Kinetic energy and energy of the springs of device and hand, J.
     #[must_use]
     pub fn stored_energy_j(&self, state: &[S::State; 3], rest: [f64; 3]) -> f64 {
         (0..3)
@@ -160,16 +163,16 @@ impl<S: Stepper> Cartesian<S> {
 }
 
 impl Cartesian<HeldLinear> {
-    /// The same device and hand along each axis.
+    /// A device in a hand, with the same parameters along each axis.
     ///
     /// # Errors
-    /// [`Invalid`] for an impossible device or hand.
+    /// [`Invalid`] for a device or hand that is out of range.
     pub fn held(device: &Device, hand: &Hand, interval_s: f64) -> Result<Self, Invalid> {
         let axis = HeldLinear::new(device, hand, interval_s)?;
         Self::new([axis.clone(), axis.clone(), axis])
     }
 
-    /// Where the hand's mass is, m.
+    /// Position of the hand's mass, m.
     #[must_use]
     pub fn hand(state: &[State<4>; 3]) -> [f64; 3] {
         state.map(|axis| axis.hand_position())
@@ -189,7 +192,7 @@ mod tests {
         assert_eq!(OMEGA3.counts([1.04e-5, -1.06e-5, 0.02]), [1, -1, 2000]);
     }
 
-    /// Each axis is the device of one axis, bit for bit, and the energy balance of all three closes.
+    /// Checks that each axis equals the device of one axis, bit for bit, and that the energy balance of all three closes.
     #[test]
     fn the_axes_are_those_of_one_device_each_and_the_books_close() {
         let plant = Cartesian::held(&OMEGA3_AXIS, &FIRM_TRANSLATION, 2.5e-4).unwrap();

@@ -1,45 +1,45 @@
-//! The device: one inertia, viscous damping, and dry friction where it has any.
+//! A simulated device: one inertia, viscous damping, and dry friction if it has any.
 
-/// A one-axis device.
+/// A device with one axis; units of a translational axis are in brackets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Device {
     /// Inertia `J` of everything that turns with the knob, kg·m² (kg); above zero.
     pub inertia: f64,
-    /// Viscous damping `b` to ground, N·m·s/rad (N·s/m); zero or more.
+    /// Viscous damping `b` of the device to ground, N·m·s/rad (N·s/m); zero or more.
     ///
-    /// This is the device's own. The `c_i` that the thesis found by feel contains the fingertip as well, see
+    /// It is that of the device alone. The `c_i` that the thesis found by feel includes the fingertip's damping, see
     /// [`super::Hand`].
     pub damping: f64,
-    /// Dry friction to ground; `None` for a device without any.
+    /// Dry friction of the device to ground; `None` for a device without any.
     pub friction: Option<Coulomb>,
 }
 
-/// Coulomb friction with a static level of its own (Amontons–Coulomb).
+/// Coulomb friction with a separate level at rest (Amontons–Coulomb).
 ///
-/// While the device turns, friction is `kinetic` against the motion. At rest it balances whatever the rest of the
-/// plant exerts, up to `breakaway` inclusive; more than that sets the device in motion.
+/// While the device turns, the friction torque is `kinetic` against the motion. At rest it balances all other torques on the device
+/// up to `breakaway` inclusive. A larger torque sets the device in motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coulomb {
-    /// Friction in motion `F_k`, N·m (N); zero or more.
+    /// Friction torque in motion `F_k`, N·m (N); zero or more.
     pub kinetic: f64,
-    /// Largest friction at rest `F_s`, N·m (N); at least the kinetic one.
+    /// Largest friction torque at rest `F_s`, N·m (N); at least `kinetic`.
     pub breakaway: f64,
 }
 
-/// A plant parameter that no plant can have.
+/// The error for a plant parameter that is out of range.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("{field} is {value}, it must be {needs}")]
 pub struct Invalid {
-    /// Field as it is named in its struct.
+    /// Name of the field in its struct.
     pub field: &'static str,
-    /// The value given.
+    /// The refused value.
     pub value: f64,
-    /// What would be accepted.
+    /// The accepted range, in words.
     pub needs: &'static str,
 }
 
 impl Device {
-    /// Checks the ranges given at the fields.
+    /// Checks that every field is in the range that its comment gives.
     ///
     /// # Errors
     /// [`Invalid`] names the first field out of range.
@@ -49,7 +49,10 @@ impl Device {
         self.friction.map_or(Ok(()), |friction| friction.validate())
     }
 
-    /// The friction, for the steppers that cannot do without.
+    /// The device's friction, for steppers that need one.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a device without friction.
     pub(super) fn required_friction(&self) -> Result<Coulomb, Invalid> {
         self.friction.ok_or(Invalid {
             field: "friction",
@@ -60,7 +63,7 @@ impl Device {
 }
 
 impl Coulomb {
-    /// Checks the ranges given at the fields.
+    /// Checks that every field is in the range that its comment gives.
     ///
     /// # Errors
     /// [`Invalid`] names the first field out of range.

@@ -1,35 +1,37 @@
-//! The exact step of a linear system as a matrix, worked out when a plant is planned, and its application in a tick.
+//! The exact step of a linear system as a matrix. The matrix is computed once, when a plant is made, and applied in every tick.
 //!
-//! A plant is written as `y' = M y` for its *drive* `y` (velocities, strains and the held torque: what the motion depends
-//! on, and no absolute angle) and `z' = R y` for its state `z`. Then
+//! A plant is written as `y' = M y` for its *drive* `y` and as `z' = R y` for its state `z`. The drive has all on which the motion depends:
+//! velocities, strains and the held torque, but no absolute angle. Then
 //!
 //! ```text
 //! z(h) - z(0) = R Ψ(h) y(0),    Ψ(h) = ∫₀ʰ exp(M t) dt,    exp(M h) = I + M Ψ(h)
 //! ```
 //!
-//! which is the augmented matrix exponential of Van Loan (IEEE TAC 23(3) 395, 1978) read as an increment. Increments keep
-//! their relative accuracy when damping or interval go to zero, where the usual closed form `(m/b)(1 - exp(-bT/m))`
-//! cancels, and a singular `M` (no damping, no spring) is nothing special.
+//! This is the augmented matrix exponential of Van Loan (IEEE TAC 23(3) 395, 1978) as an increment. Increments keep their relative accuracy
+//! when damping or interval go to zero, where the usual closed form `(m/b)(1 - exp(-bT/m))` cancels. A singular `M` (no damping, no
+//! spring) needs no special case.
 
 use super::device::Invalid;
 use nalgebra::{SMatrix, Scalar};
 
-/// Below this norm the series converges within [`TERMS`] terms; above it the interval is halved first and doubled back.
+/// Largest norm of `M h` for which the series converges within [`TERMS`] terms. For a larger one the interval is halved repeatedly,
+/// and the result is doubled back.
 const SERIES_NORM: f64 = 0.5;
-/// `0.5^18 / 18!` is 6e-22: far below rounding.
+/// Number of terms of the series. The first term left out is below `0.5^18 / 18!`, 6e-22, far below rounding.
 const TERMS: u32 = 18;
 
-/// Largest row sum of magnitudes, a norm for which `norm(M^k) <= norm(M)^k`.
+/// Largest sum of magnitudes of a row: a norm with `norm(M^k) <= norm(M)^k`.
 pub(crate) fn row_sum_norm<const K: usize>(m: &SMatrix<f64, K, K>) -> f64 {
     m.row_iter()
         .map(|row| row.iter().map(|entry| entry.abs()).sum())
         .fold(0.0, f64::max)
 }
 
-/// Above this norm of `M h` the slow part is lost in 53 bits; an infinite norm would need halvings without end.
+/// Largest accepted norm of `M h`. Above it the slow part of the motion is lost in the 53 bits of a float, and an infinite norm
+/// would need endless halvings.
 const MOST_NORM: f64 = 1e15;
 
-/// Refuses a system whose rates are too far apart for numbers.
+/// Refuses a system whose fastest and slowest rates differ too much for floating-point numbers.
 pub(crate) fn within_numbers<const K: usize>(
     m: &SMatrix<f64, K, K>,
     h: f64,
@@ -42,7 +44,7 @@ pub(crate) fn within_numbers<const K: usize>(
     })
 }
 
-/// How often to halve an interval with this norm of `M h` so that the series converges.
+/// Number of times that an interval with this norm of `M h` must be halved so that the series converges.
 fn halvings(norm: f64) -> u32 {
     if norm > SERIES_NORM {
         libm::log2(norm / SERIES_NORM).ceil() as u32
@@ -51,10 +53,10 @@ fn halvings(norm: f64) -> u32 {
     }
 }
 
-/// Beyond this norm of `M h` the flow is squared beside its integral. Sensible plants are far below it.
+/// Norm of `M h` above which [`stiff_flow`] is used. Plants with usual values are far below it.
 const STIFF_NORM: f64 = 4096.0;
 
-/// `Ψ(h) = ∫₀ʰ exp(M t) dt`: Taylor series over `h / 2ⁿ`, then `Ψ(2t) = 2 Ψ(t) + M Ψ(t) Ψ(t)`.
+/// `Ψ(h) = ∫₀ʰ exp(M t) dt`: a Taylor series over `h / 2ⁿ`, then `n` times `Ψ(2t) = 2 Ψ(t) + M Ψ(t) Ψ(t)`.
 pub(crate) fn flow_integral<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> SMatrix<f64, K, K> {
     let norm = row_sum_norm(m) * h;
     if norm > STIFF_NORM {
@@ -68,7 +70,7 @@ pub(crate) fn flow_integral<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> S
     psi
 }
 
-/// The series over `h / 2ⁿ`.
+/// The Taylor series of `Ψ` over `h / 2ⁿ`, where `n` is `doublings`.
 fn series<const K: usize>(m: &SMatrix<f64, K, K>, h: f64, doublings: u32) -> SMatrix<f64, K, K> {
     let base = libm::ldexp(h, -(doublings as i32));
     let mut term = SMatrix::<f64, K, K>::identity() * base;
@@ -80,9 +82,11 @@ fn series<const K: usize>(m: &SMatrix<f64, K, K>, h: f64, doublings: u32) -> SMa
     psi
 }
 
-/// `exp(M h)` and `Ψ(h)` of a stiff system. `M Ψ Ψ` would multiply the rounding of one rate's part by another's: `M` is large where
-/// `Ψ` is small, and the two need not meet. `X = Φ - I` by itself, `X(2t) = 2 X + X X` and `Ψ(2t) = 2 Ψ + X Ψ`, has no large factor, and
-/// keeps the digits of what is slow.
+/// `exp(M h)` and `Ψ(h)` of a stiff system.
+///
+/// In `M Ψ Ψ` the rounding error of one rate's part would be multiplied by another's, because `M` is large where `Ψ` is small. So
+/// `X = Φ - I` is computed by itself, with `X(2t) = 2 X + X X` and `Ψ(2t) = 2 Ψ + X Ψ`. These have no large factor and keep the
+/// digits of the slow part.
 fn stiff_flow<const K: usize>(
     m: &SMatrix<f64, K, K>,
     h: f64,
@@ -97,7 +101,7 @@ fn stiff_flow<const K: usize>(
     (SMatrix::identity() + moved, psi)
 }
 
-/// `exp(M h)`.
+/// The matrix exponential `exp(M h)`.
 pub(crate) fn flow<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> SMatrix<f64, K, K> {
     if row_sum_norm(m) * h > STIFF_NORM {
         return stiff_flow(m, h).0;
@@ -107,8 +111,8 @@ pub(crate) fn flow<const K: usize>(m: &SMatrix<f64, K, K>, h: f64) -> SMatrix<f6
 
 /// `S(h) = ∫₀ʰ exp(M t)ᵀ Q exp(M t) dt`, so that `∫ yᵀ Q y dt = y(0)ᵀ S y(0)`.
 ///
-/// Van Loan reads it off one exponential of twice the size that holds `exp(-Mᵀ h)` too, which overflows for stiff plants;
-/// `S(2t) = S(t) + Φ(t)ᵀ S(t) Φ(t)` only ever adds energies.
+/// Van Loan's method takes it from one exponential of twice the size, which contains `exp(-Mᵀ h)` and overflows for stiff plants.
+/// `S(2t) = S(t) + Φ(t)ᵀ S(t) Φ(t)`, which is used here, only adds energies.
 pub(crate) fn quadratic_integral<const K: usize>(
     m: &SMatrix<f64, K, K>,
     q: &SMatrix<f64, K, K>,
@@ -133,14 +137,14 @@ pub(crate) fn quadratic_integral<const K: usize>(
     s
 }
 
-/// Columns of a matrix as plain arrays, the form in which a tick reads it.
+/// The columns of a matrix as plain arrays, the form that [`apply`] reads in a tick.
 pub(crate) fn columns<T: Scalar + Copy, const N: usize, const K: usize>(
     m: &SMatrix<T, N, K>,
 ) -> [[T; N]; K] {
     std::array::from_fn(|column| std::array::from_fn(|row| m[(row, column)]))
 }
 
-/// Matrix times vector, column by column: independent sums that the compiler puts side by side into one register.
+/// Matrix times vector, column by column. The sums are independent, so the compiler can put several into one register (SIMD).
 #[inline(always)]
 pub(crate) fn apply<const N: usize, const K: usize>(
     columns: &[[f64; N]; K],
@@ -155,7 +159,7 @@ pub(crate) fn apply<const N: usize, const K: usize>(
     sum
 }
 
-/// `yᵀ S y`.
+/// The quadratic form `yᵀ S y` of the drive `y`.
 #[inline(always)]
 pub(crate) fn quadratic<const K: usize>(s: &[[f64; K]; K], drive: &[f64; K]) -> f64 {
     apply(s, drive)
@@ -177,7 +181,8 @@ mod tests {
             .fold(0.0, |largest, entry| largest.max(entry.abs()))
     }
 
-    /// Oscillator with a held input: eigenfrequency 60 1/s, so norms from 1e-3 to 1e3 over the intervals below.
+    /// An oscillator with a held input and an eigenfrequency of 60 1/s. The norms of `M h` are 1e-3 to 1e3 over the intervals
+    /// below.
     fn oscillator() -> Matrix3 {
         matrix![0.0, 1.0, 0.0; -3600.0, -7.0, 2.0; 0.0, 0.0, 0.0]
     }

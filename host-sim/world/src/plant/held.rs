@@ -8,16 +8,15 @@ use super::hand::Hand;
 use super::state::State;
 use super::stepper::{LinearStepper, Loss, Stepper};
 
-/// What the motion depends on: `[v, d, v_h, g, u]` with the strain of the pad `d = x_h - x`, that of the hand's spring
-/// `g = r - x_h`, and the held torque. Without absolute angles the quadratic forms below do not cancel far from zero.
+/// The vector on which the motion depends: `[v, d, v_h, g, u]`, with the pad's strain `d = x_h - x`, the strain of the hand's
+/// spring `g = r - x_h`, and the held torque `u`. It has no absolute angles, so the quadratic forms below do not cancel far from
+/// zero.
 pub(super) type Drive = [f64; 5];
 
-/// Device and hand as in [`super`]'s equations, without friction: four states.
-///
-/// The device's friction, where it has any, is left out: this is its linear part.
+/// Device and hand by the equations of [`super`], without dry friction: four states. Dry friction of the device is ignored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldLinear {
-    /// Increment of `[x, v, x_h, v_h]` for each entry of the drive.
+    /// Increment of the state `[x, v, x_h, v_h]` in an interval for each entry of the drive.
     step: [[f64; 4]; 5],
     device_loss: [[f64; 5]; 5],
     hand_loss: [[f64; 5]; 5],
@@ -26,14 +25,14 @@ pub struct HeldLinear {
     interval_s: f64,
 }
 
-/// The drive of a state.
+/// The drive (see [`Drive`]) of a state, a torque and a rest point.
 #[inline(always)]
 pub(super) fn drive(state: &State<4>, torque: f64, rest: f64) -> Drive {
     let [x, v, x_h, v_h] = state.0;
     [v, x_h - x, v_h, rest - x_h, torque]
 }
 
-/// `M` in `y' = M y` for the drive `y`.
+/// The matrix `M` in `y' = M y` for the drive `y`.
 pub(super) fn drive_matrix(device: &Device, hand: &Hand) -> SMatrix<f64, 5, 5> {
     let (b, k_p, b_p) = (device.damping, hand.pad_stiffness, hand.pad_damping);
     let (b_h, k_h) = (hand.damping, hand.stiffness);
@@ -82,13 +81,13 @@ impl HeldLinear {
         })
     }
 
-    /// Increment of `[x, v, x_h, v_h]`.
+    /// Increment of the state `[x, v, x_h, v_h]` in an interval.
     #[inline(always)]
     pub(super) fn increment(&self, drive: &Drive) -> [f64; 4] {
         apply(&self.step, drive)
     }
 
-    /// Viscous losses of device and hand over the interval.
+    /// Energy that the dampers of device and hand dissipate in an interval, J.
     #[inline(always)]
     pub(super) fn viscous_loss(&self, drive: &Drive) -> Loss {
         Loss {

@@ -1,4 +1,4 @@
-//! A device that a hand holds, with Coulomb friction: exact, with every stop and start located inside the tick.
+//! A device in a hand, with Coulomb friction. Exact: every stop and start is located within the tick.
 
 mod events;
 
@@ -15,49 +15,54 @@ use super::stepper::{Loss, Stepper};
 use super::taylor::NORM;
 use events::Mode;
 
-/// Device and hand as in [`super`]'s equations, with friction: four states and two modes.
+/// Device and hand by the equations of [`super`], with dry friction: four states and two modes.
 ///
-/// *Sliding*, friction is one more constant torque, `w = u - sign(v) F_k`, and the step is [`HeldLinear`]'s. *Stuck*,
-/// `x` stays bit for bit, `v` is exactly zero, and the hand moves alone against a pad whose other side is fixed.
-/// The pad swings, so unlike without a hand a velocity may change sign twice in a tick and look untouched at its end.
+/// *Sliding*: friction is a constant torque, so the total is `w = u - sign(v) F_k` and the step is that of [`HeldLinear`]. *Stuck*: `x` stays
+/// the same bit for bit, `v` is exactly zero, and the hand moves alone against a pad whose other side is fixed. Because the pad
+/// oscillates, the velocity may change sign twice in a tick, which its value at the tick's end does not show.
 ///
-/// Each tick is therefore first judged by a bound that holds without exception. On an interval of length `h` a function
-/// stays within `h²/8 max|f''|` of the straight line between its end values. Where that leaves no room for an event,
-/// which is nearly always, the precomputed matrix is the answer. The bound is taken twice: from the magnitudes of the drive, which
-/// costs least, and where that leaves room, from the magnitudes of its rate of change, which are small wherever a hand's press is
-/// in balance. Otherwise the events are found one after the other on the
-/// power series of the exact solution, to rounding.
+/// So each tick first evaluates a bound that holds in every case: on an interval of length `h` a function stays within `h²/8
+/// max|f''|` of the straight line between its end values. If that leaves no room for an event (a stop or a start), which is nearly
+/// always, the precomputed matrix gives the step. The bound is evaluated twice: first from the drive's magnitudes (velocities,
+/// strains, torque), which is cheapest. The second time it uses the magnitudes of the drive's rate of change, which are small while
+/// a press of the hand is in balance. Otherwise the events are found one after the other, to rounding, on the power series of the
+/// exact solution.
 ///
-/// A tick without an event is bit-identical to [`HeldLinear`] under the torque `w`. With both levels of friction zero,
-/// ticks in which the velocity changes sign agree with [`HeldLinear`] to rounding only.
+/// A tick without an event gives the same bits as [`HeldLinear`] under the torque `w`. If both levels of friction are zero, ticks
+/// in which the velocity changes sign agree with [`HeldLinear`] to rounding only.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldCoulomb {
     sliding: HeldLinear,
     kinetic: f64,
     breakaway: f64,
-    /// `h²/8` times a bound of `d²v/dt²` per magnitude of each entry of the drive.
+    /// Bound of `h²/8 · |d²v/dt²|` while the device slides: one factor for the magnitude of each entry of the drive `[v, d, v_h, g,
+    /// u]`.
     slide_guard: [f64; 5],
-    /// The same bound per magnitude of each entry of the drive's own rate of change.
+    /// A second bound of `h²/8 · |d²v/dt²|` while the device slides: one factor for the magnitude of each entry of the drive's rate
+    /// of change.
     slide_rate_guard: [f64; 5],
-    /// Rate of change for each entry of the drive.
+    /// Matrix `M` of the rate of change `M y` of the drive `y` while the device slides, by columns.
     rates: [[f64; 5]; 5],
-    /// Increment of `[x_h, v_h]` for the stuck drive `[d, v_h, g]`.
+    /// Increment of the hand's `[x_h, v_h]` in an interval while the device is stuck, for each entry of the drive `[d, v_h, g]`.
     stuck: [[f64; 2]; 3],
     stuck_loss: [[f64; 3]; 3],
-    /// `h²/8` times a bound of the second derivative of the pad's torque per magnitude of each entry of the stuck drive.
+    /// Bound of `h²/8` times the second derivative of the pad's torque while the device is stuck: one factor for the magnitude of
+    /// each entry of the stuck drive `[d, v_h, g]`.
     stick_guard: [f64; 3],
-    /// The same bound per magnitude of each entry of the stuck drive's own rate of change.
+    /// A second bound of `h²/8` times the second derivative of the pad's torque while the device is stuck: one factor for the
+    /// magnitude of each entry of the stuck drive's rate of change.
     stick_rate_guard: [f64; 3],
-    /// Rate of change for each entry of the stuck drive.
+    /// Matrix `M` of the rate of change `M y` of the drive `y = [d, v_h, g]` while the device is stuck, by columns.
     stuck_rates: [[f64; 3]; 3],
     /// Longest interval that one power series covers, s.
     piece_s: f64,
 }
 
-/// A tick that needs more power series than this resolves nothing of the plant's own motion.
+/// Largest number of power series in a tick. A tick that needs more is far too long for the plant's own motion.
 const MAX_PIECES: f64 = 4096.0;
 
-/// `h²/8 · |row| |M|² exp(|M| h)`: bounds `h²/8 · |d²/dt² (row · y)|` over the interval for `y' = M y`, factor by factor.
+/// `h²/8 · |row| |M|² exp(|M| h)`, which bounds `h²/8 · |d²/dt² (row · y)|` over the interval for `y' = M y`: a factor for the
+/// magnitude of each entry of `y`.
 fn curvature_guard<const K: usize>(
     row: RowSVector<f64, K>,
     m: &SMatrix<f64, K, K>,
@@ -68,7 +73,8 @@ fn curvature_guard<const K: usize>(
     std::array::from_fn(|column| bound[column])
 }
 
-/// The same factor by factor for the rate of change `M y`, of which the first factor of `M` has gone into its entries.
+/// The bound of [`curvature_guard`] with factors for the entries of the rate of change `M y`. Their magnitudes contain one factor
+/// of `M`.
 fn rate_guard<const K: usize>(row: RowSVector<f64, K>, m: &SMatrix<f64, K, K>, h: f64) -> [f64; K] {
     let m = m.abs();
     let bound = row.abs() * m * flow(&m, h) * (h * h / 8.0);
@@ -84,7 +90,8 @@ fn guard<const K: usize>(factors: &[f64; K], drive: &[f64; K]) -> f64 {
         .sum()
 }
 
-/// With angles scaled by the fastest eigenfrequency, all rates of the plant are comparable and their norm says how far a series reaches.
+/// Norm of the plant's rates, 1/s, with angles scaled by the fastest eigenfrequency. Scaled like this, all rates are comparable,
+/// and the norm tells over which time a power series converges.
 fn fastest_rate(device: &Device, hand: &Hand, m: &SMatrix<f64, 5, 5>) -> f64 {
     let (k_p, k_h) = (hand.pad_stiffness, hand.stiffness);
     let scale = (k_p / device.inertia)
@@ -99,7 +106,7 @@ fn fastest_rate(device: &Device, hand: &Hand, m: &SMatrix<f64, 5, 5>) -> f64 {
     row_sum_norm(&scaled)
 }
 
-/// Share of the rougher bound that allows for rounding beside the finer one, which may be zero.
+/// Fraction of the first bound that is added to the second for rounding, because the second bound may be zero.
 const ROUNDING: f64 = 1e-9;
 
 impl HeldCoulomb {
@@ -152,21 +159,22 @@ impl HeldCoulomb {
         })
     }
 
-    /// Power series that a tick with stops takes, at most and events apart; one for a plant that is not stiff.
+    /// Largest number of power series in a tick with stops, without the further ones that each event needs. 1 for a plant that is
+    /// not stiff.
     #[must_use]
     pub fn series(device: &Device, hand: &Hand, interval_s: f64) -> u64 {
         let rate = fastest_rate(device, hand, &drive_matrix(device, hand));
         ((interval_s * rate / NORM).ceil().min(MAX_PIECES) as u64).max(1)
     }
 
-    /// Torque on the device at rest, friction apart: the held torque and the pad's.
+    /// Torque on the device at rest without friction, N·m: the held torque and that of the pad.
     #[inline(always)]
     fn torque_at_rest(&self, strain: f64, v_h: f64, torque: f64) -> f64 {
         let hand = &self.sliding.hand;
         torque + (hand.pad_stiffness * strain + hand.pad_damping * v_h)
     }
 
-    /// Advances by one interval; losses are computed only with `LOSS`.
+    /// Advances by one interval. Computes the losses only if `LOSS` is true.
     #[inline(always)]
     fn advance<const LOSS: bool>(&self, state: &mut State<4>, torque: f64, rest: f64) -> Loss {
         let full = drive(state, torque, rest);
@@ -203,7 +211,7 @@ impl HeldCoulomb {
         loss
     }
 
-    /// Advances by one interval that begins with the device stuck.
+    /// Advances by one interval at whose beginning the device is stuck.
     #[inline(always)]
     fn hold<const LOSS: bool>(
         &self,

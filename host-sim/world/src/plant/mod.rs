@@ -1,4 +1,4 @@
-//! The mechanical side: device and hand between two control ticks, exact under a zero-order hold.
+//! The mechanical side of a simulation: device and hand between two control ticks, exact under a zero-order hold.
 //!
 //! ```text
 //!   u (torque, held)           pad k_p, b_p             spring k_h
@@ -15,26 +15,26 @@
 //! J_h dv_h/dt =    - k_p (x_h - x) - b_p (v_h - v) - b_h v_h + k_h (r - x_h)
 //! ```
 //!
-//! The torque and the rest point are constant during an interval, so the linear part needs no integrator: one
-//! precomputed matrix step is the exact solution (Van Loan, IEEE TAC 23(3) 395, 1978). Dry friction adds events, and those
-//! are solved for and not stepped over. There is no step size and no accuracy setting in here.
+//! Torque `u` and rest point `r` are constant during an interval, so the linear part needs no integrator: one precomputed matrix step is the
+//! exact solution (Van Loan, IEEE TAC 23(3) 395, 1978). Dry friction adds events (stops and starts), whose times are calculated. There is
+//! no step size and no setting of accuracy.
 //!
-//! Two choices are made when a scene is planned, and are types so that neither costs a branch in a tick:
+//! A scene makes two choices, which are types, so that they cost no branch in a tick:
 //!
 //! | | no friction | Coulomb friction |
 //! |---|---|---|
 //! | nobody holds the device | [`BareLinear`] | [`BareCoulomb`] |
 //! | a hand holds it | [`HeldLinear`] | [`HeldCoulomb`] |
 //!
-//! All four are [`Stepper`]s: configuration for one fixed interval, applied to a small separate [`State`]. A
-//! computational delay of a fraction of a tick is two steppers, `delay` and `T - delay`, taking turns on one state.
+//! All four are [`Stepper`]s: they hold the configuration for one fixed interval and advance a small separate [`State`]. A computational
+//! delay of a fraction of a tick uses two steppers in turn on one state, with the intervals `delay` and `T - delay`.
 //!
-//! Three translations are three axes, each with a stepper of its own, [`Cartesian`], or a mechanism of arms, [`DeltaPlant`].
+//! A device with three translations is three axes, each with a stepper of its own, [`Cartesian`], or a mechanism of arms, [`DeltaPlant`].
 //!
-//! Units are those of a knob (rad, N·m, kg·m²). One axis of a translational device obeys the same equations with
-//! m, N and kg; only the names of the fields then say the wrong unit.
+//! Units are those of a knob (rad, N·m, kg·m²). An axis of a translational device has the same equations with m, N and kg; only the units in
+//! the names of fields are wrong then.
 //!
-//! A current that lags, a transmission that gives, cogging, imbalance and further kinds of friction are a drive train, [`train`].
+//! [`train`] has a drive train: a current that lags, a compliant transmission, cogging, imbalance and further kinds of friction.
 
 mod bare;
 mod bare_coulomb;

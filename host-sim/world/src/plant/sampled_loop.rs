@@ -1,4 +1,4 @@
-//! The closed loop of plant, sampler, computational delay and a spring: the golden values of the whole simulator.
+//! The closed loop of plant, sampler, computational delay and a spring. Its stability limit is the reference value for the whole simulator.
 //!
 //! With a command held for a period `T` and delayed by `t_d`, a stiffness `K` on a device with damping `b` is stable up to
 //!
@@ -6,8 +6,8 @@
 //! K_max = b / (T/2 + t_d)
 //! ```
 //!
-//! for a device that is heavy against its damping (`b T / J` small). The eigenvalues of the loop's exact matrix say the
-//! same to a few per cent and are what [`critical_stiffness`] bisects.
+//! for a device whose inertia is large against its damping (`b T / J` small). The eigenvalues of the loop's exact matrix give the
+//! same limit within a few per cent; [`critical_stiffness`] bisects on them.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -20,9 +20,9 @@ use super::stepper::LinearStepper;
 
 /// Matrix of the sampled loop with the command `u = -stiffness · x`, from one sample to the next.
 ///
-/// The command computed at a sample takes effect after `whole_ticks` ticks and the interval of `before`. `after` crosses
-/// the rest of the tick, so that the tick is the sum of the two intervals. A delay of whole ticks has a `before` of zero
-/// seconds. The loop's state is the plant's, followed by the commands under way, the latest first.
+/// The command calculated at a sample takes effect after `whole_ticks` ticks and the interval of the stepper `before`. The stepper
+/// `after` covers the rest of the tick; both intervals add up to the tick. For a delay of whole ticks `before` has an interval of
+/// zero. The loop's state is that of the plant, followed by the commands that have not taken effect, the latest first.
 #[must_use]
 pub fn closed_loop_matrix<const N: usize, S>(
     before: &S,
@@ -59,9 +59,10 @@ where
     matrix
 }
 
-/// Largest magnitude of an eigenvalue, by Gelfand's formula `lim |Mⁿ|^(1/n)` with `n` doubled forty times.
+/// Spectral radius of a matrix, the largest magnitude of an eigenvalue, by Gelfand's formula `lim |Mⁿ|^(1/n)` with `n` doubled
+/// forty times.
 ///
-/// No eigenvalue iteration that could fail to converge: a delay line makes the loop's matrix defective.
+/// An eigenvalue iteration could fail to converge, because a delay line makes the loop's matrix defective.
 #[must_use]
 pub fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
     let mut power = matrix.clone();
@@ -88,11 +89,11 @@ pub fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
     libm::exp(log_radius)
 }
 
-/// The least stiffness, N·m/rad, at which the sampled loop stops being stable, by bisection on the spectral radius.
+/// The smallest stiffness, N·m/rad, at which the sampled loop is unstable, by bisection on the spectral radius.
 ///
-/// `delay_s` is the time from sample to command, of any length. Friction of the device is left out: it would hide the
-/// oscillation, not the instability. Infinite when no stiffness up to 1e12 times the expected order is unstable, zero
-/// when already 1e-6 of it is (in particular without any damping).
+/// `delay_s` is the time from sample to command, of any length. Dry friction of the device is ignored: it would hide the
+/// oscillation but not remove the instability. The result is infinite if no stiffness up to 1e12 times the estimated limit is
+/// unstable. It is zero if already 1e-6 of that limit is unstable (in particular without any damping).
 ///
 /// # Errors
 /// [`Invalid`] when device, hand, rate or delay are out of range.
@@ -131,8 +132,10 @@ pub fn critical_stiffness(
     }
 }
 
-/// The least stiffness with a radius of one or more. The stable range need not be all there is. A hand can make a stiffer
-/// loop stable again, so the search comes from below in steps of a tenth and bisects the first that fails.
+/// The smallest stiffness with a spectral radius of one or more.
+///
+/// A hand can make a stiffer loop stable again, so there may be several stable ranges. The search therefore goes up from below in
+/// steps of a tenth and bisects the first unstable step.
 fn least_unstable(expected: f64, radius: impl Fn(f64) -> f64) -> f64 {
     let mut stable = 1e-6 * expected;
     if stable == 0.0 || radius(stable) >= 1.0 {

@@ -1,23 +1,23 @@
-//! What changes in a tick.
+//! The state of a plant, which a tick changes.
 
 /// Read access to a plant's state, the same for every plant.
 pub trait Kinematics: Copy {
-    /// Everything at one angle and at rest: device, hand, and no strain in the pad.
+    /// A state at rest with device and hand at one angle and no strain in the pad.
     fn at_rest(position: f64) -> Self;
-    /// Angle `x` of the device (the HIP), rad (m).
+    /// Angle `x` of the device (the haptic interaction point), rad (m).
     fn position(&self) -> f64;
     /// Velocity `v` of the device, rad/s (m/s).
     fn velocity(&self) -> f64;
-    /// Angle `x_h` of the hand's mass, rad (m); the device's own where there is no hand.
+    /// Angle `x_h` of the hand's mass, rad (m); that of the device if there is no hand.
     fn hand_position(&self) -> f64;
-    /// Velocity `v_h` of the hand's mass, rad/s (m/s); the device's own where there is no hand.
+    /// Velocity `v_h` of the hand's mass, rad/s (m/s); that of the device if there is no hand.
     fn hand_velocity(&self) -> f64;
 }
 
 /// State of a plant: `[x, v]` without a hand, `[x, v, x_h, v_h]` with one; rad and rad/s.
 ///
-/// Angles are absolute, but only their differences enter the dynamics: turning the whole scene changes nothing beyond the
-/// rounding of the angles themselves.
+/// Angles are absolute, but only their differences enter the dynamics. So turning the whole scene changes nothing except the
+/// rounding of the angles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State<const N: usize>(pub(super) [f64; N]);
 

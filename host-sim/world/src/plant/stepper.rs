@@ -1,8 +1,8 @@
-//! What every plant can do: cross one interval.
+//! The interface of every plant: advance by one interval.
 
 use super::state::Kinematics;
 
-/// A plant prepared for intervals of one fixed length, with torque and rest point held during each.
+/// A plant prepared for intervals of one fixed length. Torque and rest point of the hand are held during each interval.
 pub trait Stepper {
     /// The plant's state.
     type State: Kinematics;
@@ -10,15 +10,15 @@ pub trait Stepper {
     /// Length of the interval, s.
     fn interval_s(&self) -> f64;
 
-    /// Crosses one interval.
+    /// Advances by one interval.
     ///
-    /// `force` acts on the device along `+x`; `rest` is the hand's rest point (not read without a hand).
+    /// `force` acts on the device in the direction of positive `x`; `rest` is the hand's rest point (not used without a hand).
     fn step(&self, state: &mut Self::State, force: f64, rest: f64);
 
-    /// Same as [`Stepper::step`], bit for bit; returns the dissipated energy.
+    /// Same as [`Stepper::step`], bit for bit. Also returns the dissipated energy.
     fn step_with_loss(&self, state: &mut Self::State, force: f64, rest: f64) -> Loss;
 
-    /// Same as [`Stepper::step_with_loss`]; returns also the motor's work and the energy that the device stored.
+    /// Same as [`Stepper::step_with_loss`]. Also returns the motor's work and the change of the energy stored in the device.
     #[inline(always)]
     fn step_with_port(&self, state: &mut Self::State, force: f64, rest: f64) -> Port {
         let before = state.position();
@@ -31,35 +31,35 @@ pub trait Stepper {
         }
     }
 
-    /// Kinetic and spring energy of device and hand, J.
+    /// Kinetic energy and energy of the springs of device and hand, J.
     ///
-    /// Books close over one step as `u (x' - x) = stored' - stored + loss`, with the same `rest` in both terms. A jump
-    /// of the rest point between two steps does the work `stored(new rest) - stored(old rest)` on the hand's spring.
+    /// The energy balance of a step is `u (x' - x) = stored' - stored + loss`, with the same `rest` in `stored'` and `stored`. A
+    /// jump of the rest point between two steps does the work `stored(new rest) - stored(old rest)` on the hand's spring.
     fn stored_energy_j(&self, state: &Self::State, rest: f64) -> f64;
 }
 
 /// A [`Stepper`] whose step is linear in state, torque and rest point.
 pub trait LinearStepper: Stepper {}
 
-/// Energy dissipated during one interval, J; neither part is ever negative beyond rounding.
+/// Energy dissipated during one interval, J. Neither field is negative beyond rounding.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Loss {
-    /// In the device: viscous damping and dry friction, `b ∫v² dt + F_k ∫|v| dt`.
+    /// Energy dissipated in the device by viscous damping and dry friction, `b ∫v² dt + F_k ∫|v| dt`.
     pub device_j: f64,
-    /// In the hand: its own damper and the pad, `b_h ∫v_h² dt + b_p ∫(v - v_h)² dt`; zero without a hand.
+    /// Energy dissipated in the hand by its damper and the pad, `b_h ∫v_h² dt + b_p ∫(v - v_h)² dt`; zero without a hand.
     pub hand_j: f64,
 }
 
-/// What went through the motor's port in one interval.
+/// The energies of one interval at the motor and in the device.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Port {
-    /// Mean of the motor's torque along `+x`, N·m.
+    /// Mean of the motor's torque over the interval in the direction of positive `x`, N·m.
     pub force: f64,
     /// The motor's work on the device, J.
     pub work_j: f64,
     /// Dissipated energy.
     pub loss: Loss,
-    /// Energy that springs, gravity and magnets in the device stored, J; the motion of its inertia is not included.
+    /// Change of the energy of springs, gravity and magnets in the device, J. The kinetic energy is not included.
     pub stored_j: f64,
 }
 

@@ -1,14 +1,14 @@
-//! Power series of a motion over a short interval: where it is at any time in it, and when it first turns.
+//! Power series of a motion over a short interval: its value at any time in the interval, and when it first becomes negative.
 //!
-//! Events (a device that stops, friction that gives way) fall between ticks. The exact solution at an arbitrary time is
-//! `exp(M t) y`, and its power series in `t` is cheap once the coefficients are known: `y_{k+1} = M y_k h / (k + 1)`.
+//! Events (a device that stops, friction that gives way) fall between ticks. The exact solution at an arbitrary time is `exp(M t)
+//! y`. Its power series in `t` is cheap once the coefficients are known: `y_{k+1} = M y_k h / (k + 1)`.
 
-/// Intervals are chosen so that `norm(M h)` is at most this; a millisecond of a knob in a hand is.
+/// Largest norm of `M h` for one power series. A millisecond of a knob in a hand has a smaller one.
 pub(super) const NORM: f64 = 0.5;
-/// Coefficients kept: the first one left out is below `0.5^16 / 16!`, 1e-18.
+/// Number of coefficients. The first one left out is below `0.5^16 / 16!`, 1e-18.
 pub(super) const TERMS: usize = 16;
 
-/// Reciprocal: `1 / (k + 1)`.
+/// The reciprocals `1 / (k + 1)` for `k` from 0.
 pub(super) const RECIPROCAL: [f64; TERMS] = {
     let mut table = [0.0; TERMS];
     let mut k = 0;
@@ -19,8 +19,8 @@ pub(super) const RECIPROCAL: [f64; TERMS] = {
     table
 };
 
-/// Gauss–Legendre nodes and weights on `[-1, 1]`, of each pair the positive one. With eight nodes the error for the square
-/// of a series within [`NORM`] is below 1e-22 of it.
+/// Gauss–Legendre nodes and weights on `[-1, 1]`; of each pair of nodes only the positive one. With eight nodes the relative error
+/// for the square of a series within [`NORM`] is below 1e-22.
 const GAUSS: [(f64, f64); 4] = [
     (0.1834346424956498, 0.362683783378362),
     (0.525532409916329, 0.31370664587788727),
@@ -28,19 +28,19 @@ const GAUSS: [(f64, f64); 4] = [
     (0.9602898564975363, 0.10122853629037626),
 ];
 
-/// `p(t) = Σ c_k tᵏ` for `t` in `[0, 1]`, the fraction of an interval.
+/// The power series `p(t) = Σ c_k tᵏ`, where `t` in `[0, 1]` is the fraction of an interval.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Series(pub(super) [f64; TERMS]);
 
 impl Series {
     pub(super) const ZERO: Self = Self([0.0; TERMS]);
 
-    /// `p(t)`.
+    /// The value `p(t)`.
     pub(super) fn at(&self, t: f64) -> f64 {
         self.0.iter().rev().fold(0.0, |sum, c| sum * t + c)
     }
 
-    /// `∫₀ᵗ p`.
+    /// The integral `∫₀ᵗ p`.
     pub(super) fn integral(&self, t: f64) -> f64 {
         let sum = self
             .0
@@ -51,7 +51,7 @@ impl Series {
         sum * t
     }
 
-    /// `∫₀ᵗ p²`.
+    /// The integral `∫₀ᵗ p²`.
     pub(super) fn integral_of_square(&self, t: f64) -> f64 {
         let half = 0.5 * t;
         let pair = |(node, weight): (f64, f64)| {
@@ -61,20 +61,20 @@ impl Series {
         half * GAUSS.into_iter().map(pair).sum::<f64>()
     }
 
-    /// `a p + b q + c`, entry by entry.
+    /// The series `a p + b q + c`, coefficient by coefficient.
     pub(super) fn combine(a: f64, p: &Self, b: f64, q: &Self, c: f64) -> Self {
         let mut sum = Self(std::array::from_fn(|k| a * p.0[k] + b * q.0[k]));
         sum.0[0] += c;
         sum
     }
 
-    /// The first `t` in `[0, 1]` at which `p`, not negative at zero, becomes negative.
+    /// The first `t` in `[0, 1]` at which `p` becomes negative; `p(0)` must not be negative.
     ///
-    /// Zeros at `t = 0` are divided out first, so that a motion that starts from exact rest is judged by where it goes.
-    /// Then the search walks from the left with steps that cannot jump over a root: with `B >= |p''|` throughout, the
-    /// parabola `p(t) + p'(t) s - B s²/2` lies below `p(t + s)`, and its root is at or before the true one. Near a simple
-    /// root this is Newton's method from the safe side, with its quadratic convergence. A dip below zero and back within
-    /// the interval is found like any other root. A fall that ends on zero to within rounding counts as one.
+    /// First, zeros at `t = 0` are divided out, so that a motion which starts from exact rest is judged by its direction. Then the
+    /// search goes up from 0 in steps that cannot jump over a root: with `B >= |p''|` everywhere, the parabola `p(t) + p'(t) s - B
+    /// s²/2` lies below `p(t + s)`, so its root is at or before the true one. Near a simple root this is Newton's method from the
+    /// safe side, with quadratic convergence. So the search finds a dip below zero and back within the interval too. A fall that
+    /// ends at zero to within rounding counts as one.
     pub(super) fn first_negative(&self) -> Option<f64> {
         let leading = self.0.iter().position(|&c| c != 0.0)?;
         let mut c = [0.0; TERMS];
@@ -142,7 +142,7 @@ mod tests {
         Series(padded)
     }
 
-    /// `cos(t / 2)`: as fast as a motion gets within [`NORM`].
+    /// The series of `cos(t / 2)`, the fastest motion within [`NORM`].
     fn cosine() -> Series {
         let mut c = [0.0; TERMS];
         let mut term = 1.0;

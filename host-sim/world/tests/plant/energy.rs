@@ -1,4 +1,4 @@
-//! Energy accounts: the work that goes in is stored or dissipated.
+//! Tests of the energy balance: work put in is stored or dissipated.
 
 use touchstone_world::plant::{
     BareCoulomb, BareLinear, Device, FIRM, HeldCoulomb, HeldLinear, Kinematics, LIGHT, Loss,
@@ -7,8 +7,8 @@ use touchstone_world::plant::{
 
 use crate::oracle::{KNOB, Random, STICKY_KNOB};
 
-/// Work by the torque, work by the jumps of the rest point, losses, and how far the energy balance is off relative to what went
-/// through them.
+/// Energies of a run: work of the torque, work of the rest point's jumps, losses, and the error of the energy balance relative to
+/// their sum.
 struct Books {
     work: f64,
     loss: Loss,
@@ -18,7 +18,7 @@ struct Books {
     rests: u32,
 }
 
-/// A knob against a wall at 0.1 rad and another at -0.1 rad, soft enough to be stable, pushed about by torque and hand.
+/// Runs a knob between walls at 0.1 and -0.1 rad, soft enough to be stable, which torque and hand push about.
 fn audit<P: Stepper>(plant: &P, ticks: u32) -> Books {
     let mut random = Random(5);
     let mut state = P::State::at_rest(0.0);

@@ -1,4 +1,4 @@
-//! The linear steps are exact, and what ought to make no difference makes none.
+//! Tests that the linear steps are exact, and that changes that must have no effect have none.
 
 use nalgebra::{SMatrix, SVector};
 use touchstone_world::plant::{
@@ -240,7 +240,7 @@ fn nothing_moves_at_equilibrium_or_in_no_time() {
     assert_eq!(state, State::from_array([0.1, 2.0]));
 }
 
-/// A run with torque that pushes to and fro, hard enough to turn often, and a rest point that wanders.
+/// Runs a plant with a torque that reverses the motion often and a rest point that wanders.
 fn run<P: Stepper>(plant: &P, mirror: f64, scale: f64, mut each: impl FnMut(usize, P::State)) {
     let mut random = Random(11);
     let mut state = P::State::at_rest(0.0);
@@ -270,7 +270,8 @@ fn trace<P: Stepper>(plant: &P, mirror: f64, scale: f64) -> Vec<[f64; 4]> {
     trace
 }
 
-/// Equal bit for bit, but for the sign of a zero, which no sum can mirror (`1 - 1` is `+0` both ways).
+/// Checks that two runs are equal bit for bit after scaling, except for the sign of a zero, which sums do not mirror (`1 - 1` is
+/// `+0` in both runs).
 fn assert_scaled(trace: &[[f64; 4]], expected: &[[f64; 4]], factor: f64) {
     for (tick, (a, b)) in trace.iter().zip(expected).enumerate() {
         assert_eq!(*a, b.map(|entry| factor * entry), "tick {tick}");

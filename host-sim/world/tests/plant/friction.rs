@@ -1,4 +1,4 @@
-//! Coulomb friction: rest is rest, and every stop and start is where it belongs.
+//! Tests of Coulomb friction: a device at rest stays at rest, and every stop and start is at its right time.
 
 use touchstone_world::plant::{
     BareCoulomb, BareLinear, Coulomb, Device, FIRM, Hand, HeldCoulomb, HeldLinear, Kinematics,
@@ -137,7 +137,7 @@ fn full(z: [f64; 4]) -> Full {
     [z[0], z[1], z[2], z[3], 0.0, 0.0, 0.0]
 }
 
-/// One tick from each of many states, against fine steps with located events; returns how many ticks had how many events.
+/// Compares one tick from each of many states with fine steps whose events are located. Returns how many ticks had how many events.
 fn compare_ticks(
     device: Device,
     hand: Option<Hand>,
@@ -283,7 +283,7 @@ fn a_velocity_that_dips_below_zero_within_a_tick_is_seen() {
     assert!((state.velocity() - unseen.velocity()).abs() > 1e-3);
 }
 
-/// A run of half a second that sticks and slips: torque to and fro, hand following.
+/// Inputs of half a second in which the device sticks and slips: a torque to and fro, and a hand that follows.
 fn inputs(tick: u32) -> (f64, f64) {
     let t = f64::from(tick) * 1e-3;
     (4e-3 * (40.0 * t).sin(), 0.3 * (13.0 * t).sin())

@@ -1,5 +1,5 @@
-//! The plant against independent oracles: fine Runge–Kutta steps with located events, set-valued implicit Euler steps, the
-//! matrix exponential of another library, the balance of energy, and the analytic limit of the sampled loop.
+//! Tests of the plants against independent references: fine Runge–Kutta steps with located events, set-valued implicit Euler steps,
+//! the matrix exponential of another library, the energy balance, and the analytic stability limit of the sampled loop.
 
 mod energy;
 mod exact;

@@ -1,15 +1,15 @@
-//! The equations of motion once more, in absolute angles and with no code in common with the plant.
+//! An independent reference: the equations of motion in absolute angles, without code of the plants.
 
 use touchstone_world::plant::{Coulomb, Device, Hand};
 
-/// The thesis' knob: 3e-4 N·m·s/rad of its own, light enough for the pad to matter.
+/// The thesis' knob with a damping of 3e-4 N·m·s/rad, light enough that the pad matters.
 pub const KNOB: Device = Device {
     inertia: 2e-5,
     damping: 3e-4,
     friction: None,
 };
 
-/// Dry friction as large as a wall's torque at a degree or so.
+/// Dry friction as large as a wall's torque at a penetration of about a degree.
 pub const FRICTION: Coulomb = Coulomb {
     kinetic: 2e-3,
     breakaway: 3e-3,
@@ -20,7 +20,7 @@ pub const STICKY_KNOB: Device = Device {
     ..KNOB
 };
 
-/// `[x, v, x_h, v_h]` and, integrated along, `[b ∫v², ∫|v|, b_h ∫v_h² + b_p ∫(v - v_h)²]`.
+/// The state `[x, v, x_h, v_h]` and, integrated with it, the losses `[b ∫v², ∫|v|, b_h ∫v_h² + b_p ∫(v - v_h)²]`.
 pub type Full = [f64; 7];
 
 pub struct Oracle {
@@ -59,7 +59,7 @@ impl Oracle {
         rates
     }
 
-    /// One classical fourth-order Runge–Kutta step.
+    /// One step of the classical Runge–Kutta method of fourth order, of length `h`.
     fn substep(&self, z: &Full, u: f64, r: f64, stuck: bool, h: f64) -> Full {
         let shifted = |k: &Full, f: f64| std::array::from_fn(|i| z[i] + f * k[i]);
         let k1 = self.rates(z, u, r, stuck);
@@ -69,12 +69,13 @@ impl Oracle {
         std::array::from_fn(|i| z[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
     }
 
-    /// The linear plant over `h` in `n` steps.
+    /// Advances the linear plant by `h` in `n` Runge–Kutta steps.
     pub fn runge_kutta(&self, z: &Full, u: f64, r: f64, h: f64, n: u32) -> Full {
         (0..n).fold(*z, |z, _| self.substep(&z, u, r, false, h / f64::from(n)))
     }
 
-    /// The plant with friction over `h` in `n` steps, each event located by bisection; also the number of events.
+    /// Advances the plant with friction by `h` in `n` steps; bisection locates each event (stop or start). Also returns the number
+    /// of events.
     pub fn with_events(&self, z: &Full, u: f64, r: f64, h: f64, n: u32) -> (Full, u32) {
         let friction = self.device.friction.expect("an oracle with friction");
         let mut z = *z;
@@ -125,8 +126,8 @@ impl Oracle {
         (z, events)
     }
 
-    /// The plant with friction in `n` set-valued implicit Euler steps (Kikuuwe et al., T-RO 22(6) 1176, 2006):
-    /// first order, but with true rest and no notion of an event.
+    /// Advances the plant with friction by `h` in `n` set-valued implicit Euler steps (Kikuuwe et al., T-RO 22(6) 1176, 2006).
+    /// First order, with true rest, and without locating events.
     pub fn implicit_euler(&self, z: &Full, u: f64, r: f64, h: f64, n: u32) -> Full {
         let friction = self.device.friction.expect("an oracle with friction");
         let h = h / f64::from(n);
@@ -165,7 +166,7 @@ impl FromRest for Full {
     }
 }
 
-/// A small deterministic generator (xorshift), uniform in `[-1, 1)`.
+/// A small deterministic generator of random numbers (xorshift), uniform in `[-1, 1)`.
 pub struct Random(pub u64);
 
 impl Random {
@@ -177,8 +178,8 @@ impl Random {
     }
 }
 
-/// Differences relative to the largest magnitude, before or after, among angles and among velocities. A step adds an
-/// increment, so what decays to nothing within one step decays to the rounding of what it was.
+/// Compares two states. Differences are relative to the largest magnitude before or after the step, among angles and among
+/// velocities. A step adds an increment, so a value that decays to zero within a step keeps the rounding of its value before.
 pub fn assert_close<const N: usize>(
     value: [f64; N],
     expected: &[f64],

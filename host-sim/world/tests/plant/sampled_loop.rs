@@ -1,4 +1,4 @@
-//! Golden values: the stiffness at which the sampled loop turns unstable.
+//! Tests of the stiffness at which the sampled loop becomes unstable, against reference values.
 
 use touchstone_world::plant::{
     BareLinear, Device, FIRM, Kinematics, LIGHT, MEDIUM, State, Stepper, closed_loop_matrix,

@@ -1,5 +1,5 @@
-//! The drive train against closed forms, against the plants without a train, and against Runge–Kutta steps that share no code with
-//! it.
+//! Tests of the drive train against closed forms, against the plants without a train, and against Runge–Kutta steps that share no
+//! code with it.
 
 use std::f64::consts::TAU;
 use touchstone_world::plant::train::{
@@ -133,7 +133,7 @@ fn windings_at_a_voltage_brake_as_their_back_emf_says() {
     assert!((state.velocity() / expected - 1.0).abs() < 1e-12);
 }
 
-/// Largest difference of the shaft's angle to the plant without a train.
+/// Largest difference of the shaft's angle from that of the plant without a train.
 fn off_the_rigid(links: &Links) -> f64 {
     let plant = BareLinear::new(&KNOB, T).unwrap();
     let mut rigid = State::at_rest(0.0);
@@ -220,7 +220,8 @@ fn two_inertias_on_a_spring_swing_at_their_frequency() {
     }
 }
 
-/// Worst of `|work - stored - lost|` of all ticks, over the energy that has gone through so far.
+/// Largest error `|work - stored - lost|` of the energy balance over all ticks, relative to the energy that was exchanged up to the
+/// tick.
 fn audit<const N: usize, const K: usize>(links: &Links, shaft: &Shaft, substeps: u32) -> f64 {
     let train = made::<N, K>(links, shaft, substeps);
     let rest = 0.3;
@@ -305,7 +306,7 @@ fn the_books_of_every_linear_train_close() {
     }
 }
 
-/// The arithmetic–geometric mean.
+/// The arithmetic–geometric mean of two numbers.
 fn agm(mut a: f64, mut b: f64) -> f64 {
     for _ in 0..40 {
         (a, b) = (0.5 * (a + b), (a * b).sqrt());

@@ -1,5 +1,5 @@
-//! Friction of several kinds at the shaft of a drive train, and friction that differs by direction: against closed forms, and against
-//! Runge–Kutta steps that share no code with it.
+//! Tests of the friction models at the shaft of a drive train, and of friction that depends on the direction: against closed forms,
+//! and against Runge–Kutta steps that share no code with the train.
 
 use super::train::{KNOB, LOSSLESS, T, bare, made, smooth, torque};
 use touchstone_world::plant::train::{Current, Friction, Links, LuGre, Shaft, Sliding, TrainState};
@@ -68,7 +68,7 @@ fn what_friction_holds_does_not_move_by_a_bit() {
     assert!(state.velocity() > 0.0);
 }
 
-/// Runge–Kutta steps of a bare shaft with a friction of its own state.
+/// Runs Runge–Kutta steps of a bare shaft whose friction has a state of its own.
 fn by_runge_kutta(
     start: [f64; 3],
     duration_s: f64,

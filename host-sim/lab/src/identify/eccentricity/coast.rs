@@ -1,8 +1,9 @@
-//! The shaft's own motion as witness: with the bridge off it slows down evenly.
+//! The encoder's error from the shaft's own motion: with the motor switched off, the shaft slows down evenly.
 //!
-//! `reading(t) = P(t) + ε(θ) + Σ (ω0/ω)² (c_n cos nθ + d_n sin nθ)`: a polynomial for the slowing down, the encoder's error, and what a torque that comes back
-//! once or twice a turn does, which the speed tells from the error. `θ` in the small terms is the reading without the error that was found
-//! before. Each way is fitted by itself; what they differ by says what they are worth.
+//! The model is `reading(t) = P(t) + ε(θ) + Σ (ω0/ω)² (c_n cos nθ + d_n sin nθ)`. `P` is a polynomial for the slowing down, `ε` the
+//! encoder's error. The sum is the motion by a torque that repeats once or twice per turn; its dependence on the speed `ω`
+//! distinguishes it from the error. `θ` in the small terms is the reading without the error of the previous iteration. Each coast
+//! is fitted alone; the difference between coasts gives the uncertainty.
 
 use super::least::{Normal, of_cos_sin};
 use super::{CalibrationTick, KnownEncoder, ORDERS, Said};
@@ -10,22 +11,23 @@ use nalgebra::Complex;
 use std::f64::consts::TAU;
 use touchstone_protocol::MeasuringPart;
 
-/// Ticks at the beginning that are left out: the current dies out.
+/// Ticks at the beginning of a coast that are left out, because the current is still decaying.
 const EDGE: usize = 8;
-/// A coast is examined until it has this part of its first speed.
+/// A coast is used until its speed falls to this fraction of the first speed.
 const SLOWEST: f64 = 0.5;
-/// A coast that begins with less than this part of the fastest one's speed is left out: a torque shakes it too much.
+/// A coast is left out if its first speed is below this fraction of the fastest coast's, because torques then disturb it too much.
 const SLOW: f64 = 0.6;
-/// Fewest turns of a usable coast.
+/// Fewest turns of the shaft in a usable coast.
 const TURNS_LEAST: f64 = 3.0;
-/// Degree of the polynomial: over that range, what is left of `e^-t` is far below a count.
+/// Degree of the polynomial for the slowing down. It follows `e^-t` over this range of speeds with an error far below an encoder
+/// count.
 const DEGREE: usize = 6;
-/// How often the error that was found is taken out of the angle.
+/// Number of iterations in which the encoder's error is subtracted from the reading.
 const ROUNDS: usize = 3;
-/// Half of the ticks over which a speed is taken.
+/// Half length of the window for a speed, ticks: a speed is the difference of positions this many ticks before and after.
 const HALF_WINDOW: usize = 10;
 
-/// The error that a measurement's coasts show; `None` where none was long enough, or all went in one direction.
+/// The encoder's error from a measurement's coasts; `None` if fewer than two coasts are long and fast enough.
 #[must_use]
 pub fn said(ticks: &[CalibrationTick], known: &KnownEncoder) -> Option<Said> {
     let runs = ticks.chunk_by(|a, b| a.part == b.part);
@@ -58,7 +60,7 @@ pub fn said(ticks: &[CalibrationTick], known: &KnownEncoder) -> Option<Said> {
     })
 }
 
-/// The speed at which a coast begins, rad a tick, and what it says.
+/// First speed of a coast in rad per tick, and the encoder's error from that coast.
 fn way(run: &[CalibrationTick], known: &KnownEncoder) -> Option<(f64, Said)> {
     let per_count = TAU / known.counts_per_rev;
     let run = run.get(EDGE..)?;
@@ -103,7 +105,7 @@ fn way(run: &[CalibrationTick], known: &KnownEncoder) -> Option<(f64, Said)> {
             let shaken = speed.powi(-2);
             let mut row = [1.0; DEGREE + 1 + 4 * ORDERS];
             row[1] = time;
-            // Chebyshev's polynomials: powers would say nearly the same.
+            // Chebyshev polynomials, because plain powers would be nearly dependent.
             for power in 2..=DEGREE {
                 row[power] = 2.0 * time * row[power - 1] - row[power - 2];
             }
@@ -122,7 +124,7 @@ fn way(run: &[CalibrationTick], known: &KnownEncoder) -> Option<(f64, Said)> {
                 solved.uncertainties[from].hypot(solved.uncertainties[from + 1]);
         }
         said.residual_rms_rad = solved.residual_rms;
-        // The speed of the slowing down alone, without what the error makes of it.
+        // Speed of the slowing down alone, without the encoder's error.
         for ((time, ..), speed) in points.iter().zip(&mut speeds) {
             let slope = slope(solved.values.as_slice(), (time - middle) / half);
             *speed = slope / (half * fastest);
@@ -131,7 +133,7 @@ fn way(run: &[CalibrationTick], known: &KnownEncoder) -> Option<(f64, Said)> {
     Some((fastest.abs(), said))
 }
 
-/// The derivative of a sum of Chebyshev's polynomials: that of the `k`th is `k U_{k-1}`.
+/// Derivative of a sum of Chebyshev polynomials; the derivative of the `k`th is `k U_{k-1}`.
 fn slope(values: &[f64], time: f64) -> f64 {
     let (mut before, mut second) = (0.0, 1.0);
     let mut sum = 0.0;

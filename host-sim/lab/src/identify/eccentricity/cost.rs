@@ -1,41 +1,42 @@
-//! The cost of the encoder's error for a wall, and when to seat its magnet anew.
+//! How much the encoder's error disturbs a wall, and whether the encoder's magnet should be mounted again.
 
 use super::Eccentricity;
 use std::f64::consts::TAU;
 
-/// Places of a turn that are examined.
+/// Number of angles per turn at which the error is calculated.
 const PLACES: u32 = 720;
 
-/// More than this is too much, electrical degrees. The check of a kept alignment allows for 15 of its 20 (`touchstone_drive::calibration`), and a right
-/// one would be refused at some places. It is 3.4 % of the torque.
+/// Largest acceptable error of the motor's field, electrical degrees; it costs 3.4 % of the torque. The check of a stored alignment
+/// (`touchstone_drive::calibration`) has a limit of 20 degrees, of which it allows 15 for this error. Beyond that it would refuse a
+/// correct alignment at some angles.
 pub const ELECTRICAL_MOST_DEG: f64 = 15.0;
-/// Largest tolerable error as a share of the stiffness: the scorecard's limit for a wall under a hand that rests.
+/// Largest acceptable relative error of a wall's stiffness by the encoder's error. It is the scorecard's limit for a hand at rest.
 pub const STIFFNESS_MOST: f64 = 0.05;
 
-/// The cost of an eccentric encoder for a wall.
+/// Effects of an eccentric encoder on a wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// Largest error of a wall's place, rad.
+    /// Largest error of the wall's position, rad.
     pub place_rad: f64,
-    /// Error of the motor's field, electrical degrees.
+    /// Largest error of the motor's field, electrical degrees.
     pub electrical_deg: f64,
-    /// Part of the torque that is lost at the worst place: `1 - cos(p ε)`.
+    /// Largest fraction of the torque that is lost at any angle: `1 - cos(p ε)`, with `p` pole pairs.
     pub torque_lost: f64,
-    /// The largest part by which a stiffness, or a speed, is read wrong: the slope of the error.
+    /// Largest relative error of a stiffness or a speed: the slope of the encoder's error over the angle.
     pub stiffness_off: f64,
 }
 
-/// Why the magnet should be seated anew.
+/// Why the encoder's magnet should be mounted again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reseat {
-    /// The motor's field is too far from where it should be.
+    /// The motor's field is too far from the right direction.
     Electrical,
-    /// The wall's stiffness is too far off.
+    /// The error of the wall's stiffness is too large.
     Stiffness,
 }
 
 impl Eccentricity {
-    /// The cost with this many pole pairs.
+    /// Calculates the effects on a motor with this many pole pairs.
     #[must_use]
     pub fn cost(&self, pole_pairs: f64) -> Cost {
         let places = (0..PLACES).map(|place| TAU * f64::from(place) / f64::from(PLACES));
@@ -48,13 +49,13 @@ impl Eccentricity {
         Cost {
             place_rad,
             electrical_deg: electrical.to_degrees(),
-            // Beyond a quarter of a turn nothing is left, and more is not lost.
+            // Beyond a quarter of an electrical turn no torque is left to lose.
             torque_lost: 1.0 - electrical.min(TAU / 4.0).cos(),
             stiffness_off: slope,
         }
     }
 
-    /// Share by which the reading turns faster than the shaft.
+    /// Slope of the encoder's error at an angle: the fraction by which the reading turns faster than the shaft.
     fn slope(&self, angle_rad: f64) -> f64 {
         let parts = self.harmonics.iter().zip(1..);
         parts
@@ -67,7 +68,7 @@ impl Eccentricity {
 }
 
 impl Cost {
-    /// Whether, and why, the magnet should be seated anew.
+    /// Whether, and why, the encoder's magnet should be mounted again.
     #[must_use]
     pub fn reseat(&self) -> Option<Reseat> {
         if self.electrical_deg > ELECTRICAL_MOST_DEG {

@@ -1,40 +1,43 @@
-//! The field as witness: it is turned by the clock, one electrical turn and then a mechanical one, and all of it back.
+//! The encoder's error from the motor's field, which a clock turns: one electrical turn, then a mechanical one, and the same back.
 //!
-//! The end of the motion is known to the tick, since the calibration ends with it or its measurement begins. The way back is the ticks before
-//! that, the way there those before the way back. Of each way the last mechanical turn is examined, in which the field's speed is steady. A
-//! reading is a place `C`, the field's turning, and the error: `reading = C + s ω t + ε`. `C` has the friction's lag in it, and since `C + s ω t` is
-//! the shaft's angle then, so has what the error goes with.
+//! The tick at which the motion ends is known, because the calibration ends with it or its next part begins. The ticks before it
+//! are the way back, the ticks before those the way forward. Of each way the last mechanical turn is used, in which the field's
+//! speed is constant. The model is `reading = C + s ω t + ε`: a constant `C`, the field's angle `s ω t` and the error `ε`. Friction
+//! makes the shaft lag, which is part of `C`. So `C + s ω t` is the shaft's true angle, on which the error depends.
 //!
-//! A light rotor with little damping swings around the field, at some 20 Hz and by a degree: its acceleration is in what is fitted, and what goes with
-//! it is no error of the encoder's. (Of an error `ε` itself, whose reading accelerates by `-(n ω)² ε`, a part of some thousandths is taken as well,
-//! and given back.)
+//! A light rotor with little damping oscillates around the field, at some 20 Hz and by a degree. So the measured acceleration is a
+//! term of the fit, and the motion in proportion to it does not count as encoder error. (Such a term also takes some thousandths of
+//! the error `ε`, because the reading accelerates by `-(n ω)² ε`; the code corrects for that.)
 
 use super::least::{Normal, of_cos_sin};
 use super::{CalibrationTick, KnownEncoder, NotSeen, ORDERS, Said};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
-/// Ticks at both ends of a turn that are left out: the count belongs to the field of the tick before, and the field turns round.
+/// Ticks at both ends of a turn that are left out, because a count belongs to the field of the tick before and the field changes
+/// direction there.
 const EDGE: f64 = 3.0;
-/// Share of a turn's ticks that must have arrived.
+/// Smallest fraction of a turn's ticks that must have arrived.
 const HEARD_LEAST: f64 = 0.8;
-/// Time of the second difference that gives an acceleration, s: below a period of the swinging.
+/// Time step of the second difference that gives the acceleration, s; shorter than a period of the rotor's oscillation.
 const DIFFERENCE_S: f64 = 6e-3;
-/// Furthest that the shaft may be off what fits, effective value, electrical degrees: a hand, or a calibration that only checks an alignment.
+/// Largest accepted residual of the fit, root mean square, electrical degrees. It is exceeded if a hand holds the shaft, or if a
+/// calibration only checked an alignment.
 const OFF_MOST_DEG: f64 = 10.0;
-/// Largest difference of both directions, rad, 0.2 degrees, or this share of the amplitude.
+/// Largest accepted difference between the two directions: 3.5e-3 rad (0.2 degrees), or the fraction `DISAGREE_MOST` of the
+/// amplitude if that is larger.
 const DISAGREE_MOST_RAD: f64 = 3.5e-3;
 const DISAGREE_MOST: f64 = 0.2;
 
-/// The error that a calibration's field shows.
+/// The encoder's error from the turning field of a calibration.
 ///
 /// # Errors
-/// [`NotSeen`].
+/// Data are missing, the shaft did not follow the field, or the directions differ; see [`NotSeen`].
 pub fn said(ticks: &[CalibrationTick], known: &KnownEncoder) -> Result<Said, NotSeen> {
     let turning = ticks.iter().take_while(|it| it.part.is_none());
     let ticks: Vec<CalibrationTick> = turning.copied().collect();
     let turn = known.pole_pairs / known.field_turns_per_s * known.rate_hz;
-    // Ramped up within a quarter of a second, and half as fast in the mean until then.
+    // The field's speed is ramped up within a quarter of a second, so its mean until then is half.
     let ramp = (known.rate_hz / 4.0).floor().max(1.0);
     let way = turn + known.rate_hz / known.field_turns_per_s + 0.5 * (ramp - 1.0);
     let of = |end: f64| Way::new(&ticks, end, turn, known);
@@ -59,7 +62,7 @@ pub fn said(ticks: &[CalibrationTick], known: &KnownEncoder) -> Result<Said, Not
     })
 }
 
-/// One mechanical turn of the field.
+/// Results of one mechanical turn of the field.
 struct Way {
     parts: [Complex<f64>; ORDERS],
     noise_rad: f64,
@@ -67,7 +70,7 @@ struct Way {
 }
 
 impl Way {
-    /// The turn that ended this many ticks before the last one.
+    /// Fits the turn that ended `end` ticks before the last tick.
     fn new(
         ticks: &[CalibrationTick],
         end: f64,
@@ -83,7 +86,7 @@ impl Way {
         let (Some(first), Some(latest)) = (ticks.first(), ticks.last()) else {
             return Err(incomplete(0, turn));
         };
-        // Where only every so manieth tick is told, so many are less.
+        // If the telemetry contains only every n-th tick, fewer ticks are needed.
         let told = ticks
             .windows(2)
             .map(|it| it[1].tick.wrapping_sub(it[0].tick));
@@ -119,16 +122,16 @@ impl Way {
             return Err(incomplete(ticks.len(), turn / every));
         };
         let off_deg = (known.pole_pairs * solved.residual_rms).to_degrees();
-        // What is no number is refused, too.
+        // NaN is refused too.
         if off_deg.is_nan() || off_deg > OFF_MOST_DEG {
             return Err(NotSeen::NotFollowed { degrees: off_deg });
         }
         let of = &solved.values;
-        // The shaft's angle from count 0 where the field's turning is 0.
+        // Angle of the shaft from count 0 at the moment at which the field's angle is 0.
         let place = of[0] + per_count * f64::from(first.count);
         let part = |index: usize| {
             let order = (index + 1) as f64;
-            // What the second difference has of the error itself.
+            // The second difference contains a part of the encoder's error itself, which is corrected here.
             let step = order * TAU * reach as f64 * every / turn;
             let own = 1.0 + 2.0 * (step.cos() - 1.0) * of[2 * ORDERS + 1];
             of_cos_sin(of[2 * index + 1], of[2 * index + 2]) * own * Complex::cis(-order * place)

@@ -1,8 +1,8 @@
-//! Linear least squares over many rows of few columns.
+//! Linear least squares with many equations and few unknowns.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// The normal equations, gathered row by row.
+/// Normal equations, summed up equation by equation.
 pub(super) struct Normal {
     matrix: DMatrix<f64>,
     right: DVector<f64>,
@@ -10,12 +10,12 @@ pub(super) struct Normal {
     rows: usize,
 }
 
-/// Solution of the normal equations.
+/// Least-squares solution with its uncertainties.
 pub(super) struct Solved {
     pub values: DVector<f64>,
-    /// Standard uncertainties, had the rows errors of their own.
+    /// Standard uncertainties of the solution, if the errors of the equations are independent.
     pub uncertainties: DVector<f64>,
-    /// Effective value of the residual.
+    /// Root mean square of the equations' residual.
     pub residual_rms: f64,
 }
 
@@ -40,7 +40,7 @@ impl Normal {
         self.rows += 1;
     }
 
-    /// Solves the system; `None` where the columns depend on each other or there are too few rows.
+    /// Solves the system; `None` if the unknowns are not independent or there are too few equations.
     pub fn solve(self) -> Option<Solved> {
         let columns = self.right.len();
         let free = self.rows.checked_sub(columns).filter(|free| *free > 0)?;

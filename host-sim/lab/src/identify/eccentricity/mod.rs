@@ -1,29 +1,32 @@
-//! What an encoder's disc or magnet out of the axis, or tilted, makes of the angle: an error that comes back once and twice a turn,
+//! Measures the error of the angle from an encoder disc or magnet that is off the axis or tilted. The error repeats once and twice
+//! per turn:
 //!
 //! ```text
 //! reading = θ + ε(θ),   ε(θ) = A1 sin(θ + φ1) + A2 sin(2θ + φ2)
 //! ```
 //!
-//! with `θ` the shaft's true angle in the direction in which the encoder counts, its zero placed so that `ε` has no mean. The only witness
-//! is the encoder itself, so that something else has to say where the shaft is. A calibration has two such motions, and says both on the way
-//! (`touchstone_drive::calibration`, `touchstone_drive::measurement`); neither needs anything of the firmware that was not there.
+//! `θ` is the shaft's true angle in the encoder's direction of counting, with its zero placed so that `ε` has zero mean. There is
+//! no second encoder, so the true angle has to come from a known motion. A calibration has two such motions, and the device sends
+//! their data (`touchstone_drive::calibration`, `touchstone_drive::measurement`).
 //!
-//! - **The field's angle** ([`field`]). A field that is turned slowly holds the rotor as a spring of `K = p k_t I` (pole pairs, torque constant,
-//!   current; 1.75 N·m/rad with seven, 0.25 N·m/A and 1 A). The field's speed is that of a clock, and the rotor is behind it by what it takes to
-//!   turn it, over `K`: friction and damping shift each way as a whole, which no harmonic sees, and friction that differs from place to place
-//!   has the other sign on the way back and falls out of the mean of both. Cogging comes back with slots and poles and not once or twice a turn.
-//!   Left is a torque that comes back once or twice a turn, in both directions alike: a weight out of the axis, of 1 mN·m, is 0.03 degrees of
-//!   the shaft with those numbers, and 0.3 with the small motor's. **The field alone cannot tell it from an eccentric magnet.**
-//! - **The shaft's own motion** ([`coast`]). With the bridge off nothing but inertia, damping and friction is at work, and the shaft slows down
-//!   evenly. Such a torque `T` shakes it by `T/(J (n ω)²)`, which falls with the square of the speed `ω`; the encoder's error is the same at any.
-//!   A coast from fast to slow tells them apart. It is short and coarser.
+//! - **The field's angle** ([`field`]). A slowly turning field holds the rotor like a spring of `K = p k_t I` (pole pairs, torque
+//!   constant, current; 1.75 N·m/rad with seven, 0.25 N·m/A and 1 A). A clock sets the field's speed. The rotor lags by the torque
+//!   that it needs, over `K`. Constant friction and damping shift each direction as a whole, which does not affect the harmonics.
+//!   Friction that depends on the angle has the opposite sign on the way back and cancels in the mean of both. Cogging repeats with
+//!   slots and poles, not once or twice per turn. A torque that repeats once or twice per turn, in both directions alike, remains.
+//!   An unbalanced weight of 1 mN·m shifts the shaft by 0.03 degrees with these numbers, and by 0.3 with the small motor's. **The
+//!   field alone cannot distinguish it from an eccentric magnet.**
+//! - **The shaft's own motion** ([`coast`]). With the motor switched off only inertia, damping and friction act, and the shaft
+//!   slows down evenly. A torque `T` that repeats `n` times per turn moves it by `T/(J (n ω)²)`, which falls with the square of the
+//!   speed `ω`. The encoder's error is the same at any speed. A coast from fast to slow distinguishes the two, but is short and
+//!   less accurate.
 //!
-//! Both together are what is reported: the field's value, and no less of an uncertainty than what the two differ by; or the coast's, where the field is
-//! further from it than twice what the coast may be off.
+//! The result combines both motions. It is the field's value, with an uncertainty of at least the difference between the two. If
+//! the field's value differs from the coast's by more than twice the coast's uncertainty, the result is the coast's value.
 //!
-//! **Not told apart by either:** orders above two (a magnetic encoder's own fourth, its interpolation) are left in what does not fit. A rotor
-//! whose poles are unevenly spaced, as far as the windings do not average over all of them, looks to the field like the encoder's error; an
-//! eddy current brake that differs from place to place has a ripple that falls as `1/ω` and lies between the coast's two.
+//! **Neither motion shows:** Orders above two, such as a magnetic encoder's own fourth order, stay in the residual. A rotor with
+//! unevenly spaced poles looks like an encoder error to the field, as far as the windings do not average it out. An eddy current
+//! brake that depends on the angle has a ripple in proportion to `1/ω`, between the coast's two terms.
 
 pub mod coast;
 pub mod cost;
@@ -35,123 +38,123 @@ use touchstone_protocol::MeasuringPart;
 
 pub use cost::{Cost, Reseat};
 
-/// Orders of a turn that are looked for.
+/// Orders (periods per turn) of the error that are measured.
 pub const ORDERS: usize = 2;
-/// Fastest field with which the calibration is to be run for this, electrical turns a second: it has its speed within the electrical turn that is
-/// not examined.
+/// Fastest field with which this measurement works, electrical turns per second. A faster field has not reached its constant speed
+/// after the first electrical turn, which is not used.
 pub const FIELD_FASTEST_TURNS_PER_S: f64 = 4.0;
-/// An error is worth showing above this share of a count.
+/// Fraction of an encoder count above which an error is worth reporting.
 const COUNT_SHARE: f64 = 0.25;
 
-/// A device's data of one control tick of a calibration.
+/// Data that a device sends for one control tick of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CalibrationTick {
-    /// Number of the tick.
+    /// Number of the control tick.
     pub tick: u32,
-    /// Part of the measurement; nothing while the field is turned.
+    /// Part of the measurement; `None` while the field turns.
     pub part: Option<MeasuringPart>,
-    /// Position, counts.
+    /// Position, encoder counts.
     pub count: i32,
 }
 
-/// Known properties of the encoder and its motor.
+/// Properties of encoder and motor that have to be known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownEncoder {
     /// Control rate, Hz.
     pub rate_hz: f64,
-    /// Counts of a revolution.
+    /// Encoder counts per turn.
     pub counts_per_rev: f64,
-    /// Pole pairs, which the alignment has confirmed.
+    /// Pole pairs; the motor's alignment has confirmed them.
     pub pole_pairs: f64,
-    /// Speed of the field, electrical turns a second.
+    /// Speed of the field, electrical turns per second.
     pub field_turns_per_s: f64,
 }
 
-/// One order of the error: `A sin(n θ + φ)`.
+/// One order of the encoder's error: `A sin(n θ + φ)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Harmonic {
-    /// `A`, rad.
+    /// Amplitude `A`, rad.
     pub amplitude_rad: f64,
-    /// `φ`, rad.
+    /// Phase `φ`, rad.
     pub phase_rad: f64,
-    /// Uncertainty, rad: how far `A e^(jφ)` may be off in any direction.
+    /// Uncertainty of the phasor `A e^(jφ)` in any direction, rad.
     pub uncertainty_rad: f64,
 }
 
-/// The motion from which the value was taken.
+/// The known motion from which the encoder's error was calculated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Witness {
-    /// The field's.
+    /// The turning of the motor's field, which is slow and timed by a clock.
     Field,
-    /// The shaft's own.
+    /// The shaft's own motion with the motor switched off.
     Coast,
 }
 
-/// The result of one kind of motion: `A e^(jφ)` of each order and its uncertainty, rad.
+/// The encoder's error from one type of motion: the phasor `A e^(jφ)` of each order and its uncertainty, rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Said {
-    /// The components by order, from order 1.
+    /// Phasors of the encoder's error by order, from order 1, rad.
     pub parts: [Complex<f64>; ORDERS],
-    /// Uncertainty from the difference of both directions, or from noise.
+    /// Uncertainty of the phasors by order, from the difference between the directions or from noise, rad.
     pub uncertainty_rad: [f64; ORDERS],
-    /// What does not fit, effective value, rad.
+    /// Residual of the fit, root mean square, rad.
     pub residual_rms_rad: f64,
 }
 
-/// The encoder's error over a turn.
+/// The encoder's error as a function of the shaft's angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Eccentricity {
-    /// By orders from 1. Phases are counted from the place where the calibration ended: from the zero that it set.
+    /// The error by order, from order 1. Phases count from the angle at which the calibration ended, which is the zero that it set.
     pub harmonics: [Harmonic; ORDERS],
-    /// The motion from which each order was taken.
+    /// The known motion from which each order was calculated.
     pub witness: [Witness; ORDERS],
-    /// How far the field and the coasts are apart, rad; nothing where there was no coast long enough.
+    /// Difference between the results from field and coasts by order, rad; `None` without a usable coast.
     pub apart_rad: Option<[f64; ORDERS]>,
-    /// The part of the field's motion that does not fit, effective value, rad.
+    /// Residual of the fit to the field's motion, root mean square, rad.
     pub residual_rms_rad: f64,
-    /// A step of the encoder, rad.
+    /// Size of an encoder count, rad.
     pub count_rad: f64,
 }
 
-/// Why the error cannot be found.
+/// Why the encoder's error was not measured.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotSeen {
-    /// The field was not turned a whole turn both ways, or that was not heard.
+    /// The field did not turn a whole turn in both directions, or its data are missing.
     #[error(
         "the calibration's turn of the field is not whole: {heard} of {needed} ticks were heard"
     )]
     Incomplete {
-        /// How many.
+        /// Number of ticks whose data arrived.
         heard: usize,
-        /// Number of ticks needed.
+        /// Number of ticks whose data are needed.
         needed: usize,
     },
-    /// The rotor did not go with the field.
+    /// The rotor did not follow the field.
     #[error(
         "the shaft did not go evenly with the field: it is off by {degrees:.1} electrical degrees"
     )]
     NotFollowed {
-        /// Effective value.
+        /// Deviation of the shaft from the field, root mean square, electrical degrees.
         degrees: f64,
     },
-    /// The two directions disagree.
+    /// The two directions of turning give different errors of the encoder.
     #[error("the turn there and the turn back disagree about the encoder by {degrees:.2} degrees")]
     DoesNotRepeat {
-        /// Difference between the two turns, degrees.
+        /// Difference between the encoder errors from the two directions, degrees.
         degrees: f64,
     },
 }
 
 impl Eccentricity {
-    /// Evaluates a calibration's telemetry.
+    /// Calculates the encoder's error from a calibration's telemetry.
     ///
     /// # Errors
-    /// [`NotSeen`].
+    /// Data are missing, the shaft did not follow the field, or the directions differ; see [`NotSeen`].
     pub fn new(ticks: &[CalibrationTick], known: &KnownEncoder) -> Result<Self, NotSeen> {
         let field = field::said(ticks, known)?;
         let coast = coast::said(ticks, known);
         let count_rad = std::f64::consts::TAU / known.counts_per_rev;
-        // From the zero that the calibration sets, which is where it ends.
+        // Phases count from the zero that the calibration sets, which is where it ends.
         let zero = ticks.last().map_or(0.0, |last| f64::from(last.count)) * count_rad;
         let mut harmonics = [Harmonic {
             amplitude_rad: 0.0,
@@ -165,7 +168,7 @@ impl Eccentricity {
             if let Some(coast) = &coast {
                 let of_coast = coast.uncertainty_rad[index];
                 apart[index] = (coast.parts[index] - value).norm();
-                // What is far more than the coast may be off, only the field can have wrong.
+                // A difference far above the coast's uncertainty can only be an error of the field's result.
                 if apart[index] > (2.0 * of_coast).max(COUNT_SHARE * count_rad) {
                     witness[index] = Witness::Coast;
                     (value, open) = (coast.parts[index], of_coast);
@@ -190,7 +193,7 @@ impl Eccentricity {
         })
     }
 
-    /// The error at an angle, rad.
+    /// Encoder error at a shaft angle, rad.
     #[must_use]
     pub fn error_rad(&self, angle_rad: f64) -> f64 {
         let parts = self.harmonics.iter().zip(1..);
@@ -201,7 +204,7 @@ impl Eccentricity {
             .sum()
     }
 
-    /// Whether an order exceeds its uncertainty and a share of a count.
+    /// Whether an order's amplitude exceeds its uncertainty and a quarter of an encoder count.
     #[must_use]
     pub fn stands_out(&self, index: usize) -> bool {
         let it = &self.harmonics[index];

@@ -1,4 +1,4 @@
-//! A board's telemetry and its shaft's motion under the scorecard's programme, read from a table.
+//! Reads a recording of board and shaft under the scorecard's programme from a CSV table.
 
 use super::super::cases::Deed;
 use super::deed_word;
@@ -9,7 +9,7 @@ use touchstone_sim::run::Tick;
 use touchstone_sim::run::wall::Inside;
 use touchstone_sim::scene::{Grip, Scene};
 
-/// The columns: the board's telemetry, then what only a test stand measures.
+/// Columns of the recording: the board's telemetry, then quantities that only a test stand measures.
 const COLUMNS: [&str; 10] = [
     "grip",
     "deed",
@@ -23,13 +23,13 @@ const COLUMNS: [&str; 10] = [
     "device_loss_j",
 ];
 
-/// Where the wall was, if not where the scene has it.
+/// Optional column: angle of the wall's surface in rad, if it differs from the scene's.
 const SURFACE: &str = "surface_rad";
 
-/// Numbers of a row, in the columns' order.
+/// Numbers of one row of the recording, in the order of the columns.
 type Row = [f64; 7];
 
-/// A recording.
+/// A recording of a board, sorted by grip and action.
 #[derive(Debug, Clone)]
 pub struct BoardRecording {
     file: PathBuf,
@@ -38,10 +38,10 @@ pub struct BoardRecording {
 }
 
 impl BoardRecording {
-    /// Reads a recording.
+    /// Reads a recording from a file.
     ///
     /// # Errors
-    /// A file that cannot be read or is no recording of a programme; a tick in which the wall was off.
+    /// The file cannot be read or is no recording of a programme, or the wall was off in one of its ticks.
     pub fn read(file: &Path) -> Result<Self> {
         let wrong = |problem: String| {
             Error::Io {
@@ -93,10 +93,10 @@ impl BoardRecording {
         })
     }
 
-    /// The scene with the wall where it was.
+    /// The scene with the wall's surface at the recorded angle.
     ///
     /// # Errors
-    /// The surface is further than a count from its place in the scene.
+    /// The recorded surface is more than an encoder count from the scene's.
     pub(super) fn scene(&self, scene: &Scene) -> Result<Scene> {
         let mut here = scene.clone();
         let Some(surface_rad) = self.surface_rad else {
@@ -120,17 +120,17 @@ impl BoardRecording {
         }
     }
 
-    /// The ticks of an action, in the form of the simulator's loop; `None` where it was not played.
+    /// The ticks of an action in the form of the simulator's loop; `None` if the action was not recorded.
     ///
     /// # Errors
-    /// The action has another length than the scene's, or its wall is not the scene's.
+    /// The recorded action has another length than the scene's, or was made with another wall.
     pub fn ticks(&self, scene: &Scene, grip: Grip, deed: Deed) -> Result<Option<Vec<Tick>>> {
         let word = deed_word(deed);
         let Some(rows) = self.deeds.get(&(grip.name().to_owned(), word.clone())) else {
             return Ok(None);
         };
         let wrong = |problem: String| self.wrong(format!("{}, {word}: {problem}", grip.name()));
-        // The last row only says where the last tick led to.
+        // The last row only gives the state after the last tick.
         let ticks = scene.timing.ticks() as usize;
         if rows.len() != ticks + 1 {
             return Err(wrong(format!(
@@ -140,7 +140,7 @@ impl BoardRecording {
         }
         let surface = scene.wall.surface_rad;
         let step = scene.encoder.as_ref().map_or(0.0, |it| it.step_rad());
-        // What is told and what is true differ by half a count, and by a motion between sample and reading.
+        // Measured and true angle differ by half a count, and by the motion between sample and reading.
         let off = rows.iter().map(|row| (row[2] - surface - row[0]).abs());
         let near = off.filter(|off| *off <= 1.5 * step).count();
         if step > 0.0 && near < rows.len() * 9 / 10 {

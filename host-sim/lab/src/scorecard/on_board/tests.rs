@@ -16,7 +16,7 @@ fn gimbal() -> Scene {
     Scene::load("gimbal-knob").unwrap()
 }
 
-/// A simulated board: a run of another scene under the programme of this one, written as a test stand writes it.
+/// Makes a recording without a board: simulates the scene `board` under the programme of `scene`, in the format of a test stand.
 fn recorded(scene: &Scene, board: &Scene, deeds: &[Deed], name: &str) -> BoardRecording {
     let programme = board_programme(scene);
     let mut text = String::from(
@@ -127,7 +127,7 @@ fn a_board_at_several_places_has_a_scatter_and_is_beyond_only_where_the_two_do_n
     let late = |scene: &mut Scene| scene.timing.computational_delay_s = 4e-4;
     let found = board_card(&scene, &at_places(&late, "late-places")).unwrap();
     assert!(found.beyond(SAME).any(|it| it.key == "phase_deg"));
-    // Not all have the same deeds.
+    // Recordings with different actions are refused.
     let mut unequal = at_places(&|_| (), "unequal");
     unequal[2] = recorded(&scene, &scene, &[Deed::Move(2.0)], "other-deed");
     let said = board_card(&scene, &unequal).unwrap_err().to_string();

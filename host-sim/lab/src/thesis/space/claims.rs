@@ -1,6 +1,6 @@
-//! What the thesis says of its experiments in three degrees of freedom (§5.2), and what the simulation shows.
+//! Compares the thesis' statements on its experiments in three degrees of freedom (§5.2) with the simulation.
 //!
-//! A claim that does not reproduce is reported as such, with what was measured.
+//! A statement that the simulation does not reproduce is reported as such, with the measured values.
 
 use super::record::Record;
 use super::tuned::{self, DirectionCard};
@@ -17,7 +17,7 @@ fn outcome(holds: bool) -> Outcome {
     }
 }
 
-/// The run of a cell.
+/// Finds the run with this object, stiffness in N/mm and way to calculate the force.
 fn of(runs: &[Record], object: Object, k: f64, approach: Approach) -> Option<&Record> {
     runs.iter().find(|run| {
         let cell = &run.cell;
@@ -27,13 +27,15 @@ fn of(runs: &[Record], object: Object, k: f64, approach: Approach) -> Option<&Re
 
 const EXTENSIONS: [Approach; 2] = [Approach::PerAxis, Approach::Magnitude];
 
-/// Ripple from which an interaction is no longer at rest: five counts of the device. A hand's tremor is no part of the simulation.
+/// Ripple of the depth above which an interaction does not count as at rest, mm: five position counts of the device. A hand's
+/// tremor is not simulated.
 pub const AT_REST_MM: f64 = 0.05;
 
-/// Every claim, against the runs of [`super::cells`] and the scorecards of [`super::tuned`]. The critical stiffness is the omega.3's.
+/// Checks every claim against the runs of [`super::cells`] and the scorecards of [`super::tuned`]. The critical stiffness is the
+/// omega.3's.
 ///
 /// # Errors
-/// Settings that no law can have.
+/// The control law does not accept its settings.
 pub fn check(
     mechanism: Mechanism,
     runs: &[Record],
@@ -58,10 +60,10 @@ pub fn check(
     Ok(claims)
 }
 
-/// The largest stiffness at which a bare spring does not ring, by bisection of simulated presses without a hand, N/mm.
+/// Largest stiffness in N/mm at which a plain spring does not oscillate, by bisection over simulated presses without a hand.
 ///
 /// # Errors
-/// Settings that no law can have.
+/// The control law does not accept its settings.
 pub fn largest_stable_n_per_mm() -> Result<f64, SettingsError> {
     let (mut stable, mut ringing) = (1.0, 20.0);
     while ringing - stable > 0.01 {
@@ -75,7 +77,8 @@ pub fn largest_stable_n_per_mm() -> Result<f64, SettingsError> {
     Ok(0.5 * (stable + ringing))
 }
 
-/// Whether a swing of the bare device on a spring grows: 4 N push it in, and it is let go from half a millimetre off its rest.
+/// Whether an oscillation of the bare device on a spring of `k` N/mm grows. A force of 4 N presses the device into the spring. The
+/// device starts at 1.4 times the depth at which it would rest.
 fn grows(k: f64) -> Result<bool, SettingsError> {
     const PUSH_N: f64 = 4.0;
     let cell = Cell {
@@ -237,7 +240,7 @@ fn sliding(runs: &[Record], stiff: f64) -> Claim {
     };
     let slide = run.late(Phase::Slide, 0.9);
     let whole = run.displayed_n_per_mm(slide.clone());
-    // Tenths of the slide, for the worst beside the mean.
+    // Tenths of the slide, to report the worst one beside the mean.
     let part = slide.len() / 10;
     let (mut least, mut most) = (f64::MAX, f64::MIN);
     for i in 0..10 {

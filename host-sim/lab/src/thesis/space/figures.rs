@@ -1,14 +1,14 @@
-//! Figures as those of §5.2: displayed stiffness, trajectory and force over time, per coordinate.
+//! Figures like those of §5.2 of the thesis: displayed stiffness, trajectory and force over time, per coordinate.
 
 use super::record::{Record, dot};
 use super::{Approach, Object, Phase};
 use crate::report::figure::{Axis, Figure, Range, Shape};
 
-/// Classes of the lines: three that differ in colour.
+/// CSS classes of the lines for the three coordinates.
 const ROLES: [&str; 3] = ["law-a", "law-d", "law-g"];
 const AXES: [&str; 3] = ["x1", "x2", "x3"];
 
-/// The figure of the thesis that a cell answers to; what ships has none.
+/// Number of the thesis' figure for the same object and way to calculate the force; empty for the shipped wall.
 #[must_use]
 pub fn reference(object: Object, approach: Approach) -> &'static str {
     match (object, approach) {
@@ -23,7 +23,7 @@ pub fn reference(object: Object, approach: Approach) -> &'static str {
     }
 }
 
-/// All figures of a run.
+/// All figures of a run in three axes.
 #[must_use]
 pub fn of(run: &Record) -> Vec<Figure> {
     vec![stiffness(run), forces(run), trajectory(run), view(run)]
@@ -66,7 +66,7 @@ fn per_axis(run: &Record, of: impl Fn(usize, usize) -> f64) -> [Vec<(f64, f64)>;
     })
 }
 
-/// Force over penetration, per coordinate: gaps where there is neither.
+/// Force over penetration per coordinate; the line has gaps where there is no contact.
 fn stiffness(run: &Record) -> Figure {
     let most = 2.0 * run.cell.k_desired_n_per_mm;
     let lines = per_axis(run, |t, i| {
@@ -123,7 +123,7 @@ fn trajectory(run: &Record) -> Figure {
     figure
 }
 
-/// Trajectory and forces in space, seen from the side: along (1, -2, 1).
+/// Trajectory and forces in space, seen along the direction (1, -2, 1).
 fn view(run: &Record) -> Figure {
     let (right, up) = (
         [2.0 / 5.0_f64.sqrt(), 1.0 / 5.0_f64.sqrt(), 0.0],
@@ -163,7 +163,7 @@ fn view(run: &Record) -> Figure {
     figure
 }
 
-/// Lines on the object's surface.
+/// Lines on the object's surface, projected by `seen`.
 fn outline(object: Object, seen: &impl Fn([f64; 3]) -> (f64, f64)) -> Vec<Vec<(f64, f64)>> {
     let normal = object.normal();
     match object {

@@ -1,8 +1,10 @@
-//! The tuned law where nobody looked while its setting was chosen: directions, places, hands, pushes, inertia, damping and delay by a seed.
+//! Checks the tuned law on walls that were not used to choose its settings: random directions, positions, hands, pushes, inertias,
+//! dampings and delays.
 //!
-//! [`super::tuned`] is judged on the runs that its setting was seen on. Here each draw is a wall of its own: a random normal through a random place,
-//! a hand between the light and the firm one, a push of 4 to 9 N, inertia and damping up to a fifth off, a delay of none, 0.1 or 0.5 of a tick. A fifth of them
-//! are the ball, with a hand that is stiff enough to stay on it.
+//! The scorecards of [`super::tuned`] are for walls that were looked at while the settings were chosen. Here each wall has a random
+//! normal through a random point, a hand between the light and the firm one, and a push of 4 to 9 N. Inertia and damping are up to
+//! a fifth off; the delay is 0, 0.1 or 0.5 of a tick. A fifth of the walls are a ball, with a hand that is stiff enough to stay on
+//! it.
 
 use super::held_out_cause::HeldOutCause;
 use super::mechanism::{Deviation, Mechanism};
@@ -20,31 +22,32 @@ use serde::Serialize;
 use touchstone_control::{EstimatorSettings, Settings, SettingsError};
 use touchstone_world::plant::{FIRM_TRANSLATION, Hand, LIGHT_TRANSLATION};
 
-/// How many walls a check has.
+/// Number of walls in a check.
 pub const DRAWS: usize = 200;
-/// One wall of this many is the ball.
+/// One of this many walls is a ball.
 const BALL_EACH: usize = 5;
-/// Largest distance of a plane's place from the centre, m.
+/// Largest distance of a plane's pressed point from the centre of the workspace, m.
 const FURTHEST_M: f64 = 0.03;
 const PUSHES_N: (f64, f64) = (4.0, 9.0);
 const DELAYS_TICKS: [f64; 3] = [0.0, 0.1, 0.5];
-/// Share of the largest push with which a hand stays on the ball, which is `R` times its stiffness across.
+/// Largest push on a ball, as a fraction of the push at which the hand slides off. That push is the ball's radius `R` times the
+/// hand's stiffness across the push.
 const BALL_SHARE: f64 = 0.6;
 
-/// A wall that was drawn.
+/// A random wall with its hand and device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drawn {
-    /// The surface that is pressed.
+    /// The surface that the hand presses.
     pub surface: PressedSurface,
-    /// Between the light (0) and the firm hand (1), evenly on a logarithmic scale.
+    /// Grip between the light (0) and the firm hand (1), on a logarithmic scale.
     pub grip: f64,
-    /// Force of the push, N.
+    /// Force of the press, N.
     pub push_n: f64,
-    /// How the device differs.
+    /// How the device differs from its nominal values.
     pub deviation: Deviation,
 }
 
-/// A hand between the light and the firm one.
+/// The hand at this position between the light and the firm one.
 fn hand(grip: f64) -> Hand {
     let between = |light: f64, firm: f64| light * (firm / light).powf(grip);
     let (light, firm) = (LIGHT_TRANSLATION, FIRM_TRANSLATION);
@@ -57,12 +60,12 @@ fn hand(grip: f64) -> Hand {
     }
 }
 
-/// Stiffness of a hand and its pad across, N/m.
+/// Stiffness of a hand with its pad across the push, N/m.
 fn across(hand: &Hand) -> f64 {
     1.0 / (1.0 / hand.stiffness + 1.0 / hand.pad_stiffness)
 }
 
-/// The most that a hand may push a ball with and stay on it, N: above `R` times its stiffness across it slides off.
+/// Largest push with which the simulated hand presses a ball, N. Above `R` times its stiffness across the push a hand slides off.
 fn most_on_ball_n(hand: &Hand) -> f64 {
     BALL_SHARE * 1e-3 * RADIUS_MM * across(hand)
 }
@@ -70,7 +73,7 @@ fn most_on_ball_n(hand: &Hand) -> f64 {
 impl Drawn {
     fn next(random: &mut Random, ball: bool) -> Self {
         let mut within = |(low, high): (f64, f64)| low + (high - low) * random.unit();
-        // Even on the sphere of directions.
+        // Evenly distributed over the sphere of directions.
         let (up, turn) = (within((-1.0, 1.0)), within((0.0, std::f64::consts::TAU)));
         let flat = (1.0 - up * up).sqrt();
         let normal = [flat * turn.cos(), flat * turn.sin(), up];
@@ -100,7 +103,7 @@ impl Drawn {
         }
     }
 
-    /// Text for people.
+    /// Description of the wall for readers.
     #[must_use]
     pub fn text(&self) -> String {
         let [x, y, z] = self.surface.normal();
@@ -123,7 +126,7 @@ impl Drawn {
     }
 }
 
-/// The walls of a seed.
+/// The random walls that a seed generates.
 #[must_use]
 pub fn drawn(seed: u64, count: usize) -> Vec<Drawn> {
     let mut random = Random::new(seed);
@@ -132,22 +135,22 @@ pub fn drawn(seed: u64, count: usize) -> Vec<Drawn> {
         .collect()
 }
 
-/// A wall and its result.
+/// A random wall with its results.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldOutCell {
-    /// The wall.
+    /// The wall, its hand and its device.
     pub drawn: Drawn,
-    /// The wall's figures; ripple has no limit.
+    /// The wall's figures. The ripple has no limit here.
     pub found: DirectionFigures,
-    /// The longest force that was wanted of the motors, N.
+    /// Largest force that the law requested of the motors, N.
     pub longest_n: f64,
-    /// For a wall beyond a limit: the first single change that brings all its figures within.
+    /// For a wall beyond a limit: the first single change with which all its figures are within their limits.
     pub cause: Option<HeldOutCause>,
     limits: Limits,
 }
 
 impl HeldOutCell {
-    /// Plays a wall.
+    /// Simulates a wall with all actions of the hand.
     fn played(
         drawn: Drawn,
         law: &Settings,
@@ -177,7 +180,7 @@ impl HeldOutCell {
         })
     }
 
-    /// Plays a wall, and where it is beyond a limit, plays it again with one thing changed at a time.
+    /// Simulates a wall. If a figure is beyond its limit, the wall is simulated again with one change at a time, to find the cause.
     fn explained(
         drawn: Drawn,
         law: &Settings,
@@ -200,13 +203,13 @@ impl HeldOutCell {
         Ok(cell)
     }
 
-    /// Whether the motors were at their limit.
+    /// Whether the requested force reached the limit of the motors.
     #[must_use]
     pub fn is_at_limit(&self) -> bool {
         self.longest_n >= (1.0 - 1e-3) * Mechanism::Cartesian.force_n()
     }
 
-    /// Figures beyond their limits, and by what share.
+    /// Figures that are beyond their limits, each with its value divided by the limit.
     #[must_use]
     pub fn fails(&self) -> Vec<(Measure, f64)> {
         let shares = self.found.figures.shares(&self.limits);
@@ -216,45 +219,45 @@ impl HeldOutCell {
     }
 }
 
-/// A check.
+/// Results of a check of the tuned law on random walls.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldOut {
-    /// Seed of the draw.
+    /// Seed of the random walls.
     pub seed: u64,
-    /// Every wall.
+    /// Results of every random wall.
     pub cells: Vec<HeldOutCell>,
 }
 
-/// The largest of a figure, with the wall that has it.
+/// The largest value of a figure, with the wall that has it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WorstOfAll {
-    /// The figure.
+    /// The scorecard figure.
     pub measure: Measure,
-    /// The figure's value; `None` where the run diverged.
+    /// The largest value; `None` if it is infinite, for example because the run diverged.
     pub value: Option<f64>,
-    /// Median over all walls.
+    /// Median of the figure over all walls; `None` if it is infinite.
     pub median: Option<f64>,
-    /// How many walls are beyond its limit.
+    /// Number of random walls on which the figure is beyond its limit.
     pub beyond: usize,
-    /// The wall of the largest.
+    /// Description of the wall with the largest value.
     pub wall: String,
 }
 
 impl HeldOut {
-    /// Plays the setting that [`super::tuned`] has on walls of a seed.
+    /// Simulates the shipped settings of [`super::tuned`] on the random walls that a seed generates.
     ///
     /// # Errors
-    /// Settings that no law can have.
+    /// The control law does not accept its settings.
     pub fn played(seed: u64, count: usize) -> Result<Self, SettingsError> {
         let force_n = Mechanism::Cartesian.force_n();
         let law = OMEGA3_WALL.settings(RATE_HZ, force_n);
         Self::with(seed, count, &law, &OMEGA3_WALL.estimator())
     }
 
-    /// Plays another setting on them.
+    /// Simulates other law settings on the random walls that a seed generates.
     ///
     /// # Errors
-    /// Same as [`Self::played`].
+    /// The errors of [`Self::played`].
     pub fn with(
         seed: u64,
         count: usize,
@@ -270,7 +273,7 @@ impl HeldOut {
         })
     }
 
-    /// The largest of each figure.
+    /// The largest value of each figure over all walls.
     #[must_use]
     pub fn worst(&self) -> Vec<WorstOfAll> {
         let of = |measure: Measure| {
@@ -293,7 +296,7 @@ impl HeldOut {
         Measure::ALL.map(of).to_vec()
     }
 
-    /// Walls with a figure beyond its limit.
+    /// Number of walls with a figure beyond its limit.
     #[must_use]
     pub fn failed(&self) -> usize {
         self.cells
@@ -302,14 +305,14 @@ impl HeldOut {
             .count()
     }
 
-    /// How many of them have this cause.
+    /// Number of failed walls with this cause.
     #[must_use]
     pub fn failed_by(&self, cause: HeldOutCause) -> usize {
         let same = |cell: &&HeldOutCell| cell.cause == Some(cause);
         self.cells.iter().filter(same).count()
     }
 
-    /// The causes in words, each with its number of cases; "none" where there are none.
+    /// The causes of the failed walls in words, each with its number of walls; "none" if no wall failed.
     #[must_use]
     pub fn causes(&self) -> String {
         let all = HeldOutCause::TRIED
@@ -326,7 +329,7 @@ impl HeldOut {
         }
     }
 
-    /// The longest that a press took to stay within 5 %, s; `None` where one never did.
+    /// Longest time that a press took to stay within 5 % of its depth, s; `None` if one never did.
     #[must_use]
     pub fn settle_s(&self) -> Option<f64> {
         self.cells
@@ -335,7 +338,7 @@ impl HeldOut {
             .try_fold(0.0, |most: f64, settle| settle.map(|s| most.max(s)))
     }
 
-    /// The check as a claim.
+    /// The result of the check as a claim, for the list of claims.
     #[must_use]
     pub fn claim(&self) -> Claim {
         let worst = self.worst();
@@ -403,7 +406,7 @@ mod tests {
         }
     }
 
-    /// A sample of the command: what it shows, and that it can say no.
+    /// Checks on a small sample that the shipped settings fail on fewer walls than settings with a wrong estimator delay.
     #[test]
     fn a_sample_of_the_check() {
         let found = HeldOut::played(1, 10).expect("settings");
@@ -418,8 +421,8 @@ mod tests {
         assert!(found.failed() < lost.failed(), "{}", found.claim().measured);
     }
 
-    /// One thing is changed at a time. A push that the motors cannot give, a delay that lets a hand get energy out,
-    /// and a case that no single change explains.
+    /// Checks that causes are found: a push beyond the motors, a delay with which a hand gets energy out, and a case that no single
+    /// change explains.
     #[test]
     fn a_wall_beyond_a_limit_has_its_cause() {
         let law = OMEGA3_WALL.settings(RATE_HZ, Mechanism::Cartesian.force_n());
@@ -441,7 +444,7 @@ mod tests {
             ..drawn
         };
         assert_eq!(cause(pushed, &told), Some(HeldOutCause::MotorsLimit));
-        // The one wall of four seeds that gives energy.
+        // The only wall of four seeds on which the hand gets energy.
         let gives = |it: &Drawn| {
             it.grip > 0.96 && (7.2..7.4).contains(&it.push_n) && it.deviation.damping < 0.81
         };

@@ -1,31 +1,31 @@
-//! Why a wall of [`super::held_out`] is beyond a limit, by one thing changed at a time.
+//! Finds the cause why a wall of [`super::held_out`] is beyond a limit, by one change at a time.
 
 use super::held_out::Drawn;
 use super::mechanism::Mechanism;
 use crate::identify::lever::PRESS_SHARE;
 use serde::Serialize;
 
-/// Why a wall is beyond a limit: the single change that brings every figure within.
+/// Cause why a wall is beyond a limit: the single change with which every figure is within its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum HeldOutCause {
-    /// The push: the motors were at their limit, and are not with the scorecard's own push.
+    /// The push: the motors were at their limit; with the scorecard's own push the figures are within their limits.
     MotorsLimit,
-    /// The delay: without it it is within.
+    /// The delay of the device: without it the figures are within their limits.
     Delay,
     /// The device's damping, which differs from what the law assumes.
     Damping,
     /// The device's inertia, which differs from what the law assumes.
     Inertia,
-    /// No single change.
+    /// No single change brings all figures of the wall within their limits.
     NoneAlone,
 }
 
 impl HeldOutCause {
-    /// The causes that are tried, in this order.
+    /// The causes in the order in which they are tried.
     pub const TRIED: [Self; 4] = [Self::MotorsLimit, Self::Delay, Self::Damping, Self::Inertia];
 
-    /// Text for people.
+    /// Description of the cause for readers.
     #[must_use]
     pub const fn text(self) -> &'static str {
         match self {
@@ -37,7 +37,7 @@ impl HeldOutCause {
         }
     }
 
-    /// The wall without it.
+    /// The random wall with this cause removed.
     #[must_use]
     pub fn mended(self, drawn: &Drawn) -> Drawn {
         let mut mended = *drawn;

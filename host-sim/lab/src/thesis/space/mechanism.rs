@@ -1,5 +1,4 @@
-//! The device of a comparison in three axes: a mass that is alike in every direction, or a delta mechanism; nominal or
-//! varied.
+//! The device of a comparison in three axes, nominal or varied: a mass that is the same in every direction, or a delta mechanism.
 
 use crate::scorecard::cases::Change;
 use serde::{Deserialize, Serialize};
@@ -8,27 +7,27 @@ use touchstone_world::plant::{
     Kinematics, Loss, OMEGA3, OMEGA3_AXIS, State,
 };
 
-/// A mechanism.
+/// Type of the device's mechanism.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mechanism {
-    /// An omega.3 as three axes that do not feel each other.
+    /// An omega.3 as three axes that do not influence each other.
     #[default]
     Cartesian,
-    /// A delta with the Falcon's lengths.
+    /// A delta mechanism with the lengths of the Falcon.
     Delta,
 }
 
-/// Longest force of the Falcon, according to CHAI3D, N.
+/// Largest force of the Falcon, according to CHAI3D, N.
 const FALCON_FORCE_N: f64 = 8.0;
-/// The least damping of the delta within 35 mm of its centre, N·s/m, rounded down; a test computes it.
+/// Least damping of the delta within 35 mm of its centre, N·s/m, rounded down. A test calculates it.
 pub const DELTA_DAMPING: f64 = 0.5;
 
 impl Mechanism {
-    /// All mechanisms.
+    /// All types of mechanisms.
     pub const ALL: [Mechanism; 2] = [Mechanism::Cartesian, Mechanism::Delta];
 
-    /// The mechanism's word on a command line and in a scene.
+    /// Name of the mechanism on the command line and in scene files.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -37,7 +36,7 @@ impl Mechanism {
         }
     }
 
-    /// Text for people.
+    /// Description of the mechanism for readers.
     #[must_use]
     pub fn about(self) -> &'static str {
         match self {
@@ -46,7 +45,7 @@ impl Mechanism {
         }
     }
 
-    /// Longest force in every direction, N.
+    /// Largest force that the motors can give in every direction, N.
     #[must_use]
     pub fn force_n(self) -> f64 {
         match self {
@@ -55,7 +54,7 @@ impl Mechanism {
         }
     }
 
-    /// Least damping in every direction, N·s/m: the value that law and guard count on.
+    /// Least damping in any direction, N·s/m. Law and guard assume this value.
     #[must_use]
     pub fn damping(self) -> f64 {
         match self {
@@ -64,7 +63,7 @@ impl Mechanism {
         }
     }
 
-    /// Step of a measured place, m; of a delta where a joint's count moves the effector furthest, at the centre.
+    /// Size of a position count, m. For the delta it is the largest motion of the effector by one joint count, at the centre.
     #[must_use]
     pub fn count_m(self) -> f64 {
         match self {
@@ -78,20 +77,22 @@ impl Mechanism {
         }
     }
 
-    /// Stiffnesses of a comparison, N/mm: the critical one, `2 b/T`, and five times that; of the omega.3 those of §5.2.
+    /// Requested stiffnesses of a comparison, N/mm: the critical one `2 b/T`, and five times that. For the omega.3 they are those
+    /// of §5.2.
     #[must_use]
     pub fn stiffnesses_n_per_mm(self) -> [f64; 2] {
         let critical = 2e-3 * self.damping() * f64::from(super::RATE_HZ);
         [critical, 5.0 * critical]
     }
 
-    /// The hand's push, N: half of the longest force.
+    /// Force with which the hand pushes, N: half of the motors' largest.
     #[must_use]
     pub fn push_n(self) -> f64 {
         0.5 * self.force_n()
     }
 
-    /// How fast a hand slides along a surface, mm/s: the thesis' speed, or what stays within 40 mm of a Falcon's centre.
+    /// Speed at which the hand slides along a surface, mm/s: the thesis' 50 mm/s, or a speed that stays within 40 mm of a Falcon's
+    /// centre.
     #[must_use]
     pub fn slide_mm_per_s(self) -> f64 {
         match self {
@@ -101,21 +102,21 @@ impl Mechanism {
     }
 }
 
-/// How a device differs from its nominal values: factors, and a delay in ticks.
+/// How a device differs from its nominal values: factors, and a delay.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Deviation {
-    /// Factor on the inertia.
+    /// Factor on the device's inertia.
     pub inertia: f64,
-    /// Factor on the damping.
+    /// Factor on the device's damping.
     pub damping: f64,
-    /// Factor on the counts.
+    /// Factor on the position counts.
     pub counts: f64,
-    /// A command acts this many ticks after its sample.
+    /// Delay from a sample until its command acts, ticks.
     pub delay_ticks: f64,
 }
 
 impl Deviation {
-    /// No difference.
+    /// The nominal device.
     pub const NONE: Self = Self {
         inertia: 1.0,
         damping: 1.0,
@@ -123,7 +124,7 @@ impl Deviation {
         delay_ticks: 0.0,
     };
 
-    /// The difference of a scorecard's device.
+    /// The deviation of a scorecard's device.
     #[must_use]
     pub fn of(change: Change) -> Self {
         let mut deviation = Self::NONE;
@@ -138,18 +139,18 @@ impl Deviation {
     }
 }
 
-/// Result of one tick.
+/// Forces, work and losses of one simulated tick.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Crossed {
-    /// The mean force on the effector, N.
+    /// Mean force on the effector during the tick, N.
     pub force_n: [f64; 3],
-    /// Work of the motors, J.
+    /// Work of the motors during the tick, J.
     pub motors_j: f64,
-    /// Dissipated energy, J.
+    /// Energy dissipated during the tick, J.
     pub loss: Loss,
 }
 
-/// Why it cannot go on: no such plant, or a place that the mechanism does not have.
+/// The simulation cannot continue: the plant is not possible, or the mechanism cannot reach the position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stopped;
 
@@ -174,7 +175,7 @@ enum Body {
     },
 }
 
-/// A mechanism in a hand, a tick at a time.
+/// A mechanism in a hand, simulated tick by tick.
 #[derive(Debug, Clone)]
 pub struct HeldMechanism {
     body: Body,
@@ -185,10 +186,10 @@ pub struct HeldMechanism {
 type Held = Cartesian<HeldLinear>;
 
 impl HeldMechanism {
-    /// A mechanism at rest at the hand's rest point.
+    /// Creates a mechanism at rest at the hand's rest point.
     ///
     /// # Errors
-    /// [`Stopped`] for an impossible device or hand, or a place out of reach.
+    /// [`Stopped`]: device or hand are not possible, or the position is out of reach.
     pub fn new(
         mechanism: Mechanism,
         deviation: &Deviation,
@@ -243,13 +244,13 @@ impl HeldMechanism {
         })
     }
 
-    /// Step of a measured place, m.
+    /// Size of a position count, m.
     #[must_use]
     pub fn count_m(&self) -> f64 {
         self.count_m
     }
 
-    /// True place of the effector, m.
+    /// True position of the effector, m.
     #[must_use]
     pub fn place_m(&self) -> [f64; 3] {
         match &self.body {
@@ -258,10 +259,10 @@ impl HeldMechanism {
         }
     }
 
-    /// Where its encoders say that it is, m.
+    /// Position that the encoders measure, m.
     ///
     /// # Errors
-    /// [`Stopped`] if the counts belong to no position.
+    /// [`Stopped`]: the counts belong to no position of the mechanism.
     pub fn measured_m(&mut self) -> Result<[f64; 3], Stopped> {
         match &mut self.body {
             Body::Cartesian { state, .. } => {
@@ -282,10 +283,10 @@ impl HeldMechanism {
         }
     }
 
-    /// Advances by one tick; the former command acts until the new one does.
+    /// Simulates one tick. The previous command acts until the new one takes effect after the delay.
     ///
     /// # Errors
-    /// [`Stopped`] where the mechanism has no such place.
+    /// [`Stopped`]: the mechanism cannot reach the position.
     pub fn step(&mut self, force_n: [f64; 3], rest_m: [f64; 3]) -> Result<Crossed, Stopped> {
         let mut crossed = Crossed::default();
         let shares = [self.late, 1.0 - self.late];
@@ -316,7 +317,7 @@ impl HeldMechanism {
                 measured,
                 last,
             } => {
-                // As a driver does: by the slopes of where the encoders say that it is.
+                // As in a driver: the Jacobian is taken at the position that the encoders measure.
                 let acts = device.limited_torques_n_m(measured, force_n.into());
                 for ((plant, torques), share) in
                     plants.iter().zip([(*last).into(), acts]).zip(shares)
@@ -336,10 +337,10 @@ impl HeldMechanism {
         Ok(crossed)
     }
 
-    /// Kinetic energy of the device alone, J.
+    /// Kinetic energy of the device without the hand, J.
     ///
     /// # Errors
-    /// [`Stopped`] at no place of the mechanism.
+    /// [`Stopped`]: the mechanism cannot reach the position.
     pub fn moving_j(&self) -> Result<f64, Stopped> {
         match &self.body {
             Body::Cartesian { state, mass_kg, .. } => {
@@ -359,7 +360,7 @@ impl HeldMechanism {
     /// Kinetic and spring energy of device and hand, J.
     ///
     /// # Errors
-    /// [`Stopped`] at no place of the mechanism.
+    /// [`Stopped`]: the mechanism cannot reach the position.
     pub fn stored_j(&self, rest_m: [f64; 3]) -> Result<f64, Stopped> {
         match &self.body {
             Body::Cartesian { plants, state, .. } => Ok(plants[1].stored_energy_j(state, rest_m)),

@@ -1,7 +1,8 @@
 //! The thesis' comparison in three degrees of freedom (§5.2): a plane, an inclined plane and a sphere, on a simulated omega.3.
 //!
-//! A firm hand probes each object, holds, slides along it at 50 mm/s and lets go. Everything is exact between ticks, positions are
-//! measured in counts, forces are limited to what the motors give. [`claims`] holds the statements of the thesis against it.
+//! A firm hand probes each object, holds, slides along it at 50 mm/s and lets go. The motion between ticks is calculated exactly,
+//! positions are measured in counts, and forces are limited to those of the motors. [`claims`] compares the thesis' statements with
+//! the results.
 
 pub mod claims;
 pub mod figures;
@@ -34,63 +35,64 @@ use touchstone_world::plant::{FIRM_TRANSLATION, OMEGA3};
 
 use tuned_wall::TunedWall;
 
-/// The thesis' control rate, Hz (§5).
+/// Control rate of the thesis, Hz (§5).
 pub const RATE_HZ: u32 = 1000;
-/// Radius of the sphere, mm. The thesis gives none: one in the centre of the workspace, to slide around.
+/// Radius of the sphere, mm. The thesis gives no radius; this sphere is in the centre of the workspace, so that a hand can slide
+/// around it.
 pub const RADIUS_MM: f64 = 30.0;
 
 type N = Fixed32;
-/// An object of §5.2.
+/// An object in §5.2 of the thesis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Object {
-    /// Through the first two axes (§5.2.1).
+    /// A plane that contains the first two axes (§5.2.1).
     #[default]
     #[serde(rename = "plane")]
     Horizontal,
-    /// A plane whose normal lies along none of the axes (§5.2.2).
+    /// A plane whose normal is not parallel to any axis (§5.2.2).
     Inclined,
     /// A ball in the centre of the workspace (§5.2.3).
     Sphere,
 }
 
-/// How the force is made.
+/// How the force is calculated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Approach {
-    /// A spring.
+    /// A spring along the normal.
     Spring,
-    /// A spring with virtual damping.
+    /// A spring with virtual damping along the normal.
     SpringDamper,
-    /// Force bounding of the vector.
+    /// Force bounding of the force vector.
     Bounding,
-    /// The enhanced law, one an axis.
+    /// The enhanced law, applied to each axis separately.
     PerAxis,
-    /// The enhanced law along the normal.
+    /// The enhanced law, applied along the normal.
     #[default]
     Magnitude,
-    /// The wall that ships for the mechanism: tuned, on estimated states, behind the energy guard. Not in the thesis.
+    /// The shipped wall for the mechanism: tuned, on estimated states, with the energy guard. It is not in the thesis.
     Shipped,
 }
 
-/// One cell of the comparison.
+/// One cell of the comparison: mechanism, object, stiffness and way to calculate the force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
     /// The mechanism of the run.
     pub mechanism: Mechanism,
-    /// The object.
+    /// The object that the hand touches.
     pub object: Object,
-    /// Desired stiffness, N/mm.
+    /// Requested stiffness, N/mm.
     pub k_desired_n_per_mm: f64,
-    /// How the force is made.
+    /// How the force is calculated.
     pub approach: Approach,
 }
 
 impl Object {
-    /// All objects.
+    /// All objects that the hand can touch.
     pub const ALL: [Object; 3] = [Object::Horizontal, Object::Inclined, Object::Sphere];
 
-    /// Text for people.
+    /// Name of the object for readers.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -100,7 +102,7 @@ impl Object {
         }
     }
 
-    /// The object's surface, in the unit of the laws, centimetres.
+    /// The object's surface in the laws' unit of length, centimetres.
     #[must_use]
     pub fn shape(self) -> Shape<N> {
         match self {
@@ -119,7 +121,7 @@ impl Object {
         }
     }
 
-    /// The place at this depth below the probed point of the surface, m.
+    /// Position at this depth below the probed point of the surface, m.
     #[must_use]
     pub fn at_depth_m(self, depth_m: f64) -> [f64; 3] {
         let radius_m = match self {
@@ -129,21 +131,21 @@ impl Object {
         self.normal().map(|n| (radius_m - depth_m) * n)
     }
 
-    /// The direction out of the object where it is probed.
+    /// Unit vector out of the object at the probed point.
     #[must_use]
     pub fn normal(self) -> [f64; 3] {
         match self {
             Self::Horizontal => [0.0, 0.0, 1.0],
-            // Another share along every axis; of length 1.
+            // A unit vector with a different component along every axis.
             Self::Inclined => [2.0 / 7.0, -3.0 / 7.0, 6.0 / 7.0],
-            // Where no component is zero; a slide comes to where the first one changes its sign.
+            // No component is zero; during a slide the first one changes its sign.
             Self::Sphere => [-3.0 / 7.0, 2.0 / 7.0, 6.0 / 7.0],
         }
     }
 }
 
 impl Approach {
-    /// All approaches.
+    /// All ways to calculate the force.
     pub const ALL: [Approach; 6] = [
         Approach::Spring,
         Approach::SpringDamper,
@@ -153,7 +155,7 @@ impl Approach {
         Approach::Shipped,
     ];
 
-    /// Text for people.
+    /// Name of this way to calculate the force, for readers.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -176,13 +178,13 @@ impl Approach {
     }
 }
 
-/// The stiffness of the wall that ships for a mechanism, N/mm: the one that it was tuned for.
+/// Stiffness of the shipped wall for a mechanism, N/mm: the one for which it was tuned.
 #[must_use]
 pub fn shipped_n_per_mm(mechanism: Mechanism) -> f64 {
     1e-3 * TunedWall::of(mechanism, RATE_HZ).k_desired_n_per_m
 }
 
-/// All cells of a mechanism: the thesis' approaches at two stiffnesses, and what ships at its own.
+/// All cells of a mechanism: the thesis' ways to calculate the force at two stiffnesses, and the shipped wall at its own stiffness.
 #[must_use]
 pub fn cells(mechanism: Mechanism) -> Vec<Cell> {
     let mut cells = Vec::new();
@@ -207,7 +209,8 @@ pub fn cells(mechanism: Mechanism) -> Vec<Cell> {
     cells
 }
 
-/// Settings of the laws in SI for the omega.3: the knob's proportions to `k_c`, which is 5 N/mm here (§5.2).
+/// Settings of the laws for the omega.3 in SI units. They have the same proportions to `k_c` as the knob's; `k_c` is 5 N/mm here
+/// (§5.2).
 #[must_use]
 pub fn settings(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
     let si = Si::from_num::<f64>;
@@ -215,7 +218,7 @@ pub fn settings(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
         law,
         rate_hz: RATE_HZ,
         k_desired: si(1e3 * k_desired_n_per_mm),
-        // k_v = 0.8 k_c, as on the knob.
+        // The proportion of the knob: k_v = 0.8 k_c.
         k_soft: si(4000.0),
         device_damping: si(2.5),
         // 0.4 c_i; the thesis' enhanced law has no damper.
@@ -225,10 +228,10 @@ pub fn settings(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
             Si::ZERO
         },
         force_limit: si(OMEGA3.force_n),
-        // Four times what a press of 6 N stores in k_f.
+        // Four times the energy that a press of 6 N stores in the coupling k_f.
         energy_credit: si(0.0144),
         filter: FilterSettings {
-            // k_f = k_c; the mass and the damping to ground give its 12 ms.
+            // k_f = k_c; the mass, with the damping to ground, gives the law's 12 ms.
             mass: si(0.015),
             stiffness: si(5000.0),
             damping: Si::ZERO,
@@ -238,7 +241,7 @@ pub fn settings(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
     }
 }
 
-/// A length in the device's unit.
+/// Converts a length in mm to the device's unit.
 fn position(mm: f64) -> Position<N> {
     Position(N::signal_from_f64(mm / 10.0))
 }
@@ -247,8 +250,8 @@ fn place(mm: [f64; 3]) -> Vector<Position<N>> {
     Vector(mm.map(position))
 }
 
-/// The settings scaled to a mechanism. `k_c` is in proportion to its damping, and so are the law's stiffnesses,
-/// dampings and masses; the press is in proportion to its force.
+/// Settings of the laws for a mechanism. The critical stiffness `k_c` is in proportion to the mechanism's damping, and the law's
+/// stiffnesses, dampings and masses in proportion to `k_c`. The press is in proportion to the mechanism's force.
 #[must_use]
 pub fn settings_for(mechanism: Mechanism, law: LawKind, k_desired_n_per_mm: f64) -> Settings {
     let omega = settings(law, k_desired_n_per_mm);
@@ -264,7 +267,7 @@ pub fn settings_for(mechanism: Mechanism, law: LawKind, k_desired_n_per_mm: f64)
         device_damping: times(omega.device_damping, share),
         virtual_damping: times(omega.virtual_damping, share),
         force_limit: Si::from_num(mechanism.force_n()),
-        // What a press stores in k_f.
+        // In proportion to the energy that a press stores in the coupling k_f.
         energy_credit: times(omega.energy_credit, push * push / share),
         filter: FilterSettings {
             mass: times(filter.mass, share),
@@ -276,7 +279,7 @@ pub fn settings_for(mechanism: Mechanism, law: LawKind, k_desired_n_per_mm: f64)
     }
 }
 
-/// A wall of a cell.
+/// The wall of a cell.
 fn wall(cell: &Cell) -> Result<SpaceWall<N, Shape<N>, AnyLaw<N>>, SettingsError> {
     let mechanism = cell.mechanism;
     if cell.approach == Approach::Shipped {
@@ -305,10 +308,10 @@ fn wall(cell: &Cell) -> Result<SpaceWall<N, Shape<N>, AnyLaw<N>>, SettingsError>
     ))
 }
 
-/// Runs one cell; where the mechanism comes to a place that it does not have, the record ends there.
+/// Simulates one cell. If the mechanism cannot reach a position, the record ends there.
 ///
 /// # Errors
-/// Settings that no law can have; those of [`settings`] are none.
+/// The control law does not accept its settings; it accepts those of [`settings`].
 pub fn run(cell: &Cell) -> Result<Record, SettingsError> {
     let mut wall = wall(cell)?;
     let mut record = Record::new(*cell);
@@ -339,7 +342,7 @@ fn played(
         let time_s = f64::from(tick) * interval_s;
         let hip_m = held.place_m();
         let measured_mm = held.measured_m()?.map(|x| x * 1e3);
-        // Beyond the guard's overspeed there is no force.
+        // Above the guard's over-speed limit there is no force.
         let force = wall.tick(place(measured_mm)).unwrap_or_default();
         let rest_m = rest_m(time_s);
         let before = held.stored_j(rest_m)?;
@@ -361,10 +364,10 @@ fn played(
     Ok(())
 }
 
-/// Runs all cells on all cores, in their order; calls `done` after each.
+/// Simulates all cells on all cores; returns the records in the order of the cells. `done` is called after each.
 ///
 /// # Errors
-/// Same as [`run`].
+/// The errors of [`run`].
 pub fn run_all(cells: &[Cell], done: impl Fn() + Sync) -> Result<Vec<Record>, SettingsError> {
     cells
         .par_iter()
@@ -376,5 +379,5 @@ pub fn run_all(cells: &[Cell], done: impl Fn() + Sync) -> Result<Vec<Record>, Se
         .collect()
 }
 
-/// `1` of the number format is a ten-millimetre.
+/// Checks at compile time that the smallest step of the number format is `2^-24` of its unit, which is a centimetre here.
 const _: () = assert!(N::ONE.to_bits() == 1 << 24);

@@ -1,31 +1,31 @@
-//! The hand's motion: its rest point over time.
+//! The hand's motion: the position that the hand is pulled to (its rest point), over time.
 
 use super::{Object, RADIUS_MM};
 use touchstone_world::plant::FIRM_TRANSLATION;
 
-/// A stretch of the motion.
+/// A part of the hand's motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
     /// The hand moves from outside into the object, a little out and in again.
     Probe,
-    /// Rest under the full push.
+    /// The hand rests with the full push.
     Hold,
-    /// Along the surface.
+    /// The hand slides along the surface.
     Slide,
     /// The hand lets go.
     Release,
 }
 
-/// Speed along the surface, mm/s.
+/// Speed of the hand along the surface, mm/s.
 pub const SLIDE_MM_PER_S: f64 = 50.0;
-/// The push held, N, where no other is given.
+/// Force of the push, N, unless another one is set.
 const PUSH_N: f64 = 6.0;
 const PROBE_S: f64 = 1.2;
 const HOLD_S: f64 = 2.0;
 const SLIDE_S: f64 = 1.6;
 const RELEASE_S: f64 = 0.6;
 
-/// A motion of the rest point around an object.
+/// The motion of the hand's rest point at an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProbingMotion {
     object: Object,
@@ -35,18 +35,18 @@ pub struct ProbingMotion {
     push_n: f64,
 }
 
-/// A rise from 0 to 1 without a jump of the speed.
+/// A rise from 0 to 1 without jumps of speed.
 fn smooth(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
 impl ProbingMotion {
-    /// The motion around this object.
+    /// Creates the hand's motion at this object.
     #[must_use]
     pub fn of(object: Object) -> Self {
         let n = object.normal();
-        // Across the normal: on the sphere over the pole of an axis, where the side of one component changes.
+        // Direction of the slide. On the sphere it crosses the pole of an axis, where the side of one component changes.
         let towards = match object {
             Object::Sphere => [1.0, 0.0, 0.2],
             Object::Horizontal | Object::Inclined => [1.0, 0.4, 0.0],
@@ -63,28 +63,28 @@ impl ProbingMotion {
         }
     }
 
-    /// Sliding at another speed, for a smaller workspace.
+    /// The same motion, with another speed of sliding; for a smaller workspace.
     #[must_use]
     pub fn at_speed(mut self, slide_mm_per_s: f64) -> Self {
         self.slide_mm_per_s = slide_mm_per_s;
         self
     }
 
-    /// Pushing with another force, for weaker motors.
+    /// The same motion, with another force of the push; for weaker motors.
     #[must_use]
     pub fn with_push(mut self, push_n: f64) -> Self {
         self.push_n = push_n;
         self
     }
 
-    /// How many ticks it takes.
+    /// Number of ticks of the whole motion.
     #[must_use]
     pub fn ticks(&self) -> u32 {
         let seconds = PROBE_S + HOLD_S + SLIDE_S + RELEASE_S;
         (seconds * f64::from(super::RATE_HZ)) as u32
     }
 
-    /// The phase at a time.
+    /// The part of the hand's motion at a time.
     #[must_use]
     pub fn phase(&self, time_s: f64) -> Phase {
         match time_s {
@@ -95,16 +95,16 @@ impl ProbingMotion {
         }
     }
 
-    /// Where the hand means to be.
+    /// Rest point of the hand at a time, mm.
     #[must_use]
     pub fn rest_mm(&self, time_s: f64) -> [f64; 3] {
-        // Under the surface by what its spring needs for the push.
+        // Depth below the surface at which the hand's spring gives the push.
         let deep = self.push_n / FIRM_TRANSLATION.stiffness * 1e3;
         let height = 3.0;
         let below = |share: f64| height - (height + deep) * share;
         let t = time_s;
         let above = if t < PROBE_S {
-            // In, half out, and in again: the first contact ends by a motion outwards.
+            // The rest point moves in, half out, and in again, so that the first contact ends by a motion outwards.
             let first = smooth(t / 0.5) * 0.6;
             let back = smooth((t - 0.5) / 0.2) * 0.2;
             let again = smooth((t - 0.8) / 0.4) * 0.6;
@@ -115,7 +115,7 @@ impl ProbingMotion {
             below(1.0 - 1.3 * smooth((t - PROBE_S - HOLD_S - SLIDE_S) / RELEASE_S))
         };
         let along_s = (t - PROBE_S - HOLD_S).clamp(0.0, SLIDE_S);
-        // A tenth of a second to gather speed.
+        // The slide takes a tenth of a second to reach its speed.
         let way = self.slide_mm_per_s * (along_s - 0.05 + 0.05 * (-along_s / 0.05).exp());
         match self.object {
             Object::Horizontal | Object::Inclined => {

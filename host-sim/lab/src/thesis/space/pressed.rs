@@ -1,4 +1,4 @@
-//! A surface that a hand presses and moves in, action by action of the scorecard, on a mechanism in three axes.
+//! A surface on a mechanism with three axes that a hand presses and moves in, with the actions of the scorecard.
 
 use super::mechanism::{Deviation, HeldMechanism, Mechanism, Stopped};
 use super::record::dot;
@@ -17,17 +17,17 @@ use touchstone_control::{
 };
 use touchstone_world::plant::Hand;
 
-/// The surface that is pressed.
+/// The surface that the hand presses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PressedSurface {
-    /// A plane through a place, m, with its normal.
+    /// A plane: a point in it in m, and its outward unit normal.
     Plane([f64; 3], [f64; 3]),
-    /// The ball of 30 mm in the centre, where this is its normal.
+    /// A ball with a radius of 30 mm in the centre, pressed where this unit vector is its outward normal.
     Ball([f64; 3]),
 }
 
 impl PressedSurface {
-    /// The normal at the pressed point, outwards.
+    /// Outward unit normal at the pressed point.
     #[must_use]
     pub fn normal(&self) -> [f64; 3] {
         match self {
@@ -38,7 +38,7 @@ impl PressedSurface {
     fn shape(&self) -> Shape<N> {
         match self {
             Self::Plane(through_m, normal) => Shape::Plane(Plane {
-                // Half of the format: the direction counts, not the length.
+                // Half of the number format's range: only the direction matters, not the length.
                 normal: Direction::of(place(normal.map(|n| 50.0 * n))).unwrap_or_default(),
                 height: Position(N::signal_from_f64(100.0 * dot(*through_m, *normal))),
             }),
@@ -49,7 +49,7 @@ impl PressedSurface {
         }
     }
 
-    /// The rest point of a hand that wants to be at this depth, m.
+    /// Rest point of a hand that is to be at this depth below the surface, m.
     fn at_depth_m(&self, depth_m: f64) -> [f64; 3] {
         match self {
             Self::Plane(through_m, normal) => {
@@ -59,7 +59,7 @@ impl PressedSurface {
         }
     }
 
-    /// How deep a place is, m, and the normal there.
+    /// Depth of a position below the surface in m, and the normal there.
     fn beneath(&self, at: [f64; 3]) -> (f64, [f64; 3]) {
         match self {
             Self::Plane(through_m, normal) => {
@@ -74,29 +74,29 @@ impl PressedSurface {
     }
 }
 
-/// A surface with a law, on a device in a hand.
+/// A surface that a control law renders, on a device in a hand.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PressedWall {
-    /// The surface that is pressed.
+    /// The surface that the hand presses.
     pub surface: PressedSurface,
-    /// The law, SI; its rate is the loop's.
+    /// Settings of the law in SI units; they include the control rate.
     pub law: Settings,
-    /// The estimators' settings, for estimated states.
+    /// Settings of the state estimators; absent if the law uses measured positions.
     pub estimator: Option<EstimatorSettings>,
-    /// The mechanism.
+    /// The mechanism of the device.
     pub mechanism: Mechanism,
     /// How the mechanism differs from its nominal values.
     pub deviation: Deviation,
-    /// The hand.
+    /// The hand that holds the device.
     pub hand: Hand,
-    /// The hand's final push, N.
+    /// Force of the press, N.
     pub push_n: f64,
 }
 
-/// Share of a push with which the hand touches first.
+/// Force of the light touch before a press, as a fraction of the press.
 const TOUCH_SHARE: f64 = 0.2;
 
-/// The guard's settings for a mechanism, SI.
+/// Settings of the energy guard for a mechanism, SI units.
 #[must_use]
 pub fn guard(mechanism: Mechanism) -> GuardSettings {
     GuardSettings {
@@ -107,10 +107,10 @@ pub fn guard(mechanism: Mechanism) -> GuardSettings {
     }
 }
 
-/// A wall along the normal behind the energy guard; on estimated states where the estimator's settings are given.
+/// A wall with a law along its normal and the energy guard. It uses estimated states if the estimator's settings are given.
 ///
 /// # Errors
-/// Settings that law or guard cannot have.
+/// Control law or energy guard do not accept their settings.
 pub(super) fn guarded(
     shape: Shape<N>,
     law: &Settings,
@@ -147,7 +147,7 @@ impl PressedWall {
         guarded(self.surface.shape(), law, estimator, self.mechanism)
     }
 
-    /// How a hand approaches the wall.
+    /// Wall and forces of the hand along the surface's normal, for the scorecard.
     #[must_use]
     pub fn approach(&self) -> Approach {
         let count_m = self.mechanism.count_m() / self.deviation.counts;
@@ -162,19 +162,19 @@ impl PressedWall {
         }
     }
 
-    /// Plays an action.
+    /// Simulates an action of the hand; returns the scorecard's figures.
     ///
     /// # Errors
-    /// Settings that law or guard cannot have.
+    /// Control law or energy guard do not accept their settings.
     pub fn played(&self, deed: Deed) -> Result<DirectionFigures, SettingsError> {
         self.played_with_force(deed).map(|(found, _)| found)
     }
 
-    /// Same as [`PressedWall::played`], with the longest force that was wanted of the motors, N. Where the mechanism comes
-    /// to a place that it does not have, all figures are lost.
+    /// Simulates an action of the hand; returns the scorecard's figures and the largest force that was requested of the motors, N.
+    /// If the mechanism cannot reach a position, all figures are infinite.
     ///
     /// # Errors
-    /// Settings that law or guard cannot have.
+    /// Control law or energy guard do not accept their settings.
     pub fn played_with_force(&self, deed: Deed) -> Result<(DirectionFigures, f64), SettingsError> {
         let mut wall = self.wall()?;
         let lost = DirectionFigures {

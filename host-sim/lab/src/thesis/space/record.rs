@@ -1,34 +1,34 @@
-//! The recording of a run, and the figures from it.
+//! The record of a run in three axes, and figures that are calculated from it.
 
 use super::{Cell, Object, Phase, RADIUS_MM};
 
-/// A run, tick by tick.
+/// The record of a run in three axes, tick by tick.
 #[derive(Debug, Clone)]
 pub struct Record {
     /// The cell that was run.
     pub cell: Cell,
-    /// Time, s.
+    /// Time of each tick, s.
     pub time_s: Vec<f64>,
-    /// Phase of the motion.
+    /// Part of the hand's motion in each tick.
     pub phase: Vec<Phase>,
-    /// True place of the HIP, mm.
+    /// True position of the hand's point in each tick, mm.
     pub hip_mm: Vec<[f64; 3]>,
-    /// Force on it, N.
+    /// Force on the hand's point in each tick, N.
     pub force_n: Vec<[f64; 3]>,
-    /// Whether the mechanism came to a place that it does not have, and the run ended there.
+    /// Whether the run ended because the mechanism could not reach a position.
     pub stopped: bool,
-    /// Largest error in the energy balance of device and hand, J.
+    /// Largest error of the energy balance of device and hand, J.
     pub audit_j: f64,
     pub(super) start_energy_j: Option<f64>,
 }
 
-/// Scalar product.
+/// Scalar product of two vectors.
 #[must_use]
 pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Length.
+/// Length of a vector.
 #[must_use]
 pub fn length(a: [f64; 3]) -> f64 {
     dot(a, a).sqrt()
@@ -55,7 +55,7 @@ impl Record {
         self.force_n.push(force_n);
     }
 
-    /// Normal of the true surface over the HIP of a tick.
+    /// Normal of the true surface at the hand's point in a tick.
     #[must_use]
     pub fn normal(&self, tick: usize) -> [f64; 3] {
         match self.cell.object {
@@ -68,7 +68,7 @@ impl Record {
         }
     }
 
-    /// True depth below the surface, mm.
+    /// True depth below the surface in a tick, mm.
     #[must_use]
     pub fn depth_mm(&self, tick: usize) -> f64 {
         match self.cell.object {
@@ -77,13 +77,13 @@ impl Record {
         }
     }
 
-    /// Force out of the surface, N.
+    /// Component of the force out of the surface in a tick, N.
     #[must_use]
     pub fn normal_force_n(&self, tick: usize) -> f64 {
         dot(self.normal(tick), self.force_n[tick])
     }
 
-    /// Force along the surface, N.
+    /// Component of the force along the surface in a tick, N.
     #[must_use]
     pub fn tangential_n(&self, tick: usize) -> f64 {
         let n = self.normal(tick);
@@ -91,7 +91,7 @@ impl Record {
         length(std::array::from_fn(|i| self.force_n[tick][i] - out * n[i]))
     }
 
-    /// The ticks of the last part of a phase.
+    /// Ticks of the last part of a phase of the hand's motion; `share` is the length of that part as a fraction of the phase.
     #[must_use]
     pub fn late(&self, phase: Phase, share: f64) -> std::ops::Range<usize> {
         let all: Vec<usize> = (0..self.phase.len())
@@ -109,14 +109,14 @@ impl Record {
         ticks.map(of).sum::<f64>() / count
     }
 
-    /// Stiffness displayed in a stretch, N/mm: mean force out of the surface over mean depth.
+    /// Displayed stiffness over some ticks, N/mm: mean force out of the surface divided by mean depth.
     #[must_use]
     pub fn displayed_n_per_mm(&self, ticks: std::ops::Range<usize>) -> f64 {
         Self::mean(ticks.clone(), |t| self.normal_force_n(t))
             / Self::mean(ticks, |t| self.depth_mm(t))
     }
 
-    /// Ripple of the depth in a stretch: root mean square around its own trend of 50 ticks, mm.
+    /// Ripple of the depth over some ticks, mm: root mean square deviation from a moving mean over 50 ticks.
     #[must_use]
     pub fn ripple_mm(&self, ticks: std::ops::Range<usize>) -> f64 {
         let mut sum = 0.0;
@@ -131,7 +131,7 @@ impl Record {
         (sum / count.max(1.0)).sqrt()
     }
 
-    /// How fast the HIP goes along the surface in a stretch, in the mean, mm/s.
+    /// Mean speed of the hand's point over some ticks, mm/s.
     #[must_use]
     pub fn speed_mm_per_s(&self, ticks: std::ops::Range<usize>) -> f64 {
         if ticks.len() < 2 {
@@ -149,7 +149,7 @@ impl Record {
         way / seconds
     }
 
-    /// Most of the tangential over the normal force in a stretch in which there is one.
+    /// Largest ratio of tangential to normal force, over the ticks with more than 0.5 N of normal force.
     #[must_use]
     pub fn most_tangential(&self, ticks: std::ops::Range<usize>) -> f64 {
         ticks
@@ -158,7 +158,8 @@ impl Record {
             .fold(0.0, f64::max)
     }
 
-    /// The largest change of the force along the surface within a tick, over the normal force, in a stretch.
+    /// Largest change of the tangential force from tick to tick, divided by the normal force, over the ticks with more than 0.5 N
+    /// of normal force.
     #[must_use]
     pub fn largest_jump(&self, ticks: std::ops::Range<usize>) -> f64 {
         ticks

@@ -1,59 +1,59 @@
-//! A scene of three axes: what `touchstone run` plays of a file with `dof = 3`.
+//! Scene files for three axes: those with `dof = 3`, which `touchstone run` simulates.
 
 use super::mechanism::Mechanism;
 use super::{Approach, Cell, Object, shipped_n_per_mm};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// A scene; fields that are left out have their defaults.
+/// A scene for three axes; keys that are left out have default values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpaceScene {
-    /// Heading.
+    /// Name of the scene, used as a heading.
     #[serde(default = "unnamed")]
     pub name: String,
     /// Description of the scene.
     #[serde(default)]
     pub description: String,
-    /// Degrees of freedom: 3.
+    /// Number of degrees of freedom, always 3.
     pub dof: u8,
-    /// The object.
+    /// The object that the hand touches.
     #[serde(default)]
     pub object: SpaceObject,
-    /// How the force is made.
+    /// How the force is calculated.
     #[serde(default)]
     pub law: SpaceLaw,
-    /// The mechanism.
+    /// Mechanism of the device.
     #[serde(default)]
     pub mechanism: SpaceMechanism,
 }
 
-/// `[object]`.
+/// Table `[object]` of the scene file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpaceObject {
-    /// The kind of object.
+    /// Type of the object.
     #[serde(default)]
     pub kind: Object,
 }
 
-/// `[law]`.
+/// Table `[law]` of the scene file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpaceLaw {
-    /// The approach: a control law on its way of finding the direction of force.
+    /// How the force is calculated: a control law, and how the direction of its force is found.
     #[serde(default)]
     pub approach: Approach,
-    /// Desired stiffness, N/mm; left out: five times the critical one of the mechanism, or that of the wall that ships.
+    /// Requested stiffness, N/mm. If left out it is five times the critical one of the mechanism, or that of the shipped wall.
     #[serde(default)]
     pub k_desired_n_per_mm: Option<f64>,
 }
 
-/// `[mechanism]`.
+/// Table `[mechanism]` of the scene file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpaceMechanism {
-    /// The kind of mechanism.
+    /// Type of the mechanism.
     #[serde(default)]
     pub kind: Mechanism,
 }
@@ -66,10 +66,10 @@ fn unnamed() -> String {
 pub const STIFFEST_N_PER_MM: f64 = 50.0;
 
 impl SpaceScene {
-    /// With every value that was left out.
+    /// Fills in the default values of keys that were left out.
     ///
     /// # Errors
-    /// The field that is out of its range, and the range.
+    /// The key whose value is out of range, and its range.
     pub fn completed(mut self) -> Result<Self, (&'static str, String)> {
         if self.dof != 3 {
             return Err(("dof", "must be 3".to_owned()));
@@ -88,7 +88,7 @@ impl SpaceScene {
         Ok(self)
     }
 
-    /// The default stiffness, N/mm.
+    /// Stiffness if the scene gives none, N/mm.
     fn own_stiffness_n_per_mm(&self) -> f64 {
         let mechanism = self.mechanism.kind;
         match self.law.approach {
@@ -97,7 +97,7 @@ impl SpaceScene {
         }
     }
 
-    /// The cell of the comparison that it is.
+    /// The cell of the comparison that equals this scene.
     #[must_use]
     pub fn cell(&self) -> Cell {
         let given = self.law.k_desired_n_per_mm;
@@ -110,7 +110,7 @@ impl SpaceScene {
     }
 }
 
-/// The scene's JSON schema; `docs/schema/space-scene.schema.json` is its text.
+/// JSON schema of scene files for three axes; the file `docs/schema/space-scene.schema.json` holds its text.
 #[must_use]
 pub fn schema() -> Value {
     let table = |about: &str, properties: Value| {

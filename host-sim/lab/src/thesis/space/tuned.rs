@@ -1,8 +1,9 @@
-//! The tuned law in three axes against the wall's scorecard, direction by direction: not in the thesis, whose law is the one before it.
+//! Scorecards of the tuned law in three axes, direction by direction. This law is not in the thesis.
 //!
-//! An omega.3 and what it may also be (half and double its mass and damping, coarser counts, late commands), in three hands, pressed and moved
-//! along each axis both ways and along directions that lie in none. (Not into a ball: a hand softer than `F/R` slides off it, whatever the law.) Figures and limits are those of
-//! [`crate::scorecard`]; ripple is shown and has no limit here.
+//! The device is an omega.3, nominal or varied: half and double mass and damping, coarser counts, delayed commands. Each of three
+//! hands presses and moves along each axis in both senses, and along directions between the axes. A ball is left out, because a
+//! hand softer than `F/R` (push over radius) slides off it with any law. Figures and limits are those of [`crate::scorecard`]; the
+//! ripple has no limit here.
 
 use super::mechanism::{Deviation, Mechanism};
 use super::pressed::{PressedSurface, PressedWall};
@@ -17,15 +18,15 @@ use rayon::prelude::*;
 use touchstone_control::SettingsError;
 use touchstone_world::plant::{FIRM_TRANSLATION, Hand, LIGHT_TRANSLATION, MEDIUM_TRANSLATION};
 
-/// The hands; of every figure the worst over them counts.
+/// The hands; every figure is the worst over them.
 pub const HANDS: [Hand; 3] = [LIGHT_TRANSLATION, MEDIUM_TRANSLATION, FIRM_TRANSLATION];
 
-/// A direction in which a surface is pressed.
+/// A direction in which the hand presses a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NormalOfWall {
-    /// Text for people.
+    /// Name of the direction for readers.
     pub name: &'static str,
-    /// The unit normal out of the object.
+    /// Outward unit normal of the pressed surface.
     pub normal: [f64; 3],
 }
 
@@ -33,7 +34,7 @@ const fn plane(name: &'static str, normal: [f64; 3]) -> NormalOfWall {
     NormalOfWall { name, normal }
 }
 
-/// All directions that are pressed.
+/// All directions that are examined.
 pub const NORMALS: [NormalOfWall; 9] = [
     plane("+x", [1.0, 0.0, 0.0]),
     plane("-x", [-1.0, 0.0, 0.0]),
@@ -46,13 +47,13 @@ pub const NORMALS: [NormalOfWall; 9] = [
     plane("(1, 2, 2)/3", [1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0]),
 ];
 
-/// How the law is played in every direction.
+/// The law and the device that are simulated in every direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Played {
     mechanism: Mechanism,
     tuned: TunedWall,
     rate_hz: u32,
-    /// Uses estimated states; otherwise differences of counts.
+    /// Whether the law uses estimated states; otherwise it uses differences of position counts.
     estimated: bool,
 }
 
@@ -66,7 +67,7 @@ impl Played {
         }
     }
 
-    /// The wall in a direction, pressed with two thirds of the longest force.
+    /// The wall in a direction; the hand presses it with two thirds of the largest force.
     fn wall(&self, at: &NormalOfWall) -> PressedWall {
         let force_n = self.mechanism.force_n();
         PressedWall {
@@ -80,7 +81,7 @@ impl Played {
         }
     }
 
-    /// Whether this wall must hold in a case: near the end of sampling it need not in all.
+    /// Whether this wall must hold on the device; a very stiff wall need not hold on all devices.
     fn is_asked(&self, case: &Case) -> bool {
         let per_s = (self.tuned.k_desired_n_per_m / self.tuned.axis_kg).sqrt();
         let per_tick = per_s / f64::from(self.rate_hz);
@@ -88,17 +89,17 @@ impl Played {
     }
 }
 
-/// A direction, with the result of every device.
+/// Scorecard for one direction: the results of every device.
 #[derive(Debug, Clone)]
 pub struct DirectionCard {
     /// The direction of the wall's normal.
     pub at: NormalOfWall,
-    /// Every device: the worst of three hands.
+    /// Results of every device, the worst of three hands: name of the device, figures and limits.
     pub cells: Vec<(&'static str, DirectionFigures, Limits)>,
 }
 
 impl DirectionCard {
-    /// The worst of all devices.
+    /// Worst value of each figure over all devices.
     #[must_use]
     pub fn worst(&self) -> DirectionFigures {
         self.cells
@@ -108,7 +109,7 @@ impl DirectionCard {
             })
     }
 
-    /// Device and figure of everything beyond its limit.
+    /// Every device and figure beyond a limit.
     #[must_use]
     pub fn fails(&self) -> Vec<(&'static str, Measure)> {
         let mut fails = Vec::new();
@@ -124,10 +125,10 @@ impl DirectionCard {
     }
 }
 
-/// Presses and moves along each direction, at a rate.
+/// Simulates the presses and motions in each direction at a control rate.
 ///
 /// # Errors
-/// Settings that no law can have; those of a [`TunedWall`] are none.
+/// The control law does not accept its settings; it accepts those of a [`TunedWall`].
 pub fn cards(
     mechanism: Mechanism,
     rate_hz: u32,
@@ -136,7 +137,7 @@ pub fn cards(
     cards_of(&Played::as_tuned(mechanism, rate_hz), normals)
 }
 
-/// The cards of any wall.
+/// Scorecards of any wall.
 fn cards_of(
     played: &Played,
     normals: &[NormalOfWall],
@@ -157,7 +158,7 @@ fn cards_of(
                         worst = worst.worst(&wall.played(what)?);
                     }
                 }
-                // Ripple without a limit.
+                // The ripple has no limit.
                 Ok((case.name, worst, Limits::new(case.is_late(), f64::INFINITY)))
             };
             let cells: Result<Vec<_>, SettingsError> = cases.par_iter().map(cell).collect();
@@ -169,7 +170,7 @@ fn cards_of(
         .collect()
 }
 
-/// The claim of all directions.
+/// The claim that the law is within its limits in all directions.
 #[must_use]
 pub fn claim(mechanism: Mechanism, cards: &[DirectionCard]) -> Claim {
     let worst = cards.iter().fold(DirectionFigures::NONE, |worst, card| {
@@ -243,7 +244,7 @@ mod tests {
         let claim = claim(mechanism, &cards);
         println!("{}", claim.measured);
         assert_eq!(claim.outcome, Outcome::Reproduced, "{}", claim.measured);
-        // No direction left out, and none without a device.
+        // No direction is missing, and each has results for devices.
         assert!(
             cards.len() == normals.len()
                 && cards.iter().all(|card| card.cells.len() == CASES.len())
@@ -255,7 +256,7 @@ mod tests {
         holds(Mechanism::Cartesian, RATE_HZ, &NORMALS);
     }
 
-    /// Two settings cover the rates of the device.
+    /// Checks that two sets of settings cover the control rates of the omega.3.
     #[test]
     fn the_tuned_law_is_within_every_limit_at_other_rates() {
         for rate_hz in [1500, 2000, 4000] {
@@ -263,7 +264,7 @@ mod tests {
         }
     }
 
-    /// The setting that was tuned for the delta; the omega.3's setting is beyond its limits on the nominal delta.
+    /// Checks that the delta's settings are within the limits, and that the omega.3's settings are not, on the nominal delta.
     #[test]
     fn a_delta_is_within_every_limit_by_a_law_of_its_own() {
         holds(Mechanism::Delta, RATE_HZ, &NORMALS[..4]);
@@ -279,7 +280,7 @@ mod tests {
         );
     }
 
-    /// The purpose of the estimator: the same law on differences of counts is beyond its limits.
+    /// Checks that the law needs the estimator: on differences of counts it is beyond its limits.
     #[test]
     fn on_measured_states_it_is_not() {
         let played = Played {

@@ -1,58 +1,60 @@
-//! Walls that were tuned for a kind of axis: the law's settings, what its estimator is told, and which devices may have them.
+//! Walls that were tuned for a type of axis: settings of law and estimator, and the devices that may use them.
 //!
-//! Each was found by `touchstone tune` on one axis as a knob on a lever ([`crate::identify::lever`]), for the devices of [`crate::scorecard::cases`].
-//! Times, lengths and forces of the law do not change with the rate, so one setting serves a range of rates; the figures at its rates are in
-//! `docs/devices.md`.
+//! Each wall was found by `touchstone tune` on one axis as a knob on a lever ([`crate::identify::lever`]), for the devices of
+//! [`crate::scorecard::cases`]. Times, lengths and forces of the law do not change with the control rate, so one wall serves a
+//! range of rates. The figures at its rates are in `docs/devices.md`.
 
 use super::Mechanism;
 use touchstone_control::settings::FilterSettings;
 use touchstone_control::{EstimatorSettings, Settings, Si, StatesKind};
 use touchstone_world::plant::{Device, OMEGA3_AXIS};
 
-/// A tuned wall, SI.
+/// A tuned wall, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TunedWall {
-    /// The device, for people.
+    /// Name of the device, for readers.
     pub name: &'static str,
-    /// Desired stiffness, N/m.
+    /// Requested stiffness, N/m.
     pub k_desired_n_per_m: f64,
-    /// Slowest and fastest rate at which it is within its limits, Hz.
+    /// Lowest and highest control rate at which the wall is within its limits, Hz.
     pub rates_hz: (u32, u32),
-    /// Mass of the axis that it was tuned for, kg; an axis of half to double of it may use the wall.
+    /// Mass of the axis for which the wall was tuned, kg. An axis with half to double this mass may use the wall.
     pub axis_kg: f64,
-    /// Damping that the law counts on, N·s/m; an axis with half of it or more may use the wall.
+    /// Damping that the law assumes, N·s/m. An axis with at least half of it may use the wall.
     pub damping_n_s_per_m: f64,
-    /// The damping that an axis may have at most, N·s/m.
+    /// Largest damping of an axis that may use the wall, N·s/m.
     pub most_damping_n_s_per_m: f64,
-    /// [`Settings::k_soft`], N/m.
+    /// Soft stiffness of the enhanced law, [`Settings::k_soft`], N/m.
     pub k_soft: f64,
-    /// [`Settings::step_of_ideal`].
+    /// Fraction of the ideal step by which the law's offset moves per millisecond, [`Settings::step_of_ideal`].
     pub step_of_ideal: f64,
-    /// [`Settings::limit_of_force`].
+    /// Largest step of the law's offset per force, per millisecond, [`Settings::limit_of_force`].
     pub limit_of_force: f64,
-    /// [`Settings::limit_of_penetration`].
+    /// Largest step of the law's offset per penetration, per millisecond, [`Settings::limit_of_penetration`].
     pub limit_of_penetration: f64,
-    /// [`FilterSettings::mass`], kg.
+    /// Virtual mass of the enhanced law, [`FilterSettings::mass`], kg.
     pub filter_kg: f64,
-    /// [`FilterSettings::stiffness`], N/m.
+    /// Stiffness of the coupling between device and virtual mass, [`FilterSettings::stiffness`], N/m.
     pub filter_stiffness: f64,
-    /// [`FilterSettings::damping`], N·s/m.
+    /// Damping of the coupling between device and virtual mass, [`FilterSettings::damping`], N·s/m.
     pub filter_damping: f64,
-    /// [`FilterSettings::ground_damping`], N·s/m.
+    /// Damping of the virtual mass against the ground, [`FilterSettings::ground_damping`], N·s/m.
     pub ground_damping: f64,
-    /// [`EstimatorSettings::bandwidth_hz`].
+    /// Bandwidth of the state estimator, [`EstimatorSettings::bandwidth_hz`], Hz.
     pub bandwidth_hz: f64,
-    /// [`EstimatorSettings::delay_s`].
+    /// Delay that the state estimator predicts over, [`EstimatorSettings::delay_s`], s.
     pub delay_s: f64,
-    /// [`EstimatorSettings::inertia`], kg.
+    /// Mass that the state estimator assumes, [`EstimatorSettings::inertia`], kg.
     pub estimator_kg: f64,
 }
 
-/// Seed 1, 2,358 settings examined: 1e-4 kg·m² are 0.148 kg at 26.0 mm, and with it 25 N/mm are 16.89 N·m/rad, 2.5 N·s/m 1.689e-3 N·m·s/rad, 12 N 0.3119 N·m and
-/// 0.01 mm a count of 16,332 a turn; a press of 8 N, at 1 kHz.
+/// The wall for an omega.3, from a search with seed 1 and 2,358 examined settings, for a press of 8 N at 1 kHz. On a lever of 26.0
+/// mm the axis' 0.148 kg are 1e-4 kg·m². 25 N/mm are 16.89 N·m/rad, 2.5 N·s/m are 1.689e-3 N·m·s/rad, 12 N are 0.3119 N·m. A
+/// position count of 0.01 mm is one of 16,332 counts per turn.
 ///
-/// But for the estimator's delay: with the 0.7143 ms that were found every direction is within every limit but one, 0.16 mJ that a hand of 0.8 kg, heavier than the knob's, gets out of a
-/// device that is a whole tick late. It was raised in steps of a hundredth in view of these runs: from 0.879 to 0.929 ms all is within, but at 0.907.
+/// The estimator's delay was changed by hand. With the 0.7143 ms from the search one figure is beyond its limit: a hand of 0.8 kg
+/// gets 0.16 mJ out of a device with a whole tick of delay. That hand is heavier than any for which the knob was tuned. Steps of
+/// 0.01 were tried, judged on these runs: from 0.879 to 0.929 ms all figures are within their limits, except at 0.907 ms.
 pub const OMEGA3_WALL: TunedWall = TunedWall {
     name: "an omega.3",
     k_desired_n_per_m: 25_000.0,
@@ -73,7 +75,8 @@ pub const OMEGA3_WALL: TunedWall = TunedWall {
     estimator_kg: 0.2133,
 };
 
-/// The same axis at 2 kHz (`--quick`, seed 1, 187 settings examined). Within every limit from 2 to 4 kHz; at 1.5 kHz a device that is a whole tick late rings in it.
+/// The wall for the omega.3 at 2 kHz (`touchstone tune --quick`, seed 1, 187 examined settings). It is within every limit from 2 to
+/// 4 kHz. At 1.5 kHz a device with a whole tick of delay oscillates in it.
 pub const OMEGA3_FAST_WALL: TunedWall = TunedWall {
     rates_hz: (2000, 4000),
     k_soft: 20570.0,
@@ -90,10 +93,12 @@ pub const OMEGA3_FAST_WALL: TunedWall = TunedWall {
     ..OMEGA3_WALL
 };
 
-/// Of the delta's lighter axes, across: 0.095 kg and 0.933 N·s/m as `touchstone device identify` finds them, on a lever of 32.45 mm; upwards it has 0.132 kg and 2.65 N·s/m (`--quick`, seed 1).
+/// The wall for the delta's lighter, sideways axes: 0.095 kg and 0.933 N·s/m as `touchstone device identify` measures them, on a
+/// lever of 32.45 mm (`touchstone tune --quick`, seed 1). The upward axis has 0.132 kg and 2.65 N·s/m.
 ///
-/// But for the bandwidth: with the 74.43 Hz that were found one figure of nine directions is beyond its limit, a wall of 0.41 of the counts held to 5.0 %. Settings for 5 N/mm that hold the axis give
-/// energy in ±x on the mechanism, those for 3 N/mm are held to 6.4 % with 0.41 of the counts.
+/// The bandwidth was changed by hand. With the 74.43 Hz from the search one figure in nine directions is beyond its limit: a wall
+/// with 0.41 of the counts has an error of 5.0 % in a hold. Settings for 5 N/mm that hold the single axis give out energy in ±x on
+/// the mechanism; those for 3 N/mm have an error of 6.4 % with 0.41 of the counts.
 pub const DELTA_WALL: TunedWall = TunedWall {
     name: "a delta of a Falcon's lengths",
     k_desired_n_per_m: 2500.0,
@@ -118,7 +123,7 @@ pub const DELTA_WALL: TunedWall = TunedWall {
 pub const TUNED_WALLS: [TunedWall; 3] = [OMEGA3_WALL, OMEGA3_FAST_WALL, DELTA_WALL];
 
 impl TunedWall {
-    /// The wall of a mechanism at a rate.
+    /// The wall for a mechanism at a control rate.
     #[must_use]
     pub fn of(mechanism: Mechanism, rate_hz: u32) -> Self {
         match mechanism {
@@ -128,7 +133,7 @@ impl TunedWall {
         }
     }
 
-    /// The one that every axis of a device may have at a rate.
+    /// The wall that all three axes of a device may use at a control rate; `None` if there is none.
     #[must_use]
     pub fn for_axes(axes: &[Device; 3], rate_hz: u32) -> Option<Self> {
         let may = |wall: &&Self| {
@@ -141,7 +146,7 @@ impl TunedWall {
         TUNED_WALLS.iter().find(may).copied()
     }
 
-    /// The law's settings at a rate, with a longest force.
+    /// Settings of the law at a control rate, with the given largest force in N.
     #[must_use]
     pub fn settings(&self, rate_hz: u32, force_n: f64) -> Settings {
         let si = Si::saturating_from_num::<f64>;
@@ -167,7 +172,7 @@ impl TunedWall {
         }
     }
 
-    /// The estimator's settings for every device: those of the axis that the wall was tuned for.
+    /// Settings of the estimator, the same for every device: those of the axis for which the wall was tuned.
     #[must_use]
     pub fn estimator(&self) -> EstimatorSettings {
         let si = Si::saturating_from_num::<f64>;

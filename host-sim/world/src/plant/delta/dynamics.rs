@@ -1,53 +1,54 @@
-//! How a delta moves: `M(x) dv/dt = slopesᵀ (τ - b_θ dθ/dt - I c(x, v)) - b v + hand`.
+//! Dynamics of a delta mechanism: `M(x) dv/dt = slopesᵀ (τ - b_θ dθ/dt - I c(x, v)) - b v + hand`.
 //!
-//! The forearms' mass is shared out, two thirds to the elbow and one to the effector (Codourey, *Dynamic modeling of parallel robots*, Int. J. Robotics
-//! Research 17(12), 1998), so that what moves is an inertia `I` at each motor and a mass `m` at the effector:
+//! Two thirds of each forearm's mass count at the elbow and one third at the effector (Codourey, *Dynamic modeling of parallel robots*, Int.
+//! J. Robotics Research 17(12), 1998). So the moving parts are an inertia `I` at each motor and a mass `m` at the effector:
 //!
 //! ```text
-//! M = m 1 + I slopesᵀ slopes        c: the joints' accelerations of an effector that goes straight on
+//! M = m 1 + I slopesᵀ slopes        c: the joints' accelerations while the effector moves straight on
 //! ```
 //!
-//! These are Lagrange's equations of `m v²/2 + Σ I (dθ/dt)²/2`, without gravity, as if it were compensated. They have no closed solution. An interval is
-//! crossed by the classical method of Runge and Kutta in substeps, and work and losses are integrated with it, so that the energy balance says
-//! what the method leaves out.
+//! These are Lagrange's equations of `m v²/2 + Σ I (dθ/dt)²/2`, without gravity, which counts as compensated. They have no closed solution. An
+//! interval is integrated by the classical Runge–Kutta method in substeps. Work and losses are integrated along with the motion, so that
+//! the energy balance shows the error of the method.
 
 use super::geometry::{DeltaGeometry, DeltaPose, FALCON_GEOMETRY, Unreachable};
 use crate::plant::device::{Invalid, not_negative, positive};
 use crate::plant::{Hand, Loss};
 use nalgebra::{Matrix3, SVector, Vector3};
 
-/// The parts of a delta, of which its inertia is made.
+/// Masses and inertias of a delta's parts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeltaMasses {
-    /// Rotor, gear and arm about each motor's axis, kg·m².
+    /// Inertia of rotor, gear and arm about each motor's axis, kg·m².
     pub arm_kg_m2: f64,
-    /// Each elbow, kg.
+    /// Mass of each elbow, kg.
     pub elbow_kg: f64,
-    /// Each forearm, both sides of the parallelogram, kg.
+    /// Mass of each forearm, both long sides of its parallelogram, kg.
     pub forearm_kg: f64,
-    /// Effector, kg.
+    /// Mass of the effector, kg.
     pub effector_kg: f64,
 }
 
-/// A delta.
+/// The parameters of a delta device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeltaDevice {
-    /// Lengths.
+    /// Lengths of the mechanism.
     pub geometry: DeltaGeometry,
-    /// Masses.
+    /// Masses of the mechanism.
     pub masses: DeltaMasses,
-    /// Damping of each joint, N·m·s/rad.
+    /// Viscous damping of each joint, N·m·s/rad.
     pub joint_damping: f64,
     /// Largest torque of each motor, N·m.
     pub torque_n_m: f64,
-    /// Step of each joint's encoder, rad.
+    /// Resolution of each joint's encoder, rad.
     pub count_rad: f64,
 }
 
-/// The Falcon: [`FALCON_GEOMETRY`], and the encoder that libnifalcon has, 320 slots at four edges over a capstan of 14.25 to 110 mm.
+/// The Novint Falcon: the lengths of [`FALCON_GEOMETRY`] and the encoder of libnifalcon, with 320 slots and four edges per slot, on
+/// a capstan drive of 14.25 to 110 mm.
 ///
-/// **Masses, damping and torque are chosen, not measured**: no source gives them. At the centre they make 0.095 kg across and 0.132 kg upwards, 0.94 and
-/// 2.65 N·s/m, and 8 N in every direction, which is what CHAI3D takes the device for.
+/// **Masses, damping and torque are chosen, not measured**: no source gives them. At the centre they make 0.095 kg and 0.94 N·s/m across,
+/// 0.132 kg and 2.65 N·s/m upwards, and 8 N in every direction, the force that CHAI3D assumes.
 pub const FALCON: DeltaDevice = DeltaDevice {
     geometry: FALCON_GEOMETRY,
     masses: DeltaMasses {
@@ -61,11 +62,11 @@ pub const FALCON: DeltaDevice = DeltaDevice {
     count_rad: std::f64::consts::TAU / 1280.0 * 14.25 / 110.0,
 };
 
-/// Share of a forearm's mass that moves with its elbow.
+/// Fraction of a forearm's mass that counts at its elbow.
 const WITH_ELBOW: f64 = 2.0 / 3.0;
 
 impl DeltaDevice {
-    /// `I`, kg·m².
+    /// Inertia `I` at each motor, kg·m².
     #[must_use]
     pub fn joint_inertia_kg_m2(&self) -> f64 {
         let masses = &self.masses;
@@ -73,26 +74,27 @@ impl DeltaDevice {
         masses.arm_kg_m2 + arm * arm * (masses.elbow_kg + WITH_ELBOW * masses.forearm_kg)
     }
 
-    /// `m`, kg.
+    /// Mass `m` at the effector, kg.
     #[must_use]
     pub fn effector_mass_kg(&self) -> f64 {
         self.masses.effector_kg + 3.0 * (1.0 - WITH_ELBOW) * self.masses.forearm_kg
     }
 
-    /// `M`, kg.
+    /// Inertia matrix `M` of the effector in a pose, kg.
     #[must_use]
     pub fn inertia_kg(&self, pose: &DeltaPose) -> Matrix3<f64> {
         Matrix3::identity() * self.effector_mass_kg()
             + pose.slopes.tr_mul(&pose.slopes) * self.joint_inertia_kg_m2()
     }
 
-    /// Damping of the effector by the motors' friction, N·s/m.
+    /// Damping matrix of the effector in a pose that the joints' damping causes, N·s/m.
     #[must_use]
     pub fn damping_n_s_per_m(&self, pose: &DeltaPose) -> Matrix3<f64> {
         pose.slopes.tr_mul(&pose.slopes) * self.joint_damping
     }
 
-    /// The torques for a force; where one is beyond its motor, all are shortened alike, so that the force keeps its direction.
+    /// The motor torques for a force at the effector, N·m. If a torque exceeds its motor's limit, all three are scaled down alike,
+    /// so that the force keeps its direction.
     #[must_use]
     pub fn limited_torques_n_m(&self, pose: &DeltaPose, force_n: Vector3<f64>) -> Vector3<f64> {
         let wanted = pose.torques_n_m(force_n);
@@ -103,10 +105,10 @@ impl DeltaDevice {
         wanted * (self.torque_n_m / most)
     }
 
-    /// Where the encoders say that the effector is: of joints in whole counts.
+    /// The pose that the encoders measure: with the joint angles rounded to whole counts.
     ///
     /// # Errors
-    /// Counts that belong to no position.
+    /// No position of the effector belongs to these counts.
     pub fn measured(&self, pose: &DeltaPose) -> Result<DeltaPose, Unreachable> {
         let counted = pose
             .joints_rad
@@ -125,21 +127,21 @@ impl DeltaDevice {
     }
 }
 
-/// Effector and hand.
+/// Positions and velocities of effector and hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeltaState {
-    /// Place of the effector, m.
+    /// Position of the effector, m.
     pub place_m: Vector3<f64>,
     /// Velocity of the effector, m/s.
     pub velocity: Vector3<f64>,
-    /// Place of the hand's mass, m.
+    /// Position of the hand's mass, m.
     pub hand_m: Vector3<f64>,
-    /// Velocity of the hand, m/s.
+    /// Velocity of the hand's mass, m/s.
     pub hand_velocity: Vector3<f64>,
 }
 
 impl DeltaState {
-    /// Effector and hand at rest at a place.
+    /// The state with effector and hand at rest at a position.
     #[must_use]
     pub fn at_rest(place_m: [f64; 3]) -> Self {
         let place_m = Vector3::from(place_m);
@@ -152,19 +154,19 @@ impl DeltaState {
     }
 }
 
-/// Twelve numbers of a state, then work of the motors and losses of device and hand.
+/// The integrated vector: the twelve numbers of a state, the motors' work, and the losses of device and hand.
 type Entries = SVector<f64, 15>;
 
 /// Energies of a step, J.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DeltaWork {
-    /// Work of the motors.
+    /// Work of the motors on the device.
     pub motors_j: f64,
     /// Dissipated energy.
     pub loss: Loss,
 }
 
-/// A delta in a hand, over one interval.
+/// A delta device in a hand, prepared for one interval.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeltaPlant {
     device: DeltaDevice,
@@ -173,14 +175,14 @@ pub struct DeltaPlant {
     substeps: u32,
 }
 
-/// Longest substep, s.
+/// Longest substep of the Runge–Kutta method, s.
 const SUBSTEP_S: f64 = 1.25e-4;
 
 impl DeltaPlant {
-    /// A delta with a hand, or without.
+    /// A delta device, with a hand or without.
     ///
     /// # Errors
-    /// [`Invalid`] for an impossible device or hand.
+    /// [`Invalid`] for a device or hand that is out of range.
     pub fn new(
         device: &DeltaDevice,
         hand: Option<&Hand>,
@@ -199,17 +201,17 @@ impl DeltaPlant {
         })
     }
 
-    /// The same plant with this many substeps.
+    /// The same plant with this number of substeps per interval.
     #[must_use]
     pub fn in_substeps(mut self, substeps: u32) -> Self {
         self.substeps = substeps.max(1);
         self
     }
 
-    /// Crosses the interval under held torques and a rest point of the hand.
+    /// Advances by one interval under held motor torques and a held rest point of the hand.
     ///
     /// # Errors
-    /// The effector came to where the mechanism cannot be; the state is as it was.
+    /// The effector left the positions that the mechanism can reach. The state is then unchanged.
     pub fn step(
         &self,
         state: &mut DeltaState,
@@ -295,10 +297,10 @@ impl DeltaPlant {
         Ok(rate)
     }
 
-    /// Kinetic and spring energy of device and hand, J.
+    /// Kinetic energy and energy of the springs of device and hand, J.
     ///
     /// # Errors
-    /// The state is no place of the mechanism.
+    /// The mechanism cannot reach the state's position.
     pub fn stored_energy_j(
         &self,
         state: &DeltaState,

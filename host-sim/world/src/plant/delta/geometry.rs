@@ -1,39 +1,39 @@
-//! Where the joints of a delta are for a place of its effector, and back.
+//! Geometry of a delta mechanism: joint angles for a position of its effector, and the reverse.
 //!
-//! Each leg has a frame of its own: `u` away from the base's centre through its motor, `v` across, `w` up. With an arm of `a` at an angle `θ`, the
-//! forearm closes the loop where (Stamper, *A three degree of freedom parallel manipulator with only translational degrees of freedom*,
-//! University of Maryland, PhD 97-4, 1997)
+//! Each leg has its own frame: `u` points from the base's centre through the leg's motor, `v` sideways, `w` up. With an arm of length `a` at
+//! an angle `θ`, the forearm closes the loop if (Stamper, *A three degree of freedom parallel manipulator with only translational degrees
+//! of freedom*, University of Maryland, PhD 97-4, 1997)
 //!
 //! ```text
 //! (u - a cos θ)² + (w - a sin θ)² = L²        L = ends + sqrt(b² - v²)
 //! ```
 //!
-//! which is linear in `cos θ` and `sin θ`: the joints of a place are known in closed form. Back it goes by Newton's method. Its first
-//! derivative gives the rows of the joints' slopes, radians per metre, and its second their curvature.
+//! This is linear in `cos θ` and `sin θ`, so the joint angles of a position are known in closed form. Newton's method gives the position for
+//! joint angles. The first derivative gives the rows of the joints' slopes (radians per metre), the second one their curvature.
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Lengths of a delta.
+/// Lengths of a delta mechanism.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeltaGeometry {
-    /// Arm, from the motor's axis to the elbow, m.
+    /// Length of the arm, from the motor's axis to the elbow, m.
     pub arm_m: f64,
-    /// Long sides of the parallelogram, m.
+    /// Length of the parallelogram's long sides, m.
     pub forearm_m: f64,
-    /// From the axes of elbow and effector to the parallelogram's short sides, both together, m.
+    /// Distance from the elbow's axis to the parallelogram plus that from the parallelogram to the effector's axis, m.
     pub ends_m: f64,
-    /// From the base's centre to each motor's axis, less that from the effector's centre to its joints, m.
+    /// Distance of each motor's axis from the base's centre, minus that of the effector's joints from the effector's centre, m.
     pub reach_m: f64,
     /// Sideways distance of the legs' joints at the effector from those at the base, m.
     pub aside_m: f64,
-    /// Directions of the legs around the vertical, rad.
+    /// Directions of the three legs around the vertical, rad.
     pub legs_rad: [f64; 3],
-    /// Height of the origin above the base, m.
+    /// Height of the coordinates' origin above the base, m.
     pub height_m: f64,
 }
 
-/// The Novint Falcon's, as libnifalcon has it (`FalconGeometry.h`, after Stamper): arm 60 mm, forearm 102.5 and twice 11.25 mm, motors at 40 mm,
-/// effector's joints at 14.43 mm, -23.09 and 25 mm aside. Its origin is put 120 mm above the base.
+/// The lengths of the Novint Falcon in libnifalcon (`FalconGeometry.h`, after Stamper): arm 60 mm, forearm 102.5 plus twice 11.25
+/// mm. The motors are at 40 mm, the effector's joints at 14.43 mm, -23.09 and 25 mm aside. We put the origin 120 mm above the base.
 pub const FALCON_GEOMETRY: DeltaGeometry = DeltaGeometry {
     arm_m: 0.060,
     forearm_m: 0.1025,
@@ -49,42 +49,44 @@ pub const FALCON_GEOMETRY: DeltaGeometry = DeltaGeometry {
     height_m: 0.120,
 };
 
-/// Why a place is refused.
+/// Why the mechanism cannot take a position. The number is that of the leg.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Unreachable {
-    /// The legs do not get there.
+    /// The leg is too short for the position.
     #[error("leg {0} does not reach")]
     TooFar(usize),
-    /// An arm and its forearm are nearly in line: the motor does not move the effector.
+    /// Arm and forearm of the leg are nearly in line, so its motor does not move the effector.
     #[error("arm and forearm of leg {0} are nearly in line")]
     Stretched(usize),
-    /// The forearms lie nearly in a plane: the effector moves though the motors hold.
+    /// The three forearms lie nearly in a plane, so the effector can move although the motors hold.
     #[error("the forearms lie nearly in a plane")]
     Flat,
-    /// No place was found for these angles.
+    /// Newton's method found no position for these joint angles.
     #[error("no place for these joint angles")]
     NoPlace,
 }
 
-/// Least sine of the angle between an arm and its forearm.
+/// Smallest accepted sine of the angle between an arm and its forearm.
 const LEAST_BEND: f64 = 0.1;
-/// Least volume of the three forearms' directions of unit length.
+/// Smallest accepted volume that unit vectors along the three forearms span.
 const LEAST_VOLUME: f64 = 0.05;
-/// Newton's steps from a place nearby.
+/// Largest number of steps of Newton's method, from a position nearby.
 const STEPS: usize = 40;
-/// Angles agree to this, rad: far below an encoder's step.
+/// Accepted error of joint angles in Newton's method, rad; far below an encoder's resolution.
 const AGREE_RAD: f64 = 1e-13;
 
-/// A place with its joints.
+/// A position of the effector with its joint angles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeltaPose {
-    /// Where the effector is, m from the origin.
+    /// Position of the effector relative to the origin, m.
     pub place_m: Vector3<f64>,
-    /// Angles of the arms above the base's plane, outwards, rad.
+    /// Angles of the arms above the plane of the base, measured outwards, rad.
     pub joints_rad: Vector3<f64>,
-    /// Radians of each joint per metre: `dθ = slopes · dx`, and by the power that both have in common `F = slopesᵀ τ`.
+    /// Slopes, radians of each joint per metre of the effector: `dθ = slopes · dx`. Power is equal on both sides, so `F = slopesᵀ
+    /// τ`.
     pub slopes: Matrix3<f64>,
-    /// For each leg: `X`, `W`, `v`, `sqrt(b² - v²)`, `L`, and the arm's turn.
+    /// For each leg the intermediate values `X`, `W`, `v`, `sqrt(b² - v²)`, `L`, the slope of the arm's angle, and the angle's sine
+    /// and cosine.
     legs: [Leg; 3],
 }
 
@@ -101,13 +103,13 @@ struct Leg {
 }
 
 impl DeltaGeometry {
-    /// A leg's directions `u` and `v`.
+    /// Directions `u` (outwards) and `v` (sideways) of a leg's frame.
     fn frame(&self, leg: usize) -> (Vector3<f64>, Vector3<f64>) {
         let (sin, cos) = libm::sincos(self.legs_rad[leg]);
         (Vector3::new(cos, sin, 0.0), Vector3::new(-sin, cos, 0.0))
     }
 
-    /// The joints of a place.
+    /// The pose with the effector at this position.
     ///
     /// # Errors
     /// The position cannot be reached, or is too close to a singular one.
@@ -171,10 +173,10 @@ impl DeltaGeometry {
         })
     }
 
-    /// The place of joint angles, by Newton's method from a place nearby.
+    /// The pose with these joint angles, by Newton's method from a pose nearby.
     ///
     /// # Errors
-    /// There is no such position, or it cannot be used.
+    /// There is no such position, or it is too close to a singular one.
     pub fn place(
         &self,
         joints_rad: Vector3<f64>,
@@ -201,7 +203,7 @@ impl DeltaGeometry {
         }
     }
 
-    /// Accelerations of the joints of an effector that goes straight on at a velocity, rad/s².
+    /// Accelerations of the joints while the effector moves straight on at a constant velocity, rad/s².
     #[must_use]
     pub fn curvature(&self, pose: &DeltaPose, velocity: Vector3<f64>) -> Vector3<f64> {
         let rates = pose.slopes * velocity;
@@ -227,20 +229,20 @@ impl DeltaGeometry {
 }
 
 impl DeltaPose {
-    /// The slopes turned round, metres of the effector per radian of each joint: `τ = metres_per_radianᵀ F`.
+    /// The inverse of the slopes, metres of the effector per radian of each joint: `τ = metres_per_radianᵀ F`.
     #[must_use]
     pub fn metres_per_radian(&self) -> Matrix3<f64> {
         // `pose` refuses places where there is no inverse.
         self.slopes.try_inverse().unwrap_or_default()
     }
 
-    /// The force that torques make at the effector, N.
+    /// The force at the effector that motor torques (N·m) make, N.
     #[must_use]
     pub fn force_n(&self, torques_n_m: Vector3<f64>) -> Vector3<f64> {
         self.slopes.tr_mul(&torques_n_m)
     }
 
-    /// The torques that make a force, N·m.
+    /// The motor torques that make a force (N) at the effector, N·m.
     #[must_use]
     pub fn torques_n_m(&self, force_n: Vector3<f64>) -> Vector3<f64> {
         self.metres_per_radian().tr_mul(&force_n)

@@ -1,8 +1,9 @@
-//! A delta mechanism: three motors at the base, three arms, three parallelograms, and an effector that they keep upright.
+//! A delta mechanism: three motors at the base, three arms, three parallelograms, and an effector that the parallelograms keep
+//! upright.
 //!
-//! [`DeltaGeometry`] is where joints and effector are, [`DeltaPlant`] how they move. What [`super::Cartesian`] has as one mass is here one that
-//! depends on the place and the direction, forces are made by torques of three motors with a limit each, and places are known
-//! through three encoders.
+//! [`DeltaGeometry`] relates the positions of joints and effector; [`DeltaPlant`] simulates the motion. [`super::Cartesian`] has
+//! one mass. Here the inertia depends on position and direction, three motors with limited torques make the force, and three joint
+//! encoders measure the position.
 
 mod dynamics;
 mod geometry;

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 const REST: [f64; 3] = [0.0; 3];
 
-/// Places all over the workspace: 40 mm around the centre.
+/// Positions all over the workspace, within 40 mm of the centre.
 fn places() -> impl Iterator<Item = Vector3<f64>> {
     (0..2000_u32).map(|i| {
         let t = f64::from(i);
@@ -29,7 +29,7 @@ fn joints_and_back_are_the_place() {
     assert!(worst < 1e-13, "{worst}");
 }
 
-/// The forearms keep their length; computed independently from the joints.
+/// Checks that the forearms keep their length, calculated independently from the joint angles.
 #[test]
 fn the_loops_are_closed() {
     let geometry = FALCON.geometry;
@@ -68,7 +68,7 @@ fn slopes_and_curvature_are_derivatives() {
     assert!(first < 1e-6 && second < 1e-3, "{first} {second}");
 }
 
-/// The motors' power equals the effector's: F·v = τ·dθ/dt.
+/// Checks that the motors' power equals the effector's: F·v = τ·dθ/dt.
 #[test]
 fn power_is_the_same_on_both_sides() {
     for (i, place) in places().enumerate() {
@@ -145,7 +145,7 @@ fn singular_places_are_refused() {
     );
 }
 
-/// Alone and without damping it keeps its energy, whatever its inertia does on the way.
+/// Checks that a free device without damping keeps its energy while its inertia changes with the position.
 #[test]
 fn free_motion_keeps_its_energy() {
     let device = DeltaDevice {
@@ -174,7 +174,7 @@ fn free_motion_keeps_its_energy() {
     assert!(slowest < 0.99 * speed, "{slowest}");
 }
 
-/// In a hand, under torques: work in, losses out, the rest is stored.
+/// Checks the energy balance in a hand under motor torques: work in equals losses plus the change of the stored energy.
 #[test]
 fn the_books_close_in_a_hand() {
     let plant = DeltaPlant::new(&FALCON, Some(&FIRM_TRANSLATION), 1e-3).expect("plant");
@@ -197,7 +197,7 @@ fn the_books_close_in_a_hand() {
     assert!(worst < 1e-12 && worked > 0.01, "{worst} {worked}");
 }
 
-/// Half the substep, a sixteenth of the error.
+/// Checks the order of the method: with half the substep the error is a sixteenth.
 #[test]
 fn the_method_is_of_fourth_order() {
     let end = |substeps: u32| {
@@ -216,7 +216,8 @@ fn the_method_is_of_fourth_order() {
     assert!((3.5..5.0).contains(&order), "{order}");
 }
 
-/// Where nothing turns it is a mass on a spring: slow push on the effector alone, against M at the place.
+/// A slow push on the effector accelerates it by the inertia `M` at its position, because the joints' curvature does not matter at
+/// rest.
 #[test]
 fn a_push_accelerates_by_the_inertia_of_its_place() {
     let device = DeltaDevice {

@@ -1,4 +1,4 @@
-//! A tick with events: stops and starts one after the other, on power series of the exact solution.
+//! A tick with events: stops and starts of the device, located one after the other on power series of the exact solution.
 
 use super::HeldCoulomb;
 use crate::plant::held::drive;
@@ -6,18 +6,18 @@ use crate::plant::state::State;
 use crate::plant::stepper::{Loss, Stepper};
 use crate::plant::taylor::{RECIPROCAL, Series, TERMS};
 
-/// Stops and starts that are followed within one tick. A plant with sensible numbers has one or two.
+/// Largest number of stops and starts that are followed in one tick. A plant with usual values has one or two.
 const MAX_EVENTS: u32 = 8;
 
-/// The device's motion between two events.
+/// The device's motion between two events (stops or starts).
 #[derive(Clone, Copy)]
 pub(super) enum Mode {
-    /// Turning in the direction of this sign.
+    /// The device turns in the direction of this sign.
     Sliding(f64),
     Stuck,
 }
 
-/// The exact motion over part of a tick as power series in the fraction of that part.
+/// The exact motion over a part of a tick, as power series in the fraction (0 to 1) of that part.
 struct Piece {
     v: Series,
     strain: Series,
@@ -26,10 +26,10 @@ struct Piece {
 }
 
 impl HeldCoulomb {
-    /// Follows a tick from event to event. `None`, with the state untouched, when there is no event after all.
+    /// Advances by a tick, from event to event. Returns `None`, and leaves the state unchanged, if there is no event in the tick.
     ///
-    /// After [`MAX_EVENTS`] the device is held for the rest of the tick: a force on something that does not move does no
-    /// work, so this errs without adding energy.
+    /// After [`MAX_EVENTS`] events the device is held for the rest of the tick. A force on a body at rest does no work, so this
+    /// error adds no energy.
     #[cold]
     #[inline(never)]
     pub(super) fn follow<const LOSS: bool>(
@@ -99,7 +99,8 @@ impl HeldCoulomb {
         Some(loss)
     }
 
-    /// When, and in which direction, a stuck device gives way within the piece.
+    /// The time within the piece, as a fraction, at which a stuck device starts to move, with its direction. `None` if it stays
+    /// stuck.
     fn breaks_away(&self, piece: &Piece, torque: f64) -> Option<(f64, Mode)> {
         let hand = &self.sliding.hand;
         let (k_p, b_p) = (hand.pad_stiffness, hand.pad_damping);
@@ -153,7 +154,7 @@ impl HeldCoulomb {
         piece
     }
 
-    /// Losses from the start of the piece to the fraction `until` of it.
+    /// Energy dissipated from the start of the piece to its fraction `until`.
     fn piece_loss(&self, piece: &Piece, mode: Mode, until: f64) -> Loss {
         let (device, hand) = (&self.sliding.device, &self.sliding.hand);
         let friction = match mode {
@@ -189,7 +190,7 @@ mod tests {
         State::from_array([0.1, v, 0.1, v_h])
     }
 
-    /// The velocity from which the device comes to rest after `stop_s`, to rounding.
+    /// The initial velocity with which the device comes to rest after `stop_s`, to rounding.
     fn velocity_that_stops_after(stop_s: f64, v_h: f64) -> f64 {
         let linear = HeldLinear::new(&DEVICE, &FIRM, stop_s).unwrap();
         let (mut low, mut high) = (0.0, 10.0);
@@ -206,7 +207,7 @@ mod tests {
         high
     }
 
-    /// A stop that rounding puts on either side of a boundary is the same stop.
+    /// Checks that a stop gives the same motion whether rounding puts it just before or just after a boundary.
     fn check(plant: &HeldCoulomb, stop_s: f64) {
         for hand in 0..40 {
             let v_h = 0.01 + 1e-3 * f64::from(hand);

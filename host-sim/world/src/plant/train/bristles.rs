@@ -1,12 +1,12 @@
-//! LuGre friction over a substep.
+//! LuGre friction (a model of elastic bristles) over a substep.
 
 use super::friction::{LuGre, level};
 
-/// Advances the bristles; gives their mean torque against the positive direction, N·m.
+/// Advances the bristles' deflection over a substep. Returns their mean torque against the positive direction, N·m.
 ///
-/// With the rate `a = s0 |v|/g` frozen, `z' = v - a z` is solved exactly for the substep's mean velocity, and the torque is found
-/// together with that velocity. Stiff bristles and fast sliding need no short substeps to be stable. The rate is that of the mean
-/// velocity, of which a first pass with the velocity at the start gives the value.
+/// The rate `a = s0 |v|/g` is held constant during the substep. Then `z' = v - a z` is solved exactly for the substep's mean
+/// velocity, and the torque is found together with that velocity. So stiff bristles and fast sliding need no short substeps for
+/// stability. A first pass with the velocity at the start gives the mean velocity for which the rate is taken.
 #[inline(always)]
 pub(super) fn advance(
     lugre: &LuGre,

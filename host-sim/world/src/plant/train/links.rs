@@ -1,92 +1,95 @@
-//! What a drive train is made of, and its linear equations.
+//! The linear parts of a drive train and their equations.
 //!
-//! The drive of a train with `N` states has `N + 4` entries: the states, then what is held during a substep: the torque that is
-//! commanded, the hand's rest point, the torque that the gap takes off the transmission, and further torque on the motor's shaft.
+//! The drive vector of a train with `N` states has `N + 4` entries: the states, then four values that are held during a substep.
+//! These are the commanded torque, the hand's rest point, the torque that the transmission's play removes, and further torque on
+//! the motor's shaft.
 
 use nalgebra::SMatrix;
 
 use crate::plant::device::{Device, Invalid, not_negative, positive};
 use crate::plant::hand::Hand;
 
-/// The commanded torque's place after the states.
+/// Index of the commanded torque in the drive vector, counted after the states.
 pub(super) const TORQUE: usize = 0;
-/// The rest point's.
+/// Index of the hand's rest point in the drive vector, counted after the states.
 pub(super) const REST: usize = 1;
-/// The gap's torque, `+` on the motor and `-` on the knob.
+/// Index of the torque that the transmission's play removes (positive on the motor, negative on the knob), counted after the
+/// states.
 pub(super) const GAP: usize = 2;
-/// Further torque on the motor's shaft.
+/// Index of the further torque on the motor's shaft in the drive vector, counted after the states.
 pub(super) const SHAFT: usize = 3;
 
-/// Current that follows its command with one pole: `tau' = 2 pi f (u - tau - D v)`.
+/// A motor current that follows its command with one pole, as torque: `tau' = 2 pi f (u - tau - D v)`.
 ///
-/// A current loop has its bandwidth `f` and no `D`. Windings at a voltage in place of a current have `f = R/(2 pi L)` and the
-/// damping of their own voltage, `D = k_t^2/R` with brushes; with three phases, `k_t` for an amplitude of 1 A and `R` of a phase, `D = k_t^2/(1.5 R)`.
+/// A current loop has its bandwidth `f` and `D = 0`. Windings that are driven by a voltage have `f = R/(2 pi L)` and the damping
+/// `D` of their back-EMF. With brushes, `D = k_t^2/R`. With three phases, `D = k_t^2/(1.5 R)`, where `k_t` is for an amplitude of 1
+/// A and `R` is that of a phase.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Current {
-    /// `f`, Hz; above zero.
+    /// Bandwidth `f`, Hz; above zero.
     pub bandwidth_hz: f64,
-    /// `D`, N·m·s/rad; zero or more.
+    /// Damping `D` of the back-EMF, N·m·s/rad; zero or more.
     pub back_emf: f64,
 }
 
 impl Current {
-    /// `2 pi f`, 1/s.
+    /// Rate of the pole `2 pi f`, 1/s.
     #[must_use]
     pub fn rate(&self) -> f64 {
         std::f64::consts::TAU * self.bandwidth_hz
     }
 }
 
-/// A transmission that gives, between the motor's shaft and a knob.
+/// A compliant transmission between the motor's shaft and a knob.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transmission {
-    /// `k_t`, N·m/rad; above zero.
+    /// Stiffness `k_t`, N·m/rad; above zero.
     pub stiffness: f64,
-    /// `c_t`, N·m·s/rad; zero or more.
+    /// Damping `c_t`, N·m·s/rad; zero or more.
     pub damping: f64,
-    /// Inertia of the knob, kg·m²; above zero and below the device's, of which it is a part.
+    /// Inertia of the knob, kg·m²; above zero and below the device's inertia, which includes it.
     pub knob_inertia: f64,
-    /// Play in all, rad: nothing is transmitted by the spring within half of it to either side. Zero or more.
+    /// Play of the transmission, rad: the spring transmits no torque within half of it to either side. Zero or more.
     pub gap: f64,
 }
 
 impl Transmission {
-    /// Torque that the spring would have without play and does not have, N·m.
+    /// Torque that the play removes at this twist, N·m: that of a spring without play minus that of the spring with it.
     #[inline(always)]
     pub(super) fn free_play_torque(&self, twist: f64) -> f64 {
         self.stiffness * twist.clamp(-0.5 * self.gap, 0.5 * self.gap)
     }
 
-    /// Energy in the spring, J.
+    /// Energy stored in the transmission's spring at this twist, J.
     pub(super) fn spring_energy_j(&self, twist: f64) -> f64 {
         let beyond = (twist.abs() - 0.5 * self.gap).max(0.0);
         0.5 * self.stiffness * beyond * beyond
     }
 }
 
-/// The parts of a drive train.
+/// The linear parts of a drive train.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Links {
-    /// Inertia of everything that turns with the knob, and damping at the motor's shaft. Its friction is not read: a train's is in
-    /// [`Shaft`](super::Shaft).
+    /// Inertia of everything that turns with the knob, and damping at the motor's shaft. The device's friction is ignored: a train
+    /// has its friction in [`Shaft`](super::Shaft).
     pub device: Device,
-    /// Absent: the torque is the command.
+    /// The current's lag; `None`: the torque equals the command.
     pub current: Option<Current>,
-    /// Absent: knob and motor are one.
+    /// The transmission; `None`: knob and motor are one body.
     pub transmission: Option<Transmission>,
-    /// The hand; `None` without one.
+    /// The hand; `None` if nobody holds the knob.
     pub hand: Option<Hand>,
 }
 
 impl Links {
-    /// Linear states.
+    /// Number of linear states.
     #[must_use]
     pub fn states(&self) -> usize {
         let pairs = 1 + usize::from(self.transmission.is_some()) + usize::from(self.hand.is_some());
         2 * pairs + usize::from(self.current.is_some())
     }
 
-    /// Play of the transmission, rad.
+    /// Play of the transmission, rad; zero without a transmission.
     pub(super) fn gap(&self) -> f64 {
         self.transmission
             .map_or(0.0, |transmission| transmission.gap)
@@ -111,17 +114,17 @@ impl Links {
         self.hand.map_or(Ok(()), |hand| hand.validate())
     }
 
-    /// `A` in `z' = A z + …`, for those who want its eigenvalues.
+    /// The matrix `A` in `z' = A z + …`, e.g. to calculate its eigenvalues.
     ///
     /// # Errors
-    /// [`Invalid`] when something is out of range, or when the links do not have `N` states.
+    /// [`Invalid`] when a value is out of range, or when the links do not have `N` states.
     pub fn matrix<const N: usize, const K: usize>(&self) -> Result<SMatrix<f64, N, N>, Invalid> {
         let made = assemble::<N, K>(self)?;
         Ok(made.matrix.fixed_view::<N, N>(0, 0).into_owned())
     }
 }
 
-/// The linear equations `y' = M y` of the drive `y`, and powers as quadratic forms of it.
+/// The linear equations `y' = M y` of the drive vector `y`, and powers as its quadratic forms.
 pub(super) struct Assembled<const K: usize> {
     pub matrix: SMatrix<f64, K, K>,
     pub device_loss: SMatrix<f64, K, K>,
@@ -129,7 +132,7 @@ pub(super) struct Assembled<const K: usize> {
     pub motor_power: SMatrix<f64, K, K>,
 }
 
-/// Adds `factor (e_a - e_b)(e_a - e_b)^T`.
+/// Adds `factor (e_a - e_b)(e_a - e_b)^T` to a quadratic form.
 fn add_slip<const K: usize>(form: &mut SMatrix<f64, K, K>, factor: f64, a: usize, b: usize) {
     form[(a, a)] += factor;
     form[(b, b)] += factor;
@@ -137,7 +140,8 @@ fn add_slip<const K: usize>(form: &mut SMatrix<f64, K, K>, factor: f64, a: usize
     form[(b, a)] -= factor;
 }
 
-/// Puts a spring with a damper between two pairs, given by the place of their angles.
+/// Adds a spring with a damper between two bodies to the equations. The indices are those of the bodies' angles; the velocities
+/// follow them.
 fn couple<const K: usize>(
     matrix: &mut SMatrix<f64, K, K>,
     [stiffness, damping]: [f64; 2],

@@ -1,5 +1,5 @@
-//! A drive train: the device behind its current, with a compliant transmission to the knob and a hand, as far as a scene names
-//! them, and with torques at its shaft that are not linear.
+//! A drive train: the device behind a motor current, with a compliant transmission to the knob, a hand, and nonlinear torques at the motor's
+//! shaft. All parts are optional; a scene file names them.
 //!
 //! ```text
 //!  u -> [ current ] -> tau                 k_t, c_t, gap                pad
@@ -8,10 +8,9 @@
 //!  imbalance --------------/
 //! ```
 //!
-//! Everything linear is one exact matrix step, as in the plants beside this module. What is not linear ([`Shaft`], and the gap of
-//! a transmission) is a torque that is held during a substep: taken at the substep's middle, or, where it is friction, set-valued
-//! at its end. So a train without such a torque needs no substeps at all, and one with it keeps its linear part, however stiff,
-//! exact.
+//! All linear parts are one exact matrix step, as in the other plants of the parent module. The nonlinear parts ([`Shaft`], and the play of a
+//! transmission) are torques that are held during a substep. Their values are those at the substep's middle; friction is set-valued at the
+//! substep's end. So a train without nonlinear parts needs no substeps. With them, the linear part stays exact, however stiff it is.
 
 mod bristles;
 mod friction;
@@ -29,17 +28,18 @@ use super::flow::{apply, columns, flow_integral, quadratic, quadratic_integral, 
 use super::stepper::{Loss, Port, Stepper};
 use links::{GAP, REST, SHAFT, TORQUE};
 
-/// A drive train with `N` linear states, prepared for intervals of one length. `K` is `N + 4`: the states and what is held during a
-/// substep, see `links`.
+/// A drive train with `N` linear states, prepared for intervals of one length. `K` is `N + 4`: the states and the four values held
+/// during a substep (commanded torque, rest point, torque of the play, further torque).
 #[derive(Debug, Clone, PartialEq)]
 pub struct DriveTrain<const N: usize, const K: usize> {
     links: Links,
     shaft: Shaft,
-    /// Increment of the states over a substep for each entry of the drive.
+    /// Increment of the states in a substep for each entry of the drive vector.
     step: [[f64; N]; K],
     device_loss: [[f64; K]; K],
     hand_loss: [[f64; K]; K],
-    /// Quadratic form of the motor's work on the shaft, where its torque is a state.
+    /// Matrix of the motor's work on the shaft in a substep, as a quadratic form of the drive vector; `None` if the motor's torque
+    /// is no state.
     motor_work: Option<[[f64; K]; K]>,
     substeps: u32,
     substep_s: f64,
@@ -47,11 +47,11 @@ pub struct DriveTrain<const N: usize, const K: usize> {
 }
 
 impl<const N: usize, const K: usize> DriveTrain<N, K> {
-    /// Prepares intervals of `interval_s` seconds (zero or more) in a number of substeps. A train without torques that
-    /// are not linear needs one, and gets one.
+    /// Prepares intervals of `interval_s` seconds (zero or more), each divided into substeps. A train without nonlinear parts needs
+    /// one substep and gets one.
     ///
     /// # Errors
-    /// [`Invalid`] when something is out of range, or when the links do not have `N` states.
+    /// [`Invalid`] when a value is out of range, or when the links do not have `N` states.
     pub fn new(
         links: &Links,
         shaft: &Shaft,
@@ -82,8 +82,8 @@ impl<const N: usize, const K: usize> DriveTrain<N, K> {
         })
     }
 
-    /// The drive: the state with angles relative to the device's own, so that turning the whole scene changes nothing,
-    /// and the held inputs.
+    /// The drive vector: the state, with angles relative to the device's own, and the held inputs. Relative angles make the result
+    /// independent of turning the whole scene.
     #[inline(always)]
     fn drive(&self, z: &[f64; N], torque: f64, rest: f64) -> [f64; K] {
         let x = z[0];
@@ -188,8 +188,8 @@ impl<const N: usize, const K: usize> DriveTrain<N, K> {
         })
     }
 
-    /// Energy that the device holds beside the motion of its shaft's whole inertia, J: in springs, in the knob that turns otherwise,
-    /// in gravity and magnets.
+    /// Energy of the device in addition to the kinetic energy of its whole inertia at the shaft's velocity, J: in springs, gravity
+    /// and magnets, and the difference because the knob turns at another velocity.
     fn stored_beside_motion_j(&self, state: &TrainState<N>) -> f64 {
         let v = state.z[1];
         let transmission_j = self.links.transmission.map_or(0.0, |transmission| {

@@ -1,59 +1,59 @@
-//! Torques at the motor's shaft that are not linear: friction of several kinds, cogging, imbalance.
+//! Nonlinear torques at the motor's shaft: dry friction of several models, cogging, imbalance.
 
 use super::bristles;
 use super::friction::{Friction, Sliding, level};
 
-/// A torque that goes with the angle, `-A sin(n x + phi)`: cogging has `n` periods a turn, a weight out of the axis has one.
+/// A torque that depends on the shaft angle `x`: `-A sin(n x + phi)`. Cogging has `n` periods per turn, an off-axis weight has one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Harmonic {
-    /// `A`, N·m.
+    /// Amplitude `A`, N·m.
     pub amplitude: f64,
-    /// `n`, above zero.
+    /// Number `n` of periods per turn, above zero.
     pub per_rev: f64,
-    /// `phi`, rad.
+    /// Phase `phi`, rad.
     pub phase: f64,
 }
 
 impl Harmonic {
-    /// The cogging torque at an angle, N·m along the positive direction.
+    /// The torque at a shaft angle in the positive direction, N·m.
     #[inline(always)]
     #[must_use]
     pub fn torque(&self, angle: f64) -> f64 {
         -self.amplitude * libm::sin(self.per_rev * angle + self.phase)
     }
 
-    /// The cogging's potential, J.
+    /// The potential energy at a shaft angle, J.
     fn potential_j(&self, angle: f64) -> f64 {
         -self.amplitude / self.per_rev * libm::cos(self.per_rev * angle + self.phase)
     }
 }
 
-/// Torques at the shaft that are not linear.
+/// The nonlinear torques at the motor's shaft.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Shaft {
-    /// Friction of the shaft.
+    /// The model of dry friction.
     pub friction: Friction,
-    /// Torques that go with its angle.
+    /// Torques of cogging and imbalance, which depend on the shaft angle; they are added.
     pub harmonics: Vec<Harmonic>,
 }
 
-/// What friction does during a substep.
+/// The result of friction in a substep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Opposed {
-    /// Against the positive direction, N·m.
+    /// Friction torque against the positive direction, N·m.
     pub torque: f64,
     /// Whether the shaft is at rest at the substep's end.
     pub rests: bool,
 }
 
 impl Shaft {
-    /// Whether nothing acts that is not linear.
+    /// Whether the shaft has no nonlinear torque.
     #[must_use]
     pub fn is_smooth(&self) -> bool {
         self.friction == Friction::None && self.harmonics.is_empty()
     }
 
-    /// Torque of cogging and imbalance at an angle, N·m along the positive direction.
+    /// Sum of the torques of cogging and imbalance at a shaft angle, N·m in the positive direction.
     #[inline(always)]
     pub(super) fn turned_by(&self, angle: f64) -> f64 {
         self.harmonics
@@ -62,7 +62,7 @@ impl Shaft {
             .sum()
     }
 
-    /// Potential of cogging and imbalance, J.
+    /// Potential energy of cogging and imbalance at a shaft angle, J.
     pub(super) fn potential_j(&self, angle: f64) -> f64 {
         self.harmonics
             .iter()
@@ -70,7 +70,7 @@ impl Shaft {
             .sum()
     }
 
-    /// Energy in the bristles, J.
+    /// Elastic energy of the bristles at this deflection (rad), J.
     pub(super) fn bristle_energy_j(&self, bristle: f64) -> f64 {
         match &self.friction {
             Friction::Bristles(lugre) => 0.5 * lugre.stiffness * bristle * bristle,
@@ -78,8 +78,8 @@ impl Shaft {
         }
     }
 
-    /// Friction over a substep that begins and, without friction, would end with these velocities; `response` is the change of the
-    /// latter by a held torque.
+    /// Friction over a substep. The arguments are the velocity at its start and that at its end without friction. `response` is the
+    /// change of the latter per held torque.
     #[inline(always)]
     pub(super) fn opposed_by(
         &self,
@@ -102,8 +102,8 @@ impl Shaft {
     }
 }
 
-/// The torque for which the velocity at the substep's end and the torque agree (Kikuuwe, Takesue, Sano, Mochiyama and Fujimoto,
-/// IEEE T-RO 22(6) 1176, 2006), with an exact response of the velocity.
+/// The friction torque that is consistent with the velocity at the substep's end (Kikuuwe, Takesue, Sano, Mochiyama and Fujimoto,
+/// IEEE T-RO 22(6) 1176, 2006). The velocity's response to the torque is exact.
 #[inline(always)]
 fn dry(
     directions: &[Sliding; 2],

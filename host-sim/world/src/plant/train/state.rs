@@ -1,18 +1,19 @@
-//! What changes in a tick of a drive train.
+//! The state of a drive train, which a tick changes.
 
 use crate::plant::state::Kinematics;
 
-/// State of a drive train: pairs of angle and velocity, `[x, v]` of the motor's shaft first, then those of the knob behind a
-/// transmission and of the hand, as far as there are any, and last, where `N` is odd, the motor's torque; rad, rad/s, N·m.
+/// State of a drive train: pairs of angle and velocity, rad and rad/s. The first pair `[x, v]` is that of the motor's shaft. Pairs
+/// of the knob behind a transmission and of the hand follow, if there are any. If `N` is odd, the last entry is the motor's torque,
+/// N·m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrainState<const N: usize> {
     pub(super) z: [f64; N],
-    /// Mean deflection of the bristles of LuGre friction, rad; 0 without it.
+    /// Mean deflection of the bristles of LuGre friction, rad; 0 with other friction.
     pub(super) bristle: f64,
 }
 
 impl<const N: usize> TrainState<N> {
-    /// The state with these entries, and bristles at ease.
+    /// The state with these entries and undeflected bristles.
     #[must_use]
     pub const fn from_array(entries: [f64; N]) -> Self {
         Self {
@@ -27,13 +28,14 @@ impl<const N: usize> TrainState<N> {
         self.z
     }
 
-    /// Deflection of the bristles, rad.
+    /// Mean deflection of the bristles of LuGre friction, rad.
     #[must_use]
     pub const fn bristle_rad(&self) -> f64 {
         self.bristle
     }
 
-    /// Device and hand at these angles and velocities, without torque; a knob behind a transmission moves with the device.
+    /// The state with device and hand at these angles and velocities and without motor torque. A knob behind a transmission moves
+    /// with the device.
     #[must_use]
     pub fn moving(device: [f64; 2], hand: [f64; 2]) -> Self {
         let mut state = Self::from_array([0.0; N]);
@@ -49,10 +51,10 @@ impl<const N: usize> TrainState<N> {
         state
     }
 
-    /// Where the last pair begins.
+    /// Index of the last pair of angle and velocity.
     const LAST_PAIR: usize = (N / 2 - 1) * 2;
 
-    /// Angle and velocity of the last pair.
+    /// Angle and velocity of the last pair, that of the hand if there is one.
     #[inline(always)]
     pub(super) fn hand(&self) -> [f64; 2] {
         [self.z[Self::LAST_PAIR], self.z[Self::LAST_PAIR + 1]]
