@@ -131,7 +131,10 @@ pub(crate) fn bytes_of(path: &Path, kind: Kind) -> Result<Vec<u8>, (String, Stri
     touchstone_sim::input::bytes(path, MOST_BYTES).map_err(|error| {
         let fix = match error.kind() {
             ErrorKind::FileTooLarge => "export the object with fewer triangles".to_owned(),
-            _ => format!("give a file of {}", kind.name()),
+            _ => match kind {
+                Kind::Ply => "give a PLY file".to_owned(),
+                _ => format!("give an {} file", kind.name()),
+            },
         };
         (error.to_string(), fix)
     })
