@@ -7,6 +7,8 @@ use std::f64::consts::TAU;
 const FASTEST_RAD_PER_S: f64 = 60.0;
 /// Least time over which a speed is computed, s. A sensor's step between two close samples would else count as a fast motion.
 const OVER_S: f64 = 5e-3;
+/// A clock that is so far from 0 is that of a calendar, s: 11 days.
+const EPOCH_S: f64 = 1e6;
 /// Least time between two samples that counts as a gap, s. In a longer time a hand may make motions that the recording lacks.
 const GAP_S: f64 = 0.1;
 
@@ -14,10 +16,23 @@ impl Recording {
     /// Notes on suspicious features of a recording; empty for a good one.
     #[must_use]
     pub fn odd(&self) -> Vec<String> {
-        [self.gap(), self.bursts(), self.wraps(), self.speed()]
-            .into_iter()
-            .flatten()
-            .collect()
+        [
+            self.epoch(),
+            self.gap(),
+            self.bursts(),
+            self.wraps(),
+            self.speed(),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+
+    fn epoch(&self) -> Option<String> {
+        let begins_s = self.begins_s();
+        (begins_s.abs() > EPOCH_S).then(|| {
+            format!("times begin at {begins_s:.3} s, as those of a calendar do, and are counted from there")
+        })
     }
 
     fn gap(&self) -> Option<String> {
