@@ -159,7 +159,7 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
     state(status_of(&mut client)?.phase.name())
 }
 
-/// What becomes of an armed device that no program speaks to.
+/// Prints what an armed device does if no program sends it messages.
 pub fn note_silence(silence_s: Si) {
     if silence_s == Si::ZERO {
         note!(
@@ -172,7 +172,7 @@ pub fn note_silence(silence_s: Si) {
     }
 }
 
-/// Where the device stands after a command.
+/// Prints the state of the device after a command.
 fn state(name: &str) -> Result<()> {
     out::result(
         || serde_json::json!({ "state": name }),
@@ -183,7 +183,7 @@ fn state(name: &str) -> Result<()> {
     )
 }
 
-/// Time for one electrical turn and as many as the motor has pole pairs, forward and back, at the set speed.
+/// Time limit of a calibration: one electrical turn, and as many as the motor has pole pairs, forward and back at the set speed.
 pub fn calibration_limit(settings: &DeviceSettings) -> Duration {
     let turns = 2.0 * (f64::from(settings.motor.pole_pairs) + 1.0);
     let turns_per_s: f64 = settings.calibration.electrical_turns_per_s.to_num();
@@ -236,7 +236,7 @@ pub fn calibrated(client: &mut Client) -> Result<()> {
     }
 }
 
-/// Whether a kept alignment did not pass its check.
+/// Whether the fault means that a stored alignment failed its check.
 fn is_of_kept(fault: &Fault) -> bool {
     fault.known() == Some(FaultCode::CalibrationFailed)
         && matches!(
@@ -313,7 +313,7 @@ fn status(client: &mut Client) -> Result<()> {
     })
 }
 
-/// A fault for programs.
+/// A fault as JSON for programs.
 fn fault_json(fault: &Fault) -> serde_json::Value {
     serde_json::json!({
         "code": fault.code,

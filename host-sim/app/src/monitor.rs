@@ -20,7 +20,7 @@ use touchstone_protocol::{Fault, FaultCode, Limit, Limits, Phase, Reply, Request
 use touchstone_sim::error::Result;
 use touchstone_sim::output;
 
-/// A line of a terminal is overwritten this often; without a terminal there is a line a second.
+/// Time between two updates of the line on a terminal; without a terminal, one line per second is printed.
 const LIVE: Duration = Duration::from_millis(100);
 const LOGGED: Duration = Duration::from_secs(1);
 /// Options of `monitor`.
@@ -101,7 +101,7 @@ pub fn main(options: &Options) -> Result<()> {
     )
 }
 
-/// Records that the device's port could not carry so far.
+/// Number of records lost so far because the device's port was too slow.
 fn dropped(client: &mut Client) -> Result<u32> {
     match client.ask(&Request::Counters)? {
         Reply::Counters(counters) => Ok(counters.telemetry_dropped),
@@ -178,7 +178,7 @@ fn line(record: &Telemetry, lost: u64) -> String {
     )
 }
 
-/// The limits that act, by their names.
+/// Names of the active limits.
 fn limits(bits: u8) -> String {
     let limits = Limits::from_wire(bits);
     let names: Vec<String> = Limit::ALL
@@ -189,7 +189,7 @@ fn limits(bits: u8) -> String {
     names.join("+")
 }
 
-/// Columns of the CSV. One that a run's trace also has bears the trace's name.
+/// Columns of the CSV file. A column that a simulated run's trace also has bears the same name.
 const COLUMNS: [&str; 13] = [
     "tick",
     "time_s",
@@ -206,19 +206,19 @@ const COLUMNS: [&str; 13] = [
     "current_q_a",
 ];
 
-/// The CSV of all records.
+/// Writes all records as CSV.
 struct Table<'a> {
     file: csv::Writer<File>,
     place: Named<'a>,
     rate_hz: u32,
     first: Option<u32>,
-    /// Rows that are not in the file yet.
+    /// Number of rows that are not in the file yet.
     waiting: u32,
 }
 
-/// Rows are written so many at once, in one piece: whatever ends the program leaves no torn row.
+/// Number of rows written in one piece, so that an interrupted program leaves no incomplete row.
 const ROWS_AT_ONCE: u32 = 128;
-/// Room for twice as many, bytes.
+/// Size of the buffer in bytes, for twice as many rows as are written at once.
 const ROOM: usize = 1 << 16;
 
 impl<'a> Table<'a> {

@@ -1,4 +1,4 @@
-//! `touchstone device cogging`: the map of a motor's cogging, measured, tried, kept and forgotten.
+//! `touchstone device cogging`: measures a map of the motor's cogging torque, checks it, stores it on the board or deletes it.
 
 use super::{calibration_limit, status_of};
 use crate::interrupt::{self, INTERRUPTED};
@@ -30,23 +30,23 @@ pub enum CoggingAction {
     Forget,
 }
 
-/// A map may leave at most this share of the shaft's ripple, or it does not belong to this motor. A map that is half a
-/// period off doubles the ripple.
+/// Largest fraction of the shaft's ripple that may remain with a map; else the map does not belong to this motor. A map that is
+/// half a period off doubles the ripple.
 const LEFT_MOST: f64 = 0.7;
-/// Time that a sweep takes in addition to its calibration and its turns.
+/// Time that a measurement of cogging takes in addition to its calibration and its turns.
 const SWEEP_REST: Duration = Duration::from_secs(10);
 
-/// A map, and what it does.
+/// A cogging map, and the ripple of the shaft with and without it.
 #[derive(Debug, Clone)]
 pub struct Tried {
-    /// The map, as it was measured.
+    /// The measured cogging map.
     pub found: MeasuredCogging,
-    /// The shaft's ripple in the slow turn without a map, and with it, rad.
+    /// Ripple of the shaft in a slow turn, rad: first without the map, then with it.
     pub ripple_rad: [f64; 2],
 }
 
 impl Tried {
-    /// Share of the ripple that the map leaves.
+    /// Fraction of the ripple that remains with the map.
     pub fn left(&self) -> f64 {
         self.ripple_rad[1] / self.ripple_rad[0]
     }
@@ -93,7 +93,7 @@ impl Tried {
     }
 }
 
-/// Shows, measures, tries or forgets.
+/// Shows, measures, checks or deletes the cogging map of a board.
 pub fn main(client: &mut Client, action: Option<CoggingAction>) -> Result<()> {
     let settings = client.settings()?;
     may_keep(client, &settings)?;
@@ -132,7 +132,7 @@ pub fn main(client: &mut Client, action: Option<CoggingAction>) -> Result<()> {
     )
 }
 
-/// Whether this board keeps a map with these settings.
+/// Whether this board can store a cogging map with these settings.
 pub fn may_keep(client: &Client, settings: &DeviceSettings) -> Result<()> {
     let board = client.identity().board;
     let why = if !board.is_large() && board.has_bus() {
@@ -201,7 +201,8 @@ pub fn at_rest(client: &mut Client) -> Result<()> {
     }
 }
 
-/// Measures a map, keeps it, tries it and saves it. What does not take the ripple away is not kept. The device is left stopped.
+/// Measures a cogging map, checks it and saves it on the board. A map that does not reduce the ripple is not stored. The device is
+/// left stopped.
 pub fn measure(client: &mut Client, settings: &DeviceSettings, stop: &AtomicBool) -> Result<Tried> {
     guarded(client, settings, |client, asked| {
         let (before, known) = swept(client, asked, stop, Sweep::Bare)?;
@@ -221,7 +222,7 @@ pub fn measure(client: &mut Client, settings: &DeviceSettings, stop: &AtomicBool
     .and_then(|tried| client.tell(&Request::Save).map(|()| tried))
 }
 
-/// Tries the map that is kept.
+/// Checks the stored map: measures the ripple without and with it.
 fn check(client: &mut Client, settings: &DeviceSettings, stop: &AtomicBool) -> Result<Tried> {
     let board = client.identity().board;
     let kept = report(client)?.kept.ok_or(Unkept::None);
@@ -274,7 +275,7 @@ fn judged(client: &Client, tried: &Tried) -> Result<()> {
     ))
 }
 
-/// What did not pass is not kept.
+/// Deletes the map from the board after a failed check.
 fn forgotten<T>(client: &mut Client, error: Error) -> Result<T> {
     client.tell(&Request::Command(DeviceCommand::Stop))?;
     client.tell(&Request::ForgetCogging)?;

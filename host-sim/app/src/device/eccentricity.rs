@@ -44,13 +44,13 @@ pub fn main(client: &mut Client, action: EccentricityAction) -> Result<()> {
     )
 }
 
-/// What each order is called.
+/// Name of each order (periods per turn) of the encoder's error.
 pub const NAMES: [&str; ORDERS] = [
     "encoder's error once a turn",
     "encoder's error twice a turn",
 ];
 
-/// An order's amplitude, its uncertainty, its phase.
+/// Amplitude, uncertainty and phase of one order of the encoder's error, as text.
 pub fn shown(found: &Eccentricity, index: usize) -> [String; 3] {
     let it = &found.harmonics[index];
     let open = format!("{:.3}°", it.uncertainty_rad.to_degrees());
@@ -68,7 +68,7 @@ pub fn shown(found: &Eccentricity, index: usize) -> [String; 3] {
     [amplitude, open, phase]
 }
 
-/// The cost of the error for a wall, in words.
+/// Effect of the encoder's error on a wall, in words.
 pub fn costs(found: &Eccentricity, pole_pairs: f64) -> String {
     let cost = found.cost(pole_pairs);
     format!(
@@ -79,13 +79,13 @@ pub fn costs(found: &Eccentricity, pole_pairs: f64) -> String {
     )
 }
 
-/// How stiffly the field of a calibration holds the shaft, N·m/rad.
+/// Stiffness by which the magnetic field of a calibration holds the shaft, N·m/rad.
 pub fn field_n_m_per_rad(settings: &DeviceSettings, torque_constant_n_m_per_a: f64) -> f64 {
     let current_a: f64 = settings.calibration.current_a.to_num();
     f64::from(settings.motor.pole_pairs) * torque_constant_n_m_per_a * current_a
 }
 
-/// Says what a measurement with the field alone, without a coast, cannot tell.
+/// Text on the limits of a measurement in which the magnetic field holds the shaft and the shaft never coasts.
 fn by_field_alone(field_n_m_per_rad: f64) -> String {
     format!(
         "a torque once or twice a turn, as of a weight out of the axis: {:.3}° for each mN·m (the knob coasts too shortly)",
@@ -112,7 +112,7 @@ pub fn lines(found: &Eccentricity, pole_pairs: f64, field_n_m_per_rad: f64) -> V
     lines
 }
 
-/// Whether the magnet should be seated anew, and why.
+/// Whether the encoder's magnet should be centred again, and why; `None` if not.
 pub fn warning(found: &Eccentricity, pole_pairs: f64) -> Option<String> {
     let cost = found.cost(pole_pairs);
     let why = match cost.reseat()? {
@@ -167,7 +167,7 @@ const fn word(witness: Witness) -> &'static str {
     }
 }
 
-/// What [`as_json`] wrote.
+/// Reads the JSON that [`as_json`] wrote.
 pub fn from_json(all: &Value) -> Option<Eccentricity> {
     let number = |of: &Value, name: &str| of.get(name)?.as_f64();
     let entries = all.get("harmonics")?.as_array()?;

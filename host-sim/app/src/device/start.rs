@@ -1,4 +1,4 @@
-//! `touchstone device alignment` and `autostart`: what a board keeps for its next start.
+//! `touchstone device alignment` and `autostart`: what a board stores for its next start.
 
 use super::{calibrated, status_of};
 use crate::out::{self, say, tell};
@@ -42,7 +42,7 @@ pub fn report(client: &mut Client) -> Result<Option<StartReport>> {
     }
 }
 
-/// Same as [`report`], with an error where the board has none.
+/// Same as [`report`], but an error for a board without a report.
 fn demanded(client: &mut Client) -> Result<StartReport> {
     let board = client.identity().board;
     report(client)?.ok_or_else(|| {
@@ -147,8 +147,8 @@ pub fn alignment(client: &mut Client, action: Option<AlignmentAction>) -> Result
     )
 }
 
-/// Keeps the alignment of the calibration that has ended, and tries the check that the next start will make. What does not pass it is
-/// not kept.
+/// Stores the alignment of the finished calibration, and runs the check that the next start will make. An alignment that fails the
+/// check is not stored.
 pub fn keep(client: &mut Client) -> Result<()> {
     client.tell(&Request::KeepAlignment)?;
     client.tell(&Request::Command(DeviceCommand::Stop))?;
@@ -172,8 +172,8 @@ pub fn keep(client: &mut Client) -> Result<()> {
     ))
 }
 
-/// Sets for how long the device may hear nothing of a desktop, and returns that, s. A knob that starts unattended
-/// needs no desktop: 0, for ever. One that no longer does gets the shipped time, if it has none.
+/// Sets the longest time without a message from a host, and returns it, s. A knob that starts unattended gets 0, which means no
+/// limit. With unattended start off, a knob without a limit gets the default.
 fn set_silence(client: &mut Client, switch: Switch) -> Result<Si> {
     let mut settings = client.settings()?;
     let set = settings.limits.host_silence_s;
@@ -192,7 +192,7 @@ fn set_silence(client: &mut Client, switch: Switch) -> Result<Si> {
     Ok(wanted)
 }
 
-/// Checks that the device can save now: a refusal must not come halfway.
+/// Checks that the device can save settings now, before a change begins.
 fn saves(client: &mut Client) -> Result<()> {
     let phase = status_of(client)?.phase;
     let fix = match phase {
@@ -204,7 +204,7 @@ fn saves(client: &mut Client) -> Result<()> {
     Err(Error::device(client.place(), problem, fix))
 }
 
-/// Shows it, or switches it on or off.
+/// Shows whether the board starts unattended, or switches that on or off.
 pub fn autostart(client: &mut Client, switch: Option<Switch>) -> Result<()> {
     demanded(client)?;
     let Some(switch) = switch else {
