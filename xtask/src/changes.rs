@@ -1,7 +1,8 @@
-//! Wrong changes on purpose, in a copy of the sources: what `prove --mutants` and `fil --sabotage` are made of.
+//! Deliberately wrong changes in a copy of the sources, used by `prove --mutants` and `fil --sabotage` to check that the tests
+//! detect them.
 //!
-//! The copy is below `target/`; the sources themselves are only read. A change is a text that is in its file exactly once, so
-//! that a list which no longer fits the sources says so.
+//! The copy is below `target/`; the sources themselves are only read. The text to be changed must occur exactly once in its file. A
+//! list that no longer fits the sources is therefore reported.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,7 +10,7 @@ use std::path::{Path, PathBuf};
 use crate::outcome::Outcome;
 use crate::{inspect, shell};
 
-/// An entry of a list of changes.
+/// One entry of a list of deliberately wrong changes.
 #[derive(Debug, Default, Clone, Hash)]
 pub struct Entry {
     /// Other fields of the entry, by name.
@@ -17,10 +18,10 @@ pub struct Entry {
     pub changes: Vec<Change>,
 }
 
-/// A change of a file.
+/// One replacement of text in a file.
 #[derive(Debug, Default, Clone, Hash)]
 pub struct Change {
-    /// The path from the workspace's folder.
+    /// Path of the file, relative to the workspace's folder.
     pub file: String,
     /// Text that must occur exactly once.
     pub find: String,
@@ -29,12 +30,12 @@ pub struct Change {
 }
 
 impl Entry {
-    /// The text about one thing, empty where there is none.
+    /// The entry's text in the field of this name; empty if the entry has no such field.
     pub fn word(&self, name: &str) -> &str {
         self.words.get(name).map_or("", String::as_str)
     }
 
-    /// For tests: one that says this.
+    /// For tests: an entry with these fields.
     #[cfg(test)]
     pub fn with(words: &[(&str, &str)]) -> Self {
         let mut entry = Self::default();
@@ -139,7 +140,7 @@ fn with_members(manifest: &str, members: &[&str]) -> String {
 }
 
 impl Change {
-    /// Whether its text is in a source exactly once.
+    /// Checks that the text to be replaced occurs exactly once in the source.
     pub fn fits(&self, source: &str) -> Result<(), String> {
         match source.matches(&self.find).count() {
             1 => Ok(()),

@@ -21,7 +21,7 @@ pub const BOARDS: [&str; 5] = [
     "b-g431b-esc1",
 ];
 
-/// Those with 128 KiB of flash, whose program is compiled for size first.
+/// Boards with 128 KiB of flash, whose firmware is compiled for size first.
 const SMALL_FLASH: [&str; 2] = ["nucleo-g431rb-ihm16m1", "b-g431b-esc1"];
 
 /// The board of which the first gate runs program and faults.
@@ -35,7 +35,7 @@ pub const ONE_BOARD: Share = Share::Part(
 /// What `cargo xtask firmware` takes.
 const USAGE: &str = "cargo xtask firmware [--board nucleo-g474re|nucleo-g474re-ihm16m1|nucleo-g474re-simplefoc-mini|nucleo-g431rb-ihm16m1|b-g431b-esc1]";
 
-/// Where a board's program is, once built.
+/// Path of a board's firmware after it is built.
 pub fn program(board: &str) -> PathBuf {
     shell::target("firmware").join(board).join("touchstone.elf")
 }

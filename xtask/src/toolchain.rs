@@ -1,5 +1,5 @@
-//! Which of the installed compilers can make code for another machine: rustup's with the target installed; failing that, one that
-//! has the library as source, such as Debian's.
+//! Finds an installed Rust compiler that can build for another machine: first one of rustup's with the target installed, otherwise
+//! one with the source of the core library, such as Debian's.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -9,15 +9,15 @@ use std::sync::{Mutex, Once, PoisonError};
 use crate::outcome::Outcome;
 use crate::{packages, shell};
 
-/// The oldest compiler that builds the workspace, `rust-version` in Cargo.toml.
+/// Version of the oldest compiler that builds the workspace: `rust-version` in Cargo.toml.
 const RUST: (u32, u32) = (1, 95);
 
-/// The Cortex-M4 without its float unit: code that still calculates with floats must then call for it by name.
+/// Target for a Cortex-M4 without its float unit: code that still calculates with floats must call float functions by name.
 pub const SOFT_FLOAT: &str = "thumbv7em-none-eabi";
-/// The Cortex-M4 with its float unit.
+/// Target for a Cortex-M4 with its float unit.
 pub const BOARD: &str = "thumbv7em-none-eabihf";
 
-/// The target for browsers.
+/// Target for browsers (WebAssembly).
 pub const WASM: &str = "wasm32-unknown-unknown";
 
 /// The control interrupt calls divisions and copies of the compiler's library: as installed they are made for speed, and so they are
@@ -27,10 +27,10 @@ const QUICK_BUILTINS: [&str; 2] = [
     "profile.release.package.compiler_builtins.opt-level=3",
 ];
 
-/// Where a compiler comes from.
+/// Origin of a compiler.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Origin {
-    /// The one that runs this program.
+    /// The compiler of the toolchain that runs this program.
     Active,
     /// A toolchain that a user linked under this name instead of one of rustup's releases: it may be anything,
     /// whatever version it reports.
@@ -46,15 +46,15 @@ enum Origin {
 pub struct Compiler {
     target: &'static str,
     origin: Origin,
-    /// Such as `1.95.0`.
+    /// Version number, such as `1.95.0`.
     pub version: String,
-    /// The version text with its commit: two builds of one version give other bytes.
+    /// The version text with the compiler's commit: two builds of one version may produce different binaries.
     pub identity: String,
-    /// The target's `core` is not there and must be built from its source.
+    /// True: the target's `core` library is not installed and must be built from source.
     from_source: bool,
 }
 
-/// A compiler that may or may not be able to do it.
+/// A compiler that may or may not be able to build for the target.
 #[derive(Clone)]
 struct Candidate {
     origin: Origin,
@@ -63,7 +63,7 @@ struct Candidate {
     library: PathBuf,
 }
 
-/// The system package's compiler.
+/// Path of the compiler that a system package installs.
 const SYSTEM: &str = "/usr/bin/rustc";
 /// The system package comes without Rust's own linker.
 const SYSTEM_LINKER: &str = "ld.lld";
@@ -116,7 +116,7 @@ impl fmt::Display for Compiler {
 }
 
 impl Compiler {
-    /// How it has the target's library: the same source gives other bytes with one and with the other.
+    /// Whether the target's library is installed or built from source; the two produce different binaries.
     pub const fn library(&self) -> &'static str {
         if self.from_source {
             "built from source"
@@ -222,7 +222,7 @@ pub fn obtain(target: &'static str) -> Result<Compiler, Outcome> {
     })
 }
 
-/// All compilers, looked up once, as each takes two processes.
+/// All compilers found, cached because each search starts two processes.
 static CANDIDATES: Mutex<Option<Vec<Candidate>>> = Mutex::new(None);
 
 fn candidates() -> Vec<Candidate> {
@@ -230,7 +230,7 @@ fn candidates() -> Vec<Candidate> {
     known.get_or_insert_with(ask).clone()
 }
 
-/// Forgets the compilers, since something was installed.
+/// Clears the cache of compilers, after an installation.
 fn forget() {
     *CANDIDATES.lock().unwrap_or_else(PoisonError::into_inner) = None;
 }
@@ -301,8 +301,8 @@ fn is_released(name: &str) -> bool {
         && (matches!(channel, "stable" | "beta" | "nightly") || is_version())
 }
 
-/// Each target that a step builds for, with its compiler, for people. A missing one is fetched now, as the step would
-/// do.
+/// Lists each target that a step builds for with its compiler, as text for people. A missing compiler is fetched now, as the step
+/// would do.
 pub fn choices() -> Vec<String> {
     [BOARD, SOFT_FLOAT, WASM]
         .map(|target| match obtain(target) {
@@ -312,7 +312,7 @@ pub fn choices() -> Vec<String> {
         .to_vec()
 }
 
-/// Whether `rustc 1.95.0 (…)` is at least the oldest that will do.
+/// Whether a version text such as `rustc 1.95.0 (…)` names a compiler that is new enough for the workspace.
 pub fn is_new_enough(version: &str) -> bool {
     let number = version.split_whitespace().nth(1).unwrap_or("");
     let mut parts = number.split('.').map(|part| part.parse().unwrap_or(0));

@@ -9,7 +9,7 @@ use crate::outcome::Outcome;
 use crate::shell;
 use crate::step::Gates;
 
-/// What all gates but the full one give it.
+/// Option that all gates but the full one pass to this step.
 const QUICK: &str = "--quick";
 pub const GATES: Gates = Gates::part(
     &[QUICK],
@@ -20,7 +20,7 @@ pub const GATES: Gates = Gates::part(
 /// optimisations, for minutes, and counts its instructions.
 const SLOW: [&str; 1] = ["what_a_scene_does_not_name_costs_no_instruction"];
 
-/// How many test binaries are listed with their times.
+/// Number of the slowest test binaries that are listed with their times.
 const SLOWEST: usize = 10;
 
 static ALL_PASSED: AtomicBool = AtomicBool::new(false);
@@ -30,15 +30,15 @@ pub fn all_passed() -> bool {
     ALL_PASSED.load(Relaxed)
 }
 
-/// Results in the lines of `cargo test`.
+/// Test results read from the output of `cargo test`.
 #[derive(Debug, Default)]
 struct Seen {
     passed: u64,
     ignored: u64,
     failed: Vec<String>,
-    /// The binary that runs.
+    /// Name of the test binary that is running.
     binary: String,
-    /// Seconds and name of those that ended.
+    /// Running time in seconds and name of each test binary that has ended.
     times: Vec<(f64, String)>,
 }
 
@@ -58,7 +58,7 @@ impl Seen {
         }
     }
 
-    /// The slowest binaries.
+    /// A text that lists the slowest test binaries.
     fn slowest(&mut self) -> String {
         self.times.sort_by(|one, other| other.0.total_cmp(&one.0));
         let all: f64 = self.times.iter().map(|(seconds, _)| seconds).sum();
@@ -111,7 +111,7 @@ fn failed_test(line: &str) -> Option<&str> {
     line.strip_prefix("test ")?.strip_suffix(" ... FAILED")
 }
 
-/// The words for `cargo test`.
+/// The arguments for `cargo test`.
 fn words(args: &[String]) -> Vec<&str> {
     if args != [QUICK] {
         return args.iter().map(String::as_str).collect();

@@ -1,4 +1,5 @@
-//! Carries out injections, one after the other on the same device: each begins with the recovery from the one before.
+//! Carries out fault injections, one after the other on the same device. Each injection begins with the recovery from the injection
+//! before.
 
 use touchstone_control::Si;
 use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Request};
@@ -9,14 +10,14 @@ use super::list::{Expect, Injection, When};
 use crate::bench::{Bench, MS, Setup, US};
 use crate::cpu::elf::Program;
 
-/// What became of an injection.
+/// Result of one fault injection.
 #[derive(Debug, Clone)]
 pub struct Outcome {
-    /// From the injection to the outputs off, us; `None` where they were off already, or stayed on.
+    /// Time in µs from the injection until the outputs were off; `None` if they were off already or stayed on.
     pub off_us: Option<f64>,
-    /// The latched code.
+    /// Fault code that the device latched; `None` if it latched none.
     pub code: Option<FaultCode>,
-    /// The problem, if there is one.
+    /// Description of what deviates from the expected result; `None` if nothing does.
     pub wrong: Option<String>,
 }
 
@@ -26,7 +27,7 @@ pub struct Campaign {
     fresh: bool,
 }
 
-/// How long the device is watched after the outputs are off.
+/// Time in cycles for which the device is watched after its outputs are off.
 const WATCHED: u64 = 30 * MS;
 
 /// The fault's value where the shaft did not follow the field evenly (docs/faults/10-calibration-failed.md).
@@ -82,7 +83,7 @@ impl Campaign {
         outcome
     }
 
-    /// Makes everything right again, as far as it can be from outside.
+    /// Removes the injected faults, as far as that is possible from outside the chip.
     fn mend(&mut self, injection: &Injection) {
         for fault in [Some(injection.fault), injection.then]
             .into_iter()
@@ -92,7 +93,7 @@ impl Campaign {
         }
     }
 
-    /// Brings the device into a state: whatever was before, by command only.
+    /// Brings the device into a state by commands alone, whatever its state was before.
     fn prepare(&mut self, when: When) -> Result<(), String> {
         let bench = &mut self.bench;
         bench.release();
@@ -198,7 +199,7 @@ impl Campaign {
         }
     }
 
-    /// Outputs off in time, and never on again.
+    /// Checks that the outputs went off in time and did not go on again.
     fn is_off(
         &mut self,
         begin: u64,
@@ -251,7 +252,7 @@ impl Campaign {
         }
     }
 
-    /// The fault is latched, and no command but `Stop` leaves it, nor does anything switch on.
+    /// Checks that the fault is latched, that only the command `Stop` clears it, and that no command switches the outputs on.
     fn is_latched(
         &mut self,
         begin: u64,

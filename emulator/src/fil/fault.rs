@@ -7,81 +7,81 @@ use crate::board::Source;
 use crate::chip::{Chip, ResetCause};
 use crate::peripheral::spi::SlaveFault;
 
-/// The code that is made to hang.
+/// The part of the firmware that a fault makes hang.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
-    /// The thread.
+    /// The main program outside of any interrupt handler.
     Thread,
-    /// The handler of an interrupt, by its number.
+    /// The handler of the interrupt with this number.
     Interrupt(usize),
 }
 
-/// The current loop, the control tick, and the serial port's handler.
+/// Handler of the interrupt that runs the current loop.
 pub const CURRENT_LOOP: Level = Level::Interrupt(18);
-/// The control tick.
+/// Handler of the interrupt that runs the control tick.
 pub const CONTROL_TICK: Level = Level::Interrupt(49);
 /// The serial port's handler.
 pub const SERIAL: Level = Level::Interrupt(91);
 /// The serial port's handler on the B-G431B-ESC1.
 pub const SERIAL_ESC1: Level = Level::Interrupt(38);
 
-/// The timer of the control tick, by its interrupt.
+/// Interrupt number of the timer LPTIM1, which starts the control tick.
 pub const LPTIM1: u32 = 49;
 
-/// A fault that is injected.
+/// A fault that a test injects.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fault {
-    /// A current sensor shows this many amperes.
+    /// The current sensor of this phase reports this current, A.
     Sensor(usize, f64),
-    /// The gate driver pulls the break input for this long, us; 0 for good.
+    /// The gate driver pulls the break input for this time in µs; 0 keeps it pulled.
     Break(u64),
     /// A break for 1 us, this many us after a handler began.
     BreakWithin(Level, u64),
-    /// A comparator, 1 to 4, sees too much current for this long, us; 0 for good.
+    /// A comparator (1 to 4) reports too much current for this time in µs; 0 keeps the report.
     Comparator(u32, u64),
-    /// The bus has this voltage, for this long, us; 0 for good.
+    /// The supply bus has this voltage in V for this time in µs; 0 keeps the voltage.
     Bus(f64, u64),
-    /// Driver and motor have this temperature, degrees C.
+    /// The driver and the motor have this temperature, °C.
     Temperature(f64),
-    /// The thermistor's pin has this voltage.
+    /// The pin of the thermistor carries this voltage, V.
     Thermistor(f64),
-    /// The encoder on the bus.
+    /// A fault of the encoder on the serial bus.
     Encoder(SlaveFault),
-    /// An encoder fault that begins with a control tick.
+    /// A fault of the encoder on the serial bus that begins with a control tick.
     EncoderAtTick(SlaveFault),
     /// The encoder's frames never end.
     BusHangs,
-    /// The incremental encoder counts no more.
+    /// The count of the incremental encoder stops changing.
     TrackHeld,
     /// The incremental encoder jumps by this many counts.
     TrackJumps(i64),
     /// The shaft is turned from outside at this speed, rad/s.
     Turned(f64),
-    /// A person flicks the knob: to this speed for this long, us, and lets it go.
+    /// A person flicks the knob to this speed in rad/s for this time in µs, and then releases it.
     Flicked(f64, u64),
-    /// Every instruction takes this many times as long.
+    /// Every instruction takes this many times its usual cycles.
     Slow(u64),
     /// An interrupt without a cause is raised every given number of cycles.
     Storm(u32, u64),
-    /// An interrupt comes no more, for this long, us; 0 for good: its bit in the interrupt controller has fallen.
+    /// An interrupt is disabled in the interrupt controller for this time in µs; 0 keeps it disabled.
     Lost(u32, u64),
-    /// The thread masks the control tick for this long, us: priorities above it go on.
+    /// The main program masks the control tick for this time in µs; interrupts of higher priority run on.
     HeldOff(u64),
     /// Code hangs in an endless loop.
     Hang(Level),
-    /// Code comes to an instruction that there is not.
+    /// A part of the firmware executes an undefined instruction.
     Undefined(Level),
-    /// The stack is used up.
+    /// The stack overflows.
     StackOverflow,
-    /// The board's button is pressed for this long, us.
+    /// The board's stop button is pressed for this time in µs.
     StopPressed(u64),
-    /// The supply sags to this voltage, V, and comes back only with a reset.
+    /// The supply of the chip falls to this voltage in V, and recovers only with a reset.
     Supply(f64),
     /// The chip is reset.
     Reset(ResetCause),
     /// The desktop requests a reset.
     Reboot,
-    /// The serial line carries noise: this many random bytes, with framing errors or without.
+    /// The serial line carries this many random bytes; the second value says whether they have framing errors.
     Noise(usize, bool),
 }
 
@@ -108,10 +108,10 @@ fn to_tick(bench: &mut Bench) -> Result<(), String> {
 }
 
 impl Fault {
-    /// Makes it happen now.
+    /// Injects the fault now.
     ///
     /// # Errors
-    /// The code that was to be met did not run.
+    /// The part of the firmware that the fault must hit did not run.
     pub fn inject(self, bench: &mut Bench) -> Result<(), String> {
         let now = bench.now();
         let chip = bench.machine.chip_mut();
@@ -205,7 +205,7 @@ impl Fault {
         Ok(())
     }
 
-    /// Whether the fault may happen a little later than its time, namely when the code that it is to hit runs.
+    /// Whether the injection waits until the part of the firmware runs that the fault must hit.
     #[must_use]
     pub const fn waits(self) -> bool {
         matches!(
@@ -218,7 +218,7 @@ impl Fault {
         ) || matches!(self, Self::Lost(LPTIM1, us) if us > 0)
     }
 
-    /// Duration, cycles; `None` until it is removed.
+    /// Duration of the fault in cycles; `None` for a fault that lasts until it is removed.
     #[must_use]
     pub fn lasts(self) -> Option<u64> {
         match self {
@@ -234,7 +234,7 @@ impl Fault {
         }
     }
 
-    /// Makes everything right again, as far as it can be from outside.
+    /// Removes the fault, as far as that is possible from outside the chip.
     pub fn remove(self, bench: &mut Bench) {
         let now = bench.now();
         let chip = bench.machine.chip_mut();
@@ -291,7 +291,7 @@ impl Level {
     }
 }
 
-/// xorshift64.
+/// The pseudo-random generator xorshift64, with its state.
 pub struct Random(pub u64);
 
 impl Random {
@@ -303,7 +303,7 @@ impl Random {
         self.0
     }
 
-    /// A byte.
+    /// The next random byte.
     pub fn byte(&mut self) -> u8 {
         (self.bits() >> 32) as u8
     }

@@ -1,4 +1,4 @@
-//! Results as lines of a table.
+//! Collects the results of fault injections as lines of a table.
 
 use std::collections::BTreeSet;
 
@@ -8,20 +8,20 @@ use super::campaign::Outcome;
 use super::list::{Expect, Injection};
 use crate::bench::{Bench, MS, Setup};
 
-/// The results.
+/// The results of a device's fault injections.
 #[derive(Debug, Default)]
 pub struct Tally {
-    /// Board and encoder, to name a problem by.
+    /// Name of the board and the encoder, used in reports of problems.
     pub device: String,
     /// Lines of the table.
     pub lines: Vec<String>,
     /// The problems.
     pub wrong: Vec<String>,
-    /// Injections.
+    /// Number of injections so far.
     pub rows: usize,
-    /// Time of the devices, s.
+    /// Simulated time of all devices together, s.
     pub simulated_s: f64,
-    /// Codes that were latched, as they should be.
+    /// Fault codes that were latched as expected.
     pub latched: BTreeSet<FaultCode>,
 }
 

@@ -2,7 +2,7 @@
 
 use super::spi::{Slave, SlaveFault};
 
-/// Counts of a turn of both.
+/// Encoder counts per turn, of the AS5047P and of the MT6701.
 const COUNTS: f64 = 16_384.0;
 
 /// The angle that both kinds of encoder report, and its faults.
@@ -46,11 +46,11 @@ impl Angle {
 pub struct As5047p {
     angle: Angle,
     command: u16,
-    /// Errors: `ERRFL`.
+    /// Content of the encoder's error register `ERRFL`.
     errors: u16,
 }
 
-/// Parity error in a frame, in `ERRFL`.
+/// Bit of the register `ERRFL` for a parity error in a frame.
 const PARITY_ERROR: u16 = 1 << 2;
 
 /// `DIAAGC` with a magnet at a usual distance; with none: gain at its end, MAGL; with one that touches the chip: MAGH.

@@ -1,4 +1,4 @@
-//! SPI as master with frames of 4 to 16 bits, and what answers at the other end.
+//! The SPI controller as master with frames of 4 to 16 bits, and the encoder at the other end of the bus.
 
 use std::collections::VecDeque;
 
@@ -13,7 +13,7 @@ const SPE: u32 = 1 << 6;
 
 /// A device on the bus.
 pub trait Slave: std::fmt::Debug {
-    /// How long the chip select line must be low before a frame, and high before it falls again, ns.
+    /// Time in ns for which the chip select line must be low before a frame, and high before it falls again.
     fn rests_ns(&self) -> u64 {
         0
     }
@@ -33,32 +33,32 @@ pub enum SlaveFault {
     /// No fault.
     #[default]
     None,
-    /// The line stays low: no power, or a broken wire with a pull-down.
+    /// The data line stays low: no power, or a broken wire with a pull-down.
     Low,
     /// The data line stays low from the next answer that holds an angle, that is between two frames of a reading. For
     /// the AS5047P.
     LowFromAngle,
-    /// The line stays high.
+    /// The data line stays high.
     High,
     /// This bit of each frame is flipped.
     FlipBit(u8),
     /// One bit of every seventh frame is flipped.
     FlipSeventh,
-    /// The angle never changes, in good frames.
+    /// The reported angle never changes, in valid frames.
     Stuck,
     /// The magnet is gone: good frames with the last angle, and a weak field when its register is read.
     NoMagnet,
     /// The magnet touches the chip.
     MagnetTooNear,
-    /// Each angle this many 65,536ths of a turn further.
+    /// Each reported angle is larger by this many 65,536ths of a turn.
     Jump(u16),
-    /// The chip says that it has an error.
+    /// The encoder chip reports an error.
     SaysError,
     /// A bit of the next command is flipped: the chip reports an error until its flag is read.
     CommandDamaged,
 }
 
-/// The controller.
+/// The SPI controller.
 #[derive(Debug, Default)]
 pub struct Spi {
     interrupt: u32,
@@ -77,7 +77,7 @@ pub struct Spi {
 }
 
 impl Spi {
-    /// A unit that raises this interrupt.
+    /// A controller that raises the interrupt of this number.
     #[must_use]
     pub fn new(interrupt: u32) -> Self {
         Self {

@@ -1,7 +1,7 @@
-//! The simulated world around the board: motor, knob, hand, supply.
+//! The simulated world around the board: motor, knob, hand and supply.
 //!
-//! The knob and the hand move in steps of half a PWM period, by the exact plants of `host-sim/world`. The currents
-//! follow every change of the bridge and every sample of a converter.
+//! The knob and the hand move in steps of half a PWM period, by the exact models of `host-sim/world`. The phase currents are
+//! updated at every change of the power bridge and at every sample of a converter.
 
 mod sensors;
 mod short;
@@ -20,7 +20,7 @@ pub use short::{Short, Touched};
 
 pub use sensors::{EncoderError, Noise, Sensors};
 
-/// Cycles of a mechanical step: 25 us.
+/// Processor cycles per step of the mechanical simulation, 25 µs.
 const STEP: u64 = 4_250;
 
 /// Compare value at which a phase is always at the bus.
@@ -66,7 +66,7 @@ const KIT_KNOB: Device = Device {
     }),
 };
 
-/// The parts on the shaft.
+/// The motor and the knob on the shaft.
 #[derive(Debug, Clone, Copy)]
 pub struct Parts {
     /// The motor.
@@ -102,7 +102,8 @@ impl Parts {
         parts
     }
 
-    /// The usual ones, each by a factor: resistance, inductance, flux, inertia, damping, friction.
+    /// The usual motor and knob with each property multiplied by a factor: resistance, inductance, flux, inertia, damping,
+    /// friction.
     #[must_use]
     pub fn scaled([resistance, inductance, flux, inertia, damping, friction]: [f64; 6]) -> Self {
         let mut parts = Self::default();
@@ -134,7 +135,7 @@ fn step<S: Stepper>(
     Port::default()
 }
 
-/// The rest point of a hand, rad, by the time since it took hold, s.
+/// Rest point of the hand's spring in rad, as a function of the time in seconds since the hand took hold.
 type RestPoint = Box<dyn Fn(f64) -> f64>;
 
 // One of them exists, and it is never moved.
@@ -147,29 +148,29 @@ enum Grip {
         since: u64,
         rest: RestPoint,
     },
-    /// The shaft is turned from outside, whatever the motor does: angle and speed.
+    /// The shaft is turned from outside, whatever the motor does; given by its angle and speed.
     Forced {
         angle_rad: f64,
         rad_per_s: f64,
     },
 }
 
-/// The shaft at the end of a mechanical step, and what went through it since recording began.
+/// Energy bookkeeping of the shaft: its state at the end of a mechanical step, and the impulse and energies since recording began.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ShaftBooks {
     /// Angle, rad.
     pub angle_rad: f64,
     /// Speed, rad/s.
     pub rad_per_s: f64,
-    /// The motor's torque over time, N·m·s.
+    /// Integral of the motor's torque over time, N·m·s.
     pub impulse_n_m_s: f64,
     /// The motor's work on the shaft, J.
     pub motor_j: f64,
-    /// Dissipated in the knob, J.
+    /// Energy dissipated in the knob, J.
     pub loss_j: f64,
 }
 
-/// The world.
+/// The simulated world around the board.
 pub struct World {
     knob: Device,
     now: u64,
@@ -177,24 +178,24 @@ pub struct World {
     step_at: u64,
     motor: MotorParameters,
     windings: Windings,
-    /// The supply and the switches.
+    /// The supply and the transistors of the power bridge.
     pub bridge: Bridge,
     drive: Drive,
     grip: Grip,
-    /// Torque times time since the knob moved last, N·m·s, and the mean torque before that, N·m.
+    /// Integral of the torque since the knob's last step, N·m·s; `torque_n_m` is the mean over the step before.
     impulse: f64,
     torque_n_m: f64,
-    /// The energy account, kept if a test wants it.
+    /// Energy bookkeeping of the shaft; `None` unless a test has started it.
     books: Option<ShaftBooks>,
-    /// Temperature of driver and motor, degrees C.
+    /// Temperature of the driver and the motor, °C.
     pub temperature_c: f64,
-    /// Current at which the drivers' own protection acts, A.
+    /// Phase current at which the drivers' own protection acts, A.
     pub break_a: f64,
-    /// The motor's cogging.
+    /// Harmonics of the motor's cogging torque.
     pub cogging: Vec<Harmonic>,
-    /// A motor's wire touches something.
+    /// A short circuit at a motor wire; `None` if there is none.
     pub short: Option<Short>,
-    /// Faults of the sensors.
+    /// Injected faults of the sensors.
     pub sensors: Sensors,
 }
 
@@ -254,7 +255,8 @@ impl World {
         }
     }
 
-    /// A hand takes hold, and moves its rest point from now on: an angle of the shaft, rad, by the time since now, s.
+    /// A simulated hand takes hold of the knob. The rest point of its spring is `rest`: the shaft's angle in rad as a function of
+    /// the time from now, s.
     ///
     /// # Panics
     /// If the hand is out of range.
@@ -279,7 +281,7 @@ impl World {
         }
     }
 
-    /// Where the hand that holds means to be, rad.
+    /// Rest point of the hand's spring, rad; `None` if no hand holds the knob.
     #[must_use]
     pub fn rest_rad(&self) -> Option<f64> {
         match &self.grip {
@@ -288,18 +290,18 @@ impl World {
         }
     }
 
-    /// Begins to record the energies of the shaft.
+    /// Starts the energy bookkeeping of the shaft.
     pub fn keep_books(&mut self) {
         self.books = Some(ShaftBooks::default());
     }
 
-    /// The shaft's energy account at the last mechanical step; all 0 if it is not kept.
+    /// The energy bookkeeping of the shaft at the last mechanical step; all values are 0 if it was not started.
     #[must_use]
     pub fn books(&self) -> ShaftBooks {
         self.books.unwrap_or_default()
     }
 
-    /// The hand lets go.
+    /// The simulated hand releases the knob.
     ///
     /// # Panics
     /// Never: the constants are in range.
@@ -332,7 +334,7 @@ impl World {
         };
     }
 
-    /// From now on the bridge drives the phases so: parts of the bus voltage, or `None` for off.
+    /// Sets how the power bridge drives each phase from now on: a fraction (0 to 1) of the bus voltage, or `None` for off.
     pub fn drive(&mut self, now: u64, duty: [Option<f64>; 3]) {
         self.advance(now);
         self.drive = match duty {
@@ -414,7 +416,7 @@ impl World {
         angle + speed * seconds(self.now - (self.step_at - STEP))
     }
 
-    /// Angle that the encoder shows, turns.
+    /// Angle that the encoder reports, turns.
     #[must_use]
     pub fn encoder_turns(&self) -> f64 {
         self.sensors.shown_turns(self.angle_rad())
@@ -432,7 +434,7 @@ impl World {
         self.torque_n_m
     }
 
-    /// Current from a phase's transistors into all that hangs on it: the winding, and a short.
+    /// Current in A from a phase's transistors into everything connected to the phase: the winding and a short circuit.
     #[must_use]
     pub fn leg_a(&self, phase: usize) -> f64 {
         let short = self.short.filter(|short| short.phase == phase);
@@ -447,7 +449,7 @@ impl World {
         }
     }
 
-    /// The drivers' own protection sees too much current.
+    /// Whether the phase current is high enough for the drivers' own protection to act.
     #[must_use]
     pub fn hardware_over_current(&self) -> bool {
         (0..3).any(|phase| self.leg_a(phase).abs() > self.break_a)

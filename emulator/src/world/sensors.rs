@@ -14,7 +14,7 @@ pub struct EncoderError {
     pub phase_rad: f64,
 }
 
-/// White noise, nearly normal, effective values.
+/// Root-mean-square values of white, nearly normal noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
     /// Noise of the encoder's angle, rad.
@@ -23,12 +23,12 @@ pub struct Noise {
     pub converter_codes: f64,
 }
 
-/// The sensors.
+/// Errors and noise of the sensors.
 #[derive(Debug, Clone)]
 pub struct Sensors {
     /// Errors of the encoder, by order.
     pub encoder_error: Vec<EncoderError>,
-    /// Their noise.
+    /// Noise of the encoder and of the converters; `None` for no noise.
     pub noise: Option<Noise>,
     /// xorshift64's state: the same numbers in each run.
     state: u64,
@@ -56,19 +56,19 @@ impl Sensors {
         })
     }
 
-    /// The encoder looks anew.
+    /// Draws new noise for a reading of the encoder.
     pub fn look(&mut self) {
         let noise = self.noise.map(|it| it.encoder_rad);
         self.drawn_rad = noise.map_or(0.0, |rms| rms * self.normal());
     }
 
-    /// The angle that the encoder shows, turns.
+    /// Angle that the encoder reports, turns.
     #[must_use]
     pub fn shown_turns(&self, angle_rad: f64) -> f64 {
         (self.with_error(angle_rad) + self.drawn_rad) / TAU
     }
 
-    /// Noise of a conversion, codes.
+    /// Random noise of one conversion, in codes of the converter.
     pub fn converter_codes(&mut self) -> f64 {
         let noise = self.noise.map(|it| it.converter_codes);
         noise.map_or(0.0, |rms| rms * self.normal())

@@ -1,9 +1,10 @@
-//! A motor's wire that touches the supply or ground: a resistance and an inductance in a row from a phase's transistors.
+//! A short circuit from a motor wire to the supply or to ground: a resistance and an inductance in series with a phase's
+//! transistors.
 
 use super::seconds;
 use crate::peripheral::timer::gates::Leg;
 
-/// The wire's other end.
+/// The conductor that the motor wire touches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Touched {
     /// The supply's positive end.
@@ -12,18 +13,18 @@ pub enum Touched {
     Ground,
 }
 
-/// A short.
+/// A short circuit of a motor wire.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Short {
-    /// The phase whose wire it is.
+    /// Number of the phase whose wire is short-circuited.
     pub phase: usize,
     /// The conductor that the phase touches.
     pub touched: Touched,
-    /// Resistance on the way, with supply and transistor, Ω.
+    /// Resistance of the short circuit's path, including the supply and the transistor, Ω.
     pub ohm: f64,
-    /// Inductance on the way, H.
+    /// Inductance of the short circuit's path, H.
     pub henry: f64,
-    /// Current from the transistors into it, A.
+    /// Current from the phase's transistors into the short circuit, A.
     pub current_a: f64,
     /// Time up to which the short was simulated.
     pub now: u64,

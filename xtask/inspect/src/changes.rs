@@ -38,7 +38,7 @@ struct Mutant {
 struct Sabotage {
     /// Name of the part that is taken out.
     name: String,
-    /// The board whose program is changed.
+    /// Name of the board whose firmware is changed.
     board: String,
     /// What `fil --only` is given.
     only: String,

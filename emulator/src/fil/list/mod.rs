@@ -1,4 +1,4 @@
-//! The injections: each with its state, its moment and the expected result.
+//! The list of fault injections, each with the state of the device, the moment and the expected result.
 
 mod as5047p;
 mod asked;
@@ -31,36 +31,38 @@ pub use simplefoc_mini::ON_SIMPLEFOC_MINI;
 /// The state of the device in which the fault happens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum When {
-    /// Calibrated, outputs off.
+    /// The device is calibrated and its outputs are off.
     Ready,
-    /// Stopped; a calibration is begun when it has happened.
+    /// The device is stopped; a calibration is requested after the fault has happened.
     Starting,
-    /// The current sensors are being measured without current, outputs off.
+    /// The device measures the offsets of its current sensors without current, with its outputs off.
     Measuring,
-    /// The field turns the shaft.
+    /// The device calibrates: the motor's field turns the shaft.
     Calibrating,
-    /// Armed, outside of the wall.
+    /// The device is armed and the knob is outside of the wall.
     Free,
-    /// Armed, a hand presses into the wall.
+    /// The device is armed and a hand presses the knob into the wall.
     Pressed,
 }
 
 impl When {
-    /// Whether the outputs are on.
+    /// Whether the motor outputs are on in this state.
     #[must_use]
     pub const fn is_on(self) -> bool {
         !matches!(self, Self::Ready | Self::Starting | Self::Measuring)
     }
 }
 
-/// The expected result.
+/// The result that an injection must have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Expect {
-    /// Outputs off within this many microseconds; one of these codes is latched.
+    /// The outputs are off within this many microseconds, and one of these fault codes is latched.
     Off(u64, &'static [Code]),
-    /// Outputs off for good within this many microseconds, whatever they did until then; one of these codes is latched.
+    /// Within this many microseconds the outputs are off and stay off; before that they may switch. One of these fault codes is
+    /// latched.
     OffAtLast(u64, &'static [Code]),
-    /// A reset: outputs off within this many microseconds, then `Boot`, or `Fault` with one of these codes.
+    /// The chip resets: the outputs are off within this many microseconds, then the device is in `Boot`, or in `Fault` with one of
+    /// these codes.
     Reset(u64, &'static [Code]),
     /// The device goes on undisturbed.
     GoesOn,
@@ -69,7 +71,7 @@ pub enum Expect {
 /// A fault to inject, with the state it occurs in and the expected result.
 #[derive(Debug, Clone, Copy)]
 pub struct Injection {
-    /// Text for people.
+    /// Name of the injection for reports.
     pub name: &'static str,
     /// The state of the device in which the fault happens.
     pub when: When,
@@ -79,14 +81,14 @@ pub struct Injection {
     pub fault: Fault,
     /// The expected result.
     pub expect: Expect,
-    /// A second fault while the first is latched: it must change nothing.
+    /// A second fault, injected while the first is latched; it must change nothing.
     pub then: Option<Fault>,
     /// Once its cause is gone and it was left by `Stop`, the device calibrates and arms as if nothing had been.
     pub again: bool,
 }
 
 impl Injection {
-    /// The state, for people.
+    /// Description of the device's state, for reports.
     #[must_use]
     pub fn state(&self) -> String {
         format!("{:?}", self.when).to_lowercase()

@@ -1,24 +1,24 @@
 //! Decodes the instructions of a Cortex-M that matter for calls, floats and the stack.
 
-/// One instruction, in the classes that matter here.
+/// An instruction, in the classes that the analysis of calls, floats and the stack distinguishes.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Instruction {
-    /// `BL` or `B.W`, with or without a condition, and how far from the address after it.
+    /// `BL` or `B.W`, with or without a condition; the value is the distance in bytes from the address after the instruction.
     Branch(i32),
-    /// `BLX` with a register.
+    /// `BLX` through a register.
     CallRegister,
-    /// `BX` with another register than the link register.
+    /// `BX` through a register other than the link register.
     JumpRegister,
-    /// Coprocessors 10 and 11.
+    /// An instruction of the float unit (coprocessors 10 and 11).
     FloatUnit,
-    /// `UDF`.
+    /// The instruction `UDF`, at which the compiler wants execution to stop.
     Trap,
-    /// Holds interrupts off: `CPSID`, or a write to `PRIMASK`, `BASEPRI` or `FAULTMASK`.
+    /// An instruction that masks interrupts: `CPSID`, or a write to `PRIMASK`, `BASEPRI` or `FAULTMASK`.
     Mask,
     Other,
 }
 
-/// Whether a first half-word begins an instruction of two.
+/// Whether a half-word is the first of an instruction of two half-words.
 pub fn is_wide(first: u32) -> bool {
     first >> 11 >= 0b11101
 }
@@ -64,7 +64,7 @@ pub fn decode(first: u32, second: u32) -> Instruction {
     Instruction::Other
 }
 
-/// Bytes that an instruction lowers the stack pointer by; `None` if that is known at run time only.
+/// Number of bytes by which an instruction lowers the stack pointer; `None` if the number is known only at run time.
 pub fn lowers(first: u32, second: u32) -> Option<u32> {
     if !is_wide(first) {
         return match first {

@@ -1,4 +1,5 @@
-//! A program for a Cortex-M, read from its ELF file: its functions, what each reaches, how deep its stack gets.
+//! Analyses a program for a Cortex-M from its ELF file: its functions, the functions that each one calls, and the largest depth of
+//! the stack.
 
 mod instruction;
 mod names;

@@ -24,7 +24,7 @@ struct Function {
 #[derive(Debug, Default)]
 pub struct ProgramCode {
     functions: BTreeMap<u32, Function>,
-    /// Where data begins in the code (`true`) and where it ends.
+    /// Addresses in the code at which data begins (`true`) or ends (`false`).
     data: BTreeMap<u32, bool>,
     sections: Vec<(u32, Vec<u8>)>,
     /// The sections that take memory on the board, in the file's order.
@@ -132,7 +132,7 @@ impl ProgramCode {
         self.function(address).map(|(name, _)| name)
     }
 
-    /// Where the functions begin.
+    /// Addresses at which the functions begin.
     pub fn starts(&self) -> impl Iterator<Item = u32> {
         self.functions.keys().copied()
     }
@@ -168,14 +168,14 @@ impl ProgramCode {
         }
     }
 
-    /// All names.
+    /// The names of all functions.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.functions
             .values()
             .map(|function| function.name.as_str())
     }
 
-    /// Two bytes of code.
+    /// The half-word (two bytes) of code at an address.
     pub fn half(&self, address: u32) -> Option<u32> {
         self.sections
             .iter()

@@ -1,6 +1,6 @@
-//! Everything that a function reaches through its calls.
+//! Finds every function that a function reaches through its calls.
 //!
-//! Calls and jumps with a fixed goal are followed; a call through a register cannot be, and is reported.
+//! Calls and jumps with a fixed target are followed. A call through a register cannot be followed, and is reported.
 
 use std::collections::BTreeSet;
 
@@ -10,17 +10,17 @@ use super::program::ProgramCode;
 /// The functions that a function reaches through all its calls.
 #[derive(Debug, Default)]
 pub struct Reach {
-    /// Names of the functions, the first among them.
+    /// Names of the reached functions, including the starting function.
     pub functions: BTreeSet<String>,
     /// Bytes of all reached functions, with their tables of constants.
     pub bytes: u32,
-    /// Instructions.
+    /// Number of instructions in all reached functions.
     pub instructions: usize,
     /// Instructions of the float unit, each as function and address.
     pub float_unit: Vec<String>,
-    /// Calls and jumps whose goal is unknown.
+    /// Calls and jumps whose target is unknown.
     pub unknown: Vec<String>,
-    /// Where interrupts are held off.
+    /// Places at which the code masks interrupts.
     pub masks: Vec<String>,
     /// Traps: where the compiler wants execution to stop.
     pub traps: Vec<String>,
@@ -54,7 +54,7 @@ impl ProgramCode {
         Some(reach)
     }
 
-    /// Reads a function; the functions that it calls or jumps to.
+    /// Reads a function; returns the functions that it calls or jumps to.
     fn goals(&self, start: u32, name: &str, size: u32, reach: &mut Reach) -> Option<Vec<u32>> {
         if let Some(goal) = self.bridge(start) {
             reach.instructions += 3;

@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::instruction::{Instruction, decode, loads_half, lowers};
 use super::program::{ProgramCode, word};
 
-/// Use of the stack by a single function.
+/// Stack use of a single function.
 #[derive(Debug, Default, Clone)]
 struct Frame {
     bytes: u32,
@@ -25,7 +25,7 @@ struct Frame {
 /// A function, and how many calls through registers may be inside each other below it.
 type Question = (u32, u32);
 
-/// The deepest stack below functions.
+/// The largest stack depth below each function of a program.
 pub struct Depths<'p> {
     program: &'p ProgramCode,
     frames: BTreeMap<u32, Frame>,
@@ -33,12 +33,12 @@ pub struct Depths<'p> {
     taken: BTreeSet<u32>,
     /// Bytes below a question, and which one is next on the deepest path.
     known: BTreeMap<Question, (u32, Option<Question>)>,
-    /// What could not be bounded.
+    /// Functions and calls whose stack depth could not be bounded.
     pub unbounded: BTreeSet<String>,
 }
 
 impl<'p> Depths<'p> {
-    /// Reads all functions.
+    /// Reads the stack use of all functions of a program.
     pub fn new(program: &'p ProgramCode) -> Self {
         let mut frames = BTreeMap::new();
         let mut taken = BTreeSet::new();
