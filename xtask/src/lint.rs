@@ -4,7 +4,7 @@ use crate::outcome::Outcome;
 use crate::step::Gates;
 use crate::{packages, shell};
 
-/// The workspace without the crates for a probe, which are more than all the others together.
+/// Option that leaves out the crates for a debug probe, whose dependencies outnumber all others.
 const WORKSPACE: &str = "--workspace";
 pub const GATES: Gates = Gates::part(&[WORKSPACE], "the probe's crate with its feature");
 

@@ -1,5 +1,5 @@
-//! `cargo xtask schema`: the program's output obeys the documented JSON schema, under an independent validator
-//! (Python's).
+//! `cargo xtask schema`: validates the program's output against the documented JSON schema, with an independent validator in
+//! Python.
 
 use std::process::Command;
 

@@ -1,5 +1,5 @@
-//! `cargo xtask wasm`: the crates for a browser compile for `wasm32-unknown-unknown`, which has neither files nor
-//! threads nor a clock.
+//! `cargo xtask wasm`: checks that the crates for a browser compile for `wasm32-unknown-unknown`, a target without files, threads
+//! or a clock. The step also compares the live page's committed module with a new build.
 
 use crate::outcome::Outcome;
 use crate::{live, shell, toolchain};

@@ -1,5 +1,5 @@
-//! `cargo xtask wheel`: the Python package with the program in it, `target/wheel/*.whl`; installed alone, and its
-//! tests run.
+//! `cargo xtask wheel`: builds the Python package that contains the program, `target/wheel/*.whl`, installs it alone and runs its
+//! tests.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use crate::outcome::Outcome;
 use crate::shell;
 
 const USAGE: &str = "cargo xtask wheel";
-/// Packages that build the wheel, and that its tests need.
+/// Python packages that build, test and type-check the wheel.
 const TOOLS: [&str; 5] = [
     "maturin>=1.9,<2",
     "pytest>=7",
@@ -66,7 +66,7 @@ fn made() -> Result<Outcome, Outcome> {
     )))
 }
 
-/// A Python of the project's own with the tools; its path.
+/// Creates a Python environment with the packages in `TOOLS`, unless it exists; returns the path of its Python.
 fn tools(folder: &Path) -> Result<PathBuf, Outcome> {
     let place = folder.join("venv");
     let python = place.join("bin/python3");
@@ -91,7 +91,7 @@ fn tools(folder: &Path) -> Result<PathBuf, Outcome> {
     Ok(python)
 }
 
-/// Builds the released form of the program, and puts it where maturin expects it.
+/// Builds the program as in the release and copies it to where maturin packs scripts from.
 fn program(package: &Path) -> Result<(), Outcome> {
     let mut cargo = shell::cargo_locked("build");
     cargo.args(["--profile", "dist", "--package", "touchstone"]);

@@ -1,4 +1,4 @@
-//! The run loop: a slice of instructions, the events since, the next slice.
+//! The run loop: it executes a slice of instructions, then the events that have become due, then the next slice.
 
 use unicorn_engine::RegisterARM;
 
@@ -8,10 +8,10 @@ use crate::peripheral::NEVER;
 use crate::peripheral::flash::{self, Change};
 
 impl Machine {
-    /// Runs until a time.
+    /// Runs until the time `until`, in processor cycles.
     ///
     /// # Errors
-    /// The reason why the run ended early.
+    /// The reason why the run ended before that time.
     pub fn run_until(&mut self, until: u64) -> Result<(), Halt> {
         while self.chip().core.now < until {
             self.slice(until)?;
@@ -82,7 +82,7 @@ impl Machine {
         }
     }
 
-    /// Applies programmed and erased flash to the memory.
+    /// Applies the program's flash writes and erasures to the emulated memory.
     fn apply_flash_changes(&mut self) -> Result<(), Halt> {
         for (address, before) in std::mem::take(&mut self.chip_mut().flash.stores) {
             self.set_memory(address, &before.to_le_bytes());

@@ -1,19 +1,19 @@
-//! Suspicious features of a recording, each reported with the number that shows it.
+//! Finds suspicious features of a recorded hand motion, and reports each with the number that shows it.
 
 use super::recording::Recording;
 use std::f64::consts::TAU;
 
-/// Speed that no hand turns a knob at, rad/s; a wrist reaches some 25 rad/s.
+/// Speed above which a recording is reported as faster than any hand, rad/s. A wrist reaches some 25 rad/s.
 const FASTEST_RAD_PER_S: f64 = 60.0;
-/// Least time over which a speed is computed, s. A sensor's step between two close samples would else count as a fast motion.
+/// Shortest time over which a speed is computed, s. Over less time, one step of the sensor would look like a fast motion.
 const OVER_S: f64 = 5e-3;
-/// A clock that is so far from 0 is that of a calendar, s: 11 days.
+/// Distance of a recording's first time from 0 above which its clock is taken for that of a calendar, s: 11 days.
 const EPOCH_S: f64 = 1e6;
-/// Least time between two samples that counts as a gap, s. In a longer time a hand may make motions that the recording lacks.
+/// Shortest time between two samples that is reported as a gap, s. A hand can make a motion in it that the recording lacks.
 const GAP_S: f64 = 0.1;
 
 impl Recording {
-    /// Notes on suspicious features of a recording; empty for a good one.
+    /// Warnings on suspicious features of the recording, one line each; empty if there is none.
     #[must_use]
     pub fn odd(&self) -> Vec<String> {
         [

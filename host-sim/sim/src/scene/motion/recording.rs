@@ -1,4 +1,4 @@
-//! Recordings of a hand: CSV with a time and an angle column, units from the header.
+//! Reads recordings of a hand's motion: CSV files with a column of time and a column of angle, whose units are in the header.
 
 use std::path::{Path, PathBuf};
 
@@ -8,8 +8,8 @@ use crate::input;
 use crate::scene::operator::Recorded;
 use crate::scene::units::{self, Dimension, UNITS};
 
-/// Columns of the program's own files that tell how a hand moved, the best first: a run's trace knows where the hand wanted to be,
-/// a device only where it was.
+/// Angle columns of Touchstone's own files, in the order of preference. A simulation's trace knows the hand's rest point; the
+/// record of a device has only the device's angle.
 const OWN_ANGLES: [&str; 5] = [
     "rest_rad",
     "hand_rad",
@@ -17,23 +17,24 @@ const OWN_ANGLES: [&str; 5] = [
     "angle_measured_rad",
     "penetration_rad",
 ];
-/// What every file of the program has beside them: traces of runs and the records of `monitor`.
+/// Columns that identify a file of this program: a simulation's trace or a record of `touchstone monitor`.
 const OWN_MARKS: [&str; 2] = ["time_s", "force_n_m"];
 
-/// Most samples: an hour at 1 kHz.
+/// Largest number of samples in a recording: an hour at 1 kHz.
 const MOST_SAMPLES: usize = 3_600_000;
-/// A clock that falls from less is none that wrapped, in its own unit: the smallest counts to this.
+/// Smallest time stamp, in the file's unit, whose fall to less than half is explained as a counter's wrap. The smallest counter, of
+/// 8 bits, ends at 255.
 const LEAST_OF_COUNTER: f64 = 255.0;
-/// Shortest recording, s.
+/// Shortest accepted recording, s.
 const SHORTEST_S: f64 = 1e-5;
-/// Largest angle, rad.
+/// Largest accepted angle of either sign, rad.
 const LARGEST_RAD: f64 = 1e6;
 
-/// A recorded motion in SI units.
+/// A recorded hand motion: sample times in s from 0, angles in rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     file: PathBuf,
-    /// Name of the angle's column in the file.
+    /// Header name of the angle's column.
     angle: String,
     /// Time of the first sample on the clock of the file, s; [`times_s`](Self::times_s) counts from it.
     begins_s: f64,
@@ -41,7 +42,7 @@ pub struct Recording {
     angles_rad: Vec<f64>,
 }
 
-/// One of the two columns that are used: time or angle.
+/// The column of a CSV file from which times or angles are read, with the factor that converts its unit to SI.
 struct Column {
     index: usize,
     name: String,
@@ -49,19 +50,18 @@ struct Column {
 }
 
 impl Recording {
-    /// Reads a recording.
+    /// Reads a recording from a CSV file.
     ///
-    /// The file is CSV with a header line; lines that begin with `#` are skipped. One column's name must end in a
-    /// unit of time (`time_s`, `t_ms`, `Time [us]`), one in a unit of angle (`angle_deg`, `position_rad`,
-    /// `theta_mrad`, `turn_rev`); other columns are ignored. Times must rise; their steps need not be equal and the
-    /// first need not be 0: time counts from it.
+    /// The file has a header line; lines that begin with `#` are skipped. One column's name must end in a unit of time (`time_s`,
+    /// `t_ms`, `Time [us]`), one in a unit of angle (`angle_deg`, `position_rad`, `theta_mrad`, `turn_rev`). Other columns are
+    /// ignored. Times must rise; their steps need not be equal. Time counts from the first sample.
     ///
-    /// A trace of a run and a file of `touchstone monitor` have several columns of angles. The one that is used is then the
-    /// first of `rest_rad`, `hand_rad`, `angle_rad`, `angle_measured_rad` and `penetration_rad` that is there.
+    /// A trace of a simulation and a file of `touchstone monitor` have several columns of angles. From such a file the first
+    /// existing column of `rest_rad`, `hand_rad`, `angle_rad`, `angle_measured_rad` and `penetration_rad` is read.
     ///
-    /// # Errors [`Error::Io`] where the file cannot be read, [`Error::File`] with line and column for everything in
-    /// it: no or an ambiguous column, fewer than two rows, a missing or non-finite number, times that do not rise,
-    /// more than 3.6 million steps.
+    /// # Errors
+    /// [`Error::Io`] if the file cannot be read. [`Error::File`] with line and column for a missing or ambiguous column, fewer than
+    /// two rows, a missing or non-finite number, times that do not rise, or more than 3.6 million steps.
     pub fn read(file: &Path) -> Result<Recording> {
         let text = input::text(file, input::MOST_OF_RECORDING).map_err(|error| {
             let (problem, fix) = match error.kind() {
@@ -252,12 +252,12 @@ impl Recording {
         Ok(recording)
     }
 
-    /// Name of the angle's column.
+    /// Header name of the angle's column.
     pub(super) fn angle(&self) -> &str {
         &self.angle
     }
 
-    /// Length, s.
+    /// Time from the first to the last sample, s.
     pub fn length_s(&self) -> f64 {
         self.times_s.last().copied().unwrap_or(0.0)
     }
@@ -273,17 +273,17 @@ impl Recording {
         self.begins_s
     }
 
-    /// Sample times from 0, s.
+    /// Sample times, s, counted from the first sample.
     pub fn times_s(&self) -> &[f64] {
         &self.times_s
     }
 
-    /// Angles, rad.
+    /// Recorded angles, rad, one per sample time.
     pub fn angles_rad(&self) -> &[f64] {
         &self.angles_rad
     }
 
-    /// Mean over time (trapezoids), so that unequal intervals do not shift it, rad.
+    /// Mean angle over time, rad. It is integrated by trapezoids, so that unequal sample intervals do not shift it.
     pub fn mean_rad(&self) -> f64 {
         let areas = self
             .times_s
@@ -293,7 +293,7 @@ impl Recording {
         areas.sum::<f64>() / self.length_s()
     }
 
-    /// The smoothed rest point `surface + offset + scale·(angle - mean)`.
+    /// The smoothed rest point over time, placed against the wall: `surface + offset + scale·(angle - mean)`, rad.
     pub(super) fn placed(&self, surface_rad: f64, spec: &Recorded) -> Curve {
         let mean = self.mean_rad();
         let rest: Vec<f64> = self
@@ -304,7 +304,7 @@ impl Recording {
         Curve::smooth(&self.times_s, &rest)
     }
 
-    /// The choices for this recording, in one line.
+    /// Describes in one line how the recording was placed against the wall and smoothed.
     pub(super) fn note(&self, surface_rad: f64, spec: &Recorded, curve: &Curve) -> String {
         let (low, high) = curve.range();
         let odd: String = self.odd().iter().map(|odd| format!("; {odd}")).collect();
@@ -328,7 +328,7 @@ impl Recording {
     }
 }
 
-/// A number as text, without its three hundred digits.
+/// Writes a number in a short form: a huge number without its hundreds of digits.
 fn short(number: f64) -> String {
     match number.abs() < 1e15 {
         true => number.to_string(),
@@ -336,7 +336,7 @@ fn short(number: f64) -> String {
     }
 }
 
-/// Line of a row. The reader notes where it began to look, which is before any comments and empty lines.
+/// Line number in the file of a CSV row. The reader's own number does not count comments and empty lines before the row.
 fn line_of(text: &str, row: &csv::StringRecord) -> usize {
     let Some(position) = row.position() else {
         return 1;
@@ -346,7 +346,7 @@ fn line_of(text: &str, row: &csv::StringRecord) -> usize {
     position.line() as usize + rest.lines().take_while(skipped).count()
 }
 
-/// The column of the angle in a file that this program wrote.
+/// The angle's column in a file that this program wrote; `None` for other files.
 fn own_angle(header: &csv::StringRecord) -> Option<Column> {
     let place = |wanted: &str| header.iter().position(|name| name == wanted);
     OWN_MARKS
@@ -361,7 +361,7 @@ fn own_angle(header: &csv::StringRecord) -> Option<Column> {
     })
 }
 
-/// Beginnings of the names of columns of time.
+/// Words with which the name of a time column begins.
 const TIMES: [&str; 7] = [
     "time",
     "t",
@@ -372,7 +372,7 @@ const TIMES: [&str; 7] = [
     "clock",
 ];
 
-/// Units written as words.
+/// Units that headers spell as words, each with the suffix that it stands for.
 const WORDS: [(&str, &str); 15] = [
     ("sec", "s"),
     ("secs", "s"),
@@ -391,7 +391,8 @@ const WORDS: [(&str, &str); 15] = [
     ("revolutions", "rev"),
 ];
 
-/// A column's name in small letters with `_` between: `Angle [deg]` and `angle (deg)` are as clear as `angle_deg`, and `[°/s]` is a speed.
+/// Puts a column's name in lower case, with `_` between the words: `Angle [deg]` and `angle (deg)` become `angle_deg`. `°/s`
+/// becomes `deg_per_s`, which is a speed.
 fn plain(name: &str) -> String {
     let name = name
         .to_lowercase()
@@ -403,7 +404,7 @@ fn plain(name: &str) -> String {
     words.join("_")
 }
 
-/// The unit that ends a column's name.
+/// The unit with which a column's name ends; `None` if it ends with none.
 fn unit_of(name: &str) -> Option<&'static units::Unit> {
     let plain = plain(name);
     let (stem, last) = plain.rsplit_once('_').unwrap_or(("", &plain));
@@ -414,7 +415,7 @@ fn unit_of(name: &str) -> Option<&'static units::Unit> {
     }
 }
 
-/// The one column whose name ends in a unit of this dimension.
+/// Finds the only column whose name ends in a unit of this dimension. Error: problem and remedy, if no column or several fit.
 fn find(
     header: &csv::StringRecord,
     dimension: Dimension,
@@ -480,7 +481,7 @@ fn find(
     }
 }
 
-/// The finite number in a cell.
+/// Reads the finite number in one cell of the CSV file.
 fn cell(
     row: &csv::StringRecord,
     column: &Column,

@@ -1,4 +1,4 @@
-//! Recordings: reading, bad input, placement on the wall, and a real one.
+//! Tests of recordings: reading, bad input, placement on the wall, and one real recording.
 
 use std::path::{Path, PathBuf};
 
@@ -252,7 +252,8 @@ fn a_recording_replaces_a_scenes_motion() {
     assert_eq!(message, format!("{option}: {expected}"));
 }
 
-/// A hand on a paddle, 15.2 s at 200 Hz, sensor step 0.049°. It lies outside the project and may be absent.
+/// Tests a real recording of a hand on a paddle: 15.2 s at 200 Hz, sensor step 0.049°. The file is not part of the project; without
+/// it the test passes.
 #[test]
 fn the_paddle_recording_drives_the_hand_in_and_out_of_the_wall() {
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
@@ -312,7 +313,7 @@ fn the_paddle_recording_drives_the_hand_in_and_out_of_the_wall() {
     );
 }
 
-/// A folder that goes away with the test.
+/// A temporary folder that is deleted when the value is dropped.
 struct TempFolder(PathBuf);
 
 impl TempFolder {

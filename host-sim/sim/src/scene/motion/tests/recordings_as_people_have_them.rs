@@ -1,5 +1,5 @@
-//! Recordings as people have them: which must read the same, which are refused with their line, which are noted with
-//! their number.
+//! Tests of recordings in the forms that users have. Some must read the same, some are refused with the line, some get a warning
+//! with the suspicious number.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -11,7 +11,7 @@ fn read(text: &str) -> Result<Recording, String> {
     Recording::parse(text, Path::new("m.csv")).map_err(|error| error.to_string())
 }
 
-/// A second of 0.3·sin at 1 kHz, at these times and of this angle.
+/// CSV text of one second of a sine of amplitude 0.3 rad at 1 kHz. `row` writes the line of one sample.
 fn sine(header: &str, row: impl Fn(usize, f64) -> String) -> String {
     let mut text = format!("{header}\n");
     for n in 0..1000 {
