@@ -1,4 +1,4 @@
-//! An archive of files that were made up: its layout, its sums, its bytes.
+//! Tests of an archive made of invented files: its layout, its checksums, its bytes.
 
 use std::path::{Path, PathBuf};
 
@@ -22,7 +22,7 @@ const METADATA: &str = r#"{
   ] }
 }"#;
 
-/// An ELF program of two parts, 4 and 2 bytes, 8 bytes apart in the flash.
+/// An ELF program with segments of 4 and 2 bytes, which begin 8 bytes apart in the flash memory.
 fn elf() -> Vec<u8> {
     let mut bytes = b"\x7fELF\x01\x01\x01".to_vec();
     bytes.resize(16, 0);
@@ -47,7 +47,7 @@ fn elf() -> Vec<u8> {
     bytes
 }
 
-/// A workspace with build results, in a folder of its own.
+/// Creates a workspace with build results in a temporary folder for one test.
 fn workspace(test: &str) -> PathBuf {
     let folder =
         std::env::temp_dir().join(format!("touchstone-dist-{}-{test}", std::process::id()));

@@ -1,22 +1,22 @@
-//! Looks for float types, literals and casts in Rust source, outside comments, texts, tests and parts behind the
-//! feature `float`.
+//! Searches Rust source for float types, literals and casts. Comments, strings, tests and code behind the feature `float` are left
+//! out.
 //!
-//! Clippy's `disallowed_types` would find only the types: a literal such as that of `from_num(1.5)` names none.
+//! Clippy's `disallowed_types` would find only types: a literal such as `1.5` in `from_num(1.5)` names no type.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// Findings in a folder.
+/// Result of a search through the sources in a folder.
 #[derive(Debug, Default)]
 pub struct Scan {
     pub files: usize,
-    /// `file:line: word`.
+    /// Places found, each as `file:line: word`.
     pub findings: Vec<String>,
 }
 
-/// Reads every source file below a folder.
+/// Searches every source file below a folder.
 pub fn floats_below(folder: &Path) -> Result<Scan, String> {
     let mut files = Vec::new();
     collect(folder, &mut files)?;
@@ -67,7 +67,7 @@ fn read(file: &Path) -> Result<String, String> {
     std::fs::read_to_string(file).map_err(|error| format!("{}: {error}", file.display()))
 }
 
-/// Where the modules that a file declares lie.
+/// Folder with the files of the modules that a source file declares.
 fn module_folder(file: &Path) -> PathBuf {
     let parent = file.parent().unwrap_or(Path::new(""));
     let stem = file.file_stem().unwrap_or_default();
@@ -78,7 +78,7 @@ fn module_folder(file: &Path) -> PathBuf {
     }
 }
 
-/// Findings in a text.
+/// Result for one source text: floats with their lines, and the modules that only tests or the feature `float` compile.
 #[derive(Debug, Default)]
 struct Found {
     floats: Vec<(usize, String)>,
@@ -130,13 +130,13 @@ fn is_float(literal: &str) -> bool {
     is_number && !prefixed && (literal.contains('.') || exponent || named)
 }
 
-/// Whether the next token is a field: behind one dot, not behind the two of a range.
+/// Whether the token after `before` is a field name: after a single dot, not after the two dots of a range.
 fn is_field(before: &[TokenTree]) -> bool {
     let is_dot = |token: Option<&TokenTree>| matches!(token, Some(TokenTree::Punct(sign)) if sign.as_char() == '.');
     is_dot(before.last()) && !is_dot(before.iter().nth_back(1))
 }
 
-/// Whether `#[cfg(feature = "float")]` or `#[cfg(test)]` is at the start.
+/// Whether the tokens begin with `#[cfg(feature = "float")]` or `#[cfg(test)]`.
 fn is_gate(tokens: &[TokenTree]) -> bool {
     let [TokenTree::Punct(hash), TokenTree::Group(attribute), ..] = tokens else {
         return false;
@@ -146,7 +146,7 @@ fn is_gate(tokens: &[TokenTree]) -> bool {
     hash.as_char() == '#' && gates.contains(&words.as_str())
 }
 
-/// `NAME` of an item `mod NAME;`.
+/// The name in an item `mod NAME;`; `None` for any other item.
 fn declared_module(item: &[TokenTree]) -> Option<String> {
     let at = item.iter().position(|token| is_word(token, "mod"))?;
     let plain = item[..at]
@@ -163,7 +163,7 @@ fn is_sign(token: &TokenTree, sign: char) -> bool {
     matches!(token, TokenTree::Punct(punct) if punct.as_char() == sign)
 }
 
-/// Tokens up to the end of the item at the start: its block, its semicolon or its comma.
+/// Number of tokens of the item at the start, up to and including its block, semicolon or comma.
 fn item_length(item: &[TokenTree]) -> usize {
     let mut angles = 0_usize;
     for (index, token) in item.iter().enumerate() {
