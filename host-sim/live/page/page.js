@@ -266,10 +266,10 @@ function setAim(angle) {
 function letGo() { aim = null; tell("aim", { rad: null }); }
 const standing = () => aim ?? runs[0]?.last?.angle_rad ?? 0;
 
-/** A word as a shell takes it for that word and nothing else: an address comes from others. Control characters are shown as U+FFFD. */
+/** A word as a shell takes it for that word and nothing else: an address comes from others. Control characters and marks of writing direction are shown as U+FFFD. */
 function shellWord(text) {
   if (/^[\w.,/:=+@%-]+$/.test(text)) return text;
-  return `'${text.replace(/[\u0000-\u001f\u007f-\u009f\u2028\u2029]/g, "\ufffd").replaceAll("'", "'\\''")}'`;
+  return `'${text.replace(/[\u0000-\u001f\u007f-\u009f\u200e\u200f\u2028-\u202e\u2066-\u2069]/g, "\ufffd").replaceAll("'", "'\\''")}'`;
 }
 
 /** The address with these settings, and the shell's command for them. */

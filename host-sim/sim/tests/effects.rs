@@ -1,4 +1,5 @@
-//! Every effect of the table in a whole run: what it does at its typical magnitude and at none, its numbers, its seed.
+//! Tests of every simulated effect in a whole simulation: its result at typical magnitude and at amplitude zero, its figures, its
+//! random seed.
 
 use touchstone_sim::run::effects::{EFFECTS, Effect, exclude_each_other};
 use touchstone_sim::run::live::Live;
@@ -6,7 +7,7 @@ use touchstone_sim::run::record::Trace;
 use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::{Preset, RestPath, Scene};
 
-/// A press by a linear law without sensor, friction or limits.
+/// Scene of a hand that presses on a wall with a linear law, without sensor errors, friction or limits.
 fn ideal() -> Scene {
     Scene::load("press-hold")
         .and_then(|scene| scene.with_preset(Preset::Thesis))
@@ -44,7 +45,7 @@ fn with(scene: &Scene, sets: &[&str]) -> Scene {
     scene.with_overrides(sets).unwrap()
 }
 
-/// A scene without a hand where the effect is the hand itself.
+/// Scene without the effect. If the effect is the hand itself, the knob has no hand and starts with a speed.
 fn without(effect: &Effect) -> Scene {
     let scene = ideal();
     match effect.name {
@@ -168,7 +169,8 @@ fn noise_has_the_variance_that_it_names_and_a_period_its_amplitude() {
     }
 }
 
-/// Errors of the motor's torque, N·m, and in how many of the ticks with a motion the law got the last angle.
+/// Differences between the motor's torque and the commanded torque, N·m. It also counts the ticks in which the knob moved, and
+/// those in which the law got the previous angle again.
 #[derive(Default)]
 struct Torques {
     off: Vec<f64>,

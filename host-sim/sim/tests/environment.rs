@@ -1,4 +1,4 @@
-//! Walls on both sides, several walls, endstops and detents in whole runs.
+//! Tests of further walls, end stops and detents in whole simulations.
 
 use touchstone_sim::run::record::Trace;
 use touchstone_sim::run::{self, Recorder, Tick};
@@ -8,7 +8,7 @@ fn with(scene: &Scene, sets: &[&str]) -> Scene {
     scene.with_overrides(sets).unwrap()
 }
 
-/// A free knob between two ends.
+/// Scene of a knob without a hand that is thrown, at 5 rad/s, between two walls.
 fn thrown(sets: &[&str]) -> Scene {
     let scene = Scene::load("free-release").unwrap();
     with(
@@ -113,7 +113,7 @@ fn each_of_several_walls_is_the_wall_of_its_own_scene() {
     assert!(soft != bits(&with(&among, &[two, &own("3")])));
 }
 
-/// A free knob with a little friction from the ridge side of a detent.
+/// Scene of a knob without a hand, with some damping, among 20 detents per turn.
 fn in_a_detent(sets: &[&str]) -> Scene {
     let scene = Scene::load("free-release").unwrap();
     with(
@@ -168,7 +168,8 @@ fn a_detent_holds_what_is_weaker_and_lets_go_of_what_is_stronger() {
     assert!(pushed(0.011) > 0.6 * pitch);
 }
 
-/// Energy account of a run: the motor's work, the device's loss, and its motion.
+/// Energy balance of a simulation, J: energy absorbed and passed by the motor, energy lost in the device; with the first and last
+/// squared speed.
 #[derive(Default)]
 struct Books {
     absorbed: f64,

@@ -1,4 +1,4 @@
-//! Every class of bad scene and the one line that it gets.
+//! Tests of bad scenes: each class of mistake gets its error message of one line.
 
 use super::*;
 

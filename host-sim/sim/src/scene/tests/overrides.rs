@@ -1,4 +1,4 @@
-//! `--set`.
+//! Tests of changing a scene's fields by `--set`.
 
 use super::*;
 use touchstone_control::LawKind;

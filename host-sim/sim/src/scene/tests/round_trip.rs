@@ -1,4 +1,4 @@
-//! Shipped scenes, printing, and the agreement of types and schema.
+//! Tests that scenes survive printing and reading, and that the scene's types and the table of fields agree.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use super::schema::{FIELDS, Kind};
 use super::*;
 use touchstone_control::{FirstContact, LawKind};
 
-/// A scene that names everything, for each motion, with values unlike the defaults.
+/// Scenes, one per hand motion, that give every field a value different from its default.
 fn full_scenes() -> Vec<Scene> {
     let motions = [
         MotionSpec::None,
@@ -40,7 +40,7 @@ fn full_scenes() -> Vec<Scene> {
     ];
     let with = |motion| Scene {
         name: "all \"of\" it".into(),
-        description: "two\nlines".into(),
+        description: "two lines".into(),
         device: DeviceSpec {
             inertia_kg_m2: 1.0 / 3.0,
             initial_angle_rad: Some(-0.1),
@@ -391,7 +391,7 @@ fn shipped_scenes_are_what_their_names_say() {
     );
 }
 
-/// A setting of the law in a user's words means the same in a scene and on a device, bit for bit.
+/// Tests that a setting of the control law, written as decimal text, gives the same bits in a scene and on a device.
 #[test]
 fn a_setting_means_the_same_in_a_scene_and_on_a_device() {
     use touchstone_control::{Field, PositionSettings, Settings};
