@@ -266,10 +266,10 @@ function setAim(angle) {
 function letGo() { aim = null; tell("aim", { rad: null }); }
 const standing = () => aim ?? runs[0]?.last?.angle_rad ?? 0;
 
-/** Quotes a text for a shell, so that it is a single word. The address of the page may come from a stranger. Control characters become U+FFFD. */
+/** Quotes a text for a shell, so that it is a single word. The page's address may come from a stranger. Control characters and marks of writing direction become U+FFFD. */
 function shellWord(text) {
   if (/^[\w.,/:=+@%-]+$/.test(text)) return text;
-  return `'${text.replace(/[\u0000-\u001f\u007f-\u009f\u2028\u2029]/g, "\ufffd").replaceAll("'", "'\\''")}'`;
+  return `'${text.replace(/[\u0000-\u001f\u007f-\u009f\u200e\u200f\u2028-\u202e\u2066-\u2069]/g, "\ufffd").replaceAll("'", "'\\''")}'`;
 }
 
 /** Writes the chosen settings into the page's address, and shows the shell command for them. */

@@ -9,6 +9,7 @@
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod error;
+pub mod harmless;
 pub mod input;
 pub mod output;
 pub mod run;

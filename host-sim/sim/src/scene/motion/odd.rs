@@ -7,6 +7,8 @@ use std::f64::consts::TAU;
 const FASTEST_RAD_PER_S: f64 = 60.0;
 /// Shortest time over which a speed is computed, s. Over less time, one step of the sensor would look like a fast motion.
 const OVER_S: f64 = 5e-3;
+/// Distance of a recording's first time from 0 above which its clock is taken for that of a calendar, s: 11 days.
+const EPOCH_S: f64 = 1e6;
 /// Shortest time between two samples that is reported as a gap, s. A hand can make a motion in it that the recording lacks.
 const GAP_S: f64 = 0.1;
 
@@ -14,10 +16,23 @@ impl Recording {
     /// Warnings on suspicious features of the recording, one line each; empty if there is none.
     #[must_use]
     pub fn odd(&self) -> Vec<String> {
-        [self.gap(), self.bursts(), self.wraps(), self.speed()]
-            .into_iter()
-            .flatten()
-            .collect()
+        [
+            self.epoch(),
+            self.gap(),
+            self.bursts(),
+            self.wraps(),
+            self.speed(),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+
+    fn epoch(&self) -> Option<String> {
+        let begins_s = self.begins_s();
+        (begins_s.abs() > EPOCH_S).then(|| {
+            format!("times begin at {begins_s:.3} s, as those of a calendar do, and are counted from there")
+        })
     }
 
     fn gap(&self) -> Option<String> {

@@ -36,6 +36,8 @@ pub struct Recording {
     file: PathBuf,
     /// Header name of the angle's column.
     angle: String,
+    /// Time of the first sample on the clock of the file, s; [`times_s`](Self::times_s) counts from it.
+    begins_s: f64,
     times_s: Vec<f64>,
     angles_rad: Vec<f64>,
 }
@@ -221,6 +223,7 @@ impl Recording {
         let recording = Recording {
             file: file.to_owned(),
             angle: angle.name,
+            begins_s: first.unwrap_or(0.0) * time.si,
             times_s,
             angles_rad,
         };
@@ -264,6 +267,12 @@ impl Recording {
         median_interval_s(&self.times_s)
     }
 
+    /// Time of the first sample on the clock of the file, s.
+    #[must_use]
+    pub fn begins_s(&self) -> f64 {
+        self.begins_s
+    }
+
     /// Sample times, s, counted from the first sample.
     pub fn times_s(&self) -> &[f64] {
         &self.times_s
@@ -299,7 +308,8 @@ impl Recording {
     pub(super) fn note(&self, surface_rad: f64, spec: &Recorded, curve: &Curve) -> String {
         let (low, high) = curve.range();
         let odd: String = self.odd().iter().map(|odd| format!("; {odd}")).collect();
-        format!(
+        // The file and its headers are named as they are written there.
+        crate::harmless::one_line(&format!(
             "{}, {}: {} samples, {:.2} s at {:.0} Hz; rest point = surface {:.3} rad + offset {:.3} rad + {} × (angle - mean {:.3} rad), \
              from {:.3} to {:.3} rad, inside the wall {:.0} % of the time{odd}",
             self.file.display(),
@@ -314,7 +324,7 @@ impl Recording {
             low,
             high,
             100.0 * curve.share_above(surface_rad),
-        )
+        ))
     }
 }
 

@@ -40,7 +40,7 @@ fn full_scenes() -> Vec<Scene> {
     ];
     let with = |motion| Scene {
         name: "all \"of\" it".into(),
-        description: "two\nlines".into(),
+        description: "two lines".into(),
         device: DeviceSpec {
             inertia_kg_m2: 1.0 / 3.0,
             initial_angle_rad: Some(-0.1),

@@ -130,6 +130,16 @@ fn what_is_odd_is_noted_by_its_number() {
             "a gap of 3500.001 s after 0.499 s",
         ),
         (
+            sine(angle, |n, x| format!("{:.3},{x}", 1.7e9 + at(n))),
+            "times begin at 1700000000.000 s",
+        ),
+        (
+            sine("time_ms,angle_rad", |n, x| {
+                format!("{:.1},{x}", 1.7e12 + n as f64)
+            }),
+            "times begin at 1700000000.000 s",
+        ),
+        (
             sine(angle, |n, x| {
                 format!("{},{x}", at(n) + if n < 900 { 0.0 } else { 0.2 })
             }),
