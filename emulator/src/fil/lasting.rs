@@ -1,4 +1,4 @@
-//! What takes longer than a row's watch: a cable that is pulled, a hand that leans on the wall.
+//! Tests that take longer than a single fault injection: a cable is pulled, a hand leans on the wall.
 
 use touchstone_control::Si;
 use touchstone_protocol::{DeviceCommand, FaultCode, Limit, Limits, Phase, Request};
@@ -8,15 +8,15 @@ use super::tally::Tally;
 use crate::bench::{Bench, MS, Setup, US, number};
 use crate::cpu::elf::Program;
 
-/// How long the desktop may be silent here, s; and in us, the same with a control tick for the last message and one
-/// for its reply.
+/// Longest silence of the desktop in seconds, as configured in these tests. [`SILENCE_US`] adds one control tick for the last
+/// message and one for its reply, in microseconds.
 const SILENCE_S: &str = "0.5";
 const SILENCE_US: u64 = 500_000 + 2 * 1_050;
 
-/// A device of which the thermal time is short, so that a motor is warm within seconds.
+/// Configured thermal time constant of the motor in seconds, short so that the motor warms up within seconds.
 const HEATING_TIME_S: f64 = 1.0;
 
-/// The cable is pulled in each state in which the outputs are on.
+/// Pulls the cable in each state in which the outputs are on, and checks that the device switches them off in time.
 pub fn cable_pulled(program: &Program, setup: &Setup, tally: &mut Tally) {
     for state in [Phase::Calibrating, Phase::Armed] {
         let name = format!("cable pulled, {}", state.name());
@@ -80,12 +80,12 @@ fn pulled(program: &Program, setup: &Setup, state: Phase) -> Result<u64, String>
     }
 }
 
-/// The windings by themselves, from the world's currents, examined every 100 us: the model with its one time constant.
+/// A reference model of the winding temperature: one time constant, driven by the simulated phase currents every 100 us.
 #[derive(Default)]
 struct Windings {
     mean: f64,
     hottest: f64,
-    /// The largest square of a current, A².
+    /// Largest squared current amplitude so far, A².
     most: f64,
 }
 
@@ -101,8 +101,8 @@ impl Windings {
     }
 }
 
-/// A calibration's current, which nothing reduces, is more than the motor bears: it ends before the windings are twice as hot as they
-/// may be.
+/// Calibrates with a current that the motor cannot bear for long. The device must stop before the windings are twice as hot as they
+/// may be, with a fault.
 pub fn weak_motor(program: &Program, setup: &Setup, tally: &mut Tally) {
     let ended = ends_hot(program, setup);
     if ended.is_ok() {
@@ -134,7 +134,8 @@ fn ends_hot(program: &Program, setup: &Setup) -> Result<String, String> {
     }
 }
 
-/// A hand leans on the wall with more than the motor bears for ever.
+/// Lets a hand lean on the wall with a larger torque than the motor can hold for ever, and checks that the device limits its
+/// current.
 pub fn leaning_hand(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.check("a hand that leans", leans(program, setup));
 }
