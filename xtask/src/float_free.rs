@@ -123,7 +123,7 @@ fn emit(
         .args(options)
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
         .env("RUSTFLAGS", "--emit=asm -Ccodegen-units=1")
-        // Bitcode for a later link would be empty of instructions.
+        // With link-time optimisation the assembly files would hold bitcode instead of instructions.
         .env("CARGO_PROFILE_RELEASE_LTO", "off")
         .env("CARGO_PROFILE_RELEASE_DEBUG", "false");
     shell::run(&mut cargo)
