@@ -3,7 +3,7 @@
 //!
 //! One process runs all configurations, each first with few and then with more ticks. Callgrind writes its instruction count at
 //! every call of the example's function `mark`. `--write` puts the counts into `host-sim/lab/src/plan/ladder.txt`, from which
-//! `touchstone plan` predicts run times, and as a table into `docs/effects.md`.
+//! `touchstone plan` predicts the computing cost of a scene, and as a table into `docs/effects.md`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -204,8 +204,8 @@ fn wrong(found: &BTreeMap<String, Verdict>, most_memory_kib: u64) -> Vec<String>
     wrong
 }
 
-/// Differences from the lock: harnesses of the lock that neither ran nor are `held` (valid by the lock), harnesses that ran without
-/// being in the lock, and lines of the lock that do not fit the sources.
+/// Differences from the lock: harnesses of the lock that neither ran nor are in `held` (still valid by the lock), and harnesses
+/// that ran without being in the lock. Also lists lines of the lock that do not fit the sources.
 fn against_lock(
     found: &BTreeMap<String, Verdict>,
     held: &BTreeSet<String>,
