@@ -105,7 +105,7 @@ impl Items {
             ..File::default()
         });
         let rest = self.split(tokens, &Place::default());
-        // A macro of another crate, say: reached with whatever is reached in the file.
+        // Other tokens, such as a call of another crate's macro, count as reached once anything in the file is reached.
         if !rest.is_empty() {
             self.push(Kind::Call, String::new(), &rest, &Place::default());
         }
@@ -268,7 +268,7 @@ impl Items {
                     self.push(Kind::Property, of, tokens, place);
                     return true;
                 }
-                // In a macro it is a part of that.
+                // Inside a macro, `impl` or trait, the call is a part of that item.
                 if place.within.is_some() || place.member.is_some() {
                     return false;
                 }
@@ -282,14 +282,14 @@ impl Items {
         }
         let kind = match (found.keyword.as_str(), &place.member) {
             ("struct" | "enum", _) => Kind::Type,
-            // An associated type stays with its `impl`.
+            // An associated type is a part of its `impl`.
             ("type", Some(_)) => return false,
             ("type", None) => Kind::Alias,
             (_, Some((of, of_trait))) => Kind::Member {
                 of: of.clone(),
                 of_trait: of_trait.clone(),
             },
-            // Compile-time checks change nothing that is compiled.
+            // Compile-time checks do not change the compiled code.
             _ if name == "_" => return true,
             _ => Kind::Free,
         };
@@ -346,7 +346,7 @@ impl Found {
             "use" | "extern" => (String::new(), until(false)?),
             "macro_rules" => (named(at + 2), at + 4),
             _ => {
-                // A path and `!`.
+                // A macro call with a path: skips the path before the macro's name.
                 while word(all, at + 1) == ":"
                     || word(all, at) == ":"
                     || word(all, at) == "$" && word(all, at + 1) == "crate"
@@ -400,7 +400,7 @@ fn attributes(all: &[TokenTree], mut at: usize) -> (usize, bool) {
             || text.starts_with("cfg(all(test,");
         at += 2 + inner;
         if inner == 1 {
-            // Of the file itself, not of what follows.
+            // An inner attribute belongs to the file, not to the next item.
             return (at, false);
         }
     }
@@ -572,7 +572,7 @@ impl Read {
                     }
                 }
                 other => {
-                    // What is bound may stand for something else in what it is bound to.
+                    // A `let` binds its name only after its own expression, where the name may still refer to an item.
                     if word(all, at) == ";" {
                         bound.extend(binds.drain(..));
                     }
@@ -609,7 +609,7 @@ fn named(all: &[TokenTree], at: usize, own: Option<&str>) -> Option<(How, String
                 {
                     replaced(it.to_string())
                 }
-                // What a macro is told.
+                // An argument of a macro.
                 Some(TokenTree::Ident(_)) => "$".into(),
                 _ => String::new(),
             };
@@ -625,7 +625,7 @@ fn named(all: &[TokenTree], at: usize, own: Option<&str>) -> Option<(How, String
         _ if next == "!" && matches!(all.get(at + 2), Some(TokenTree::Group(_))) => {
             Some((How::Bang, text))
         }
-        // A field, an argument or a variable with its type.
+        // The name of a field, argument or variable before its type.
         _ if next == ":" && !paths_on => None,
         _ => Some((How::Plain, text)),
     }

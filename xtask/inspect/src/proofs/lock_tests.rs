@@ -143,7 +143,7 @@ fn a_changed_function_voids_what_reaches_it() {
         assert_eq!(statements, [""; 0], "{instead}");
         code
     };
-    // Through a method of a method, another file, a trait that a macro implements, a constant.
+    // The code is reached through a method of a method, another file, a trait that a macro implements, and a constant.
     assert_eq!(
         code(
             "control/src/guard.rs",
@@ -182,7 +182,7 @@ fn a_changed_function_voids_what_reaches_it() {
 #[test]
 fn a_weaker_statement_is_another() {
     let statement = |file: &str, was: &str, instead: &str| voided(file, was, instead).0;
-    // An assertion, an assumption, what is assumed, the equation, the number that it is made for.
+    // Changes an assertion, an assumption, the condition assumed, the equation, and the number type.
     let own = "proofs/src/guarded.rs";
     assert_eq!(
         statement(own, "guard.tick() > 0", "guard.tick() >= 0"),

@@ -119,7 +119,7 @@ mod tests {
             again.keys().collect::<Vec<_>>(),
             found.keys().collect::<Vec<_>>()
         );
-        // Of other statements, and of another code.
+        // Results for other statements and for other code do not count.
         assert!(kept(&memo, &Statements::of_nothing()).is_empty());
         let text = std::fs::read_to_string(&memo).expect("there");
         let line = statements.line("tdpa::w8::p7_leaves::proof");

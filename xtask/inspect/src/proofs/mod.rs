@@ -142,7 +142,8 @@ pub fn whole(
         missing.extend(not_there.map(|name| format!("{name}: did not run")));
     }
     if bless {
-        // What was proved; and what was before and is not now, with the number that it had then, so that it is named.
+        // The new lock has all proved harnesses. Harnesses of the old lock that are not proved now keep their old line, so that
+        // they are reported.
         let proved = found.iter().filter(|(_, verdict)| verdict.proved());
         let mut lines: Vec<String> = proved.map(|(name, _)| statements.line(name)).collect();
         let before = std::fs::read_to_string(LOCK).unwrap_or_default();
@@ -180,7 +181,7 @@ fn wrong(found: &BTreeMap<String, Verdict>, most_memory_kib: u64) -> Vec<String>
         if !verdict.proved() {
             wrong.push(format!("{name}: {}", verdict.words()));
         }
-        // What nobody measured took no longer than the clock says: each of its processes is one thread.
+        // Without a measurement the wall-clock time is an upper bound of the processor time, since each process has one thread.
         let clock = Usage {
             processor_s: verdict.seconds,
             ..Usage::default()
@@ -203,8 +204,8 @@ fn wrong(found: &BTreeMap<String, Verdict>, most_memory_kib: u64) -> Vec<String>
     wrong
 }
 
-/// Differences from the lock: harnesses of the lock that neither ran nor are `held` (valid by the lock), harnesses that ran without
-/// being in the lock, and lines of the lock that do not fit the sources.
+/// Differences from the lock: harnesses of the lock that neither ran nor are in `held` (still valid by the lock), and harnesses
+/// that ran without being in the lock. Also lists lines of the lock that do not fit the sources.
 fn against_lock(
     found: &BTreeMap<String, Verdict>,
     held: &BTreeSet<String>,
@@ -328,7 +329,7 @@ fn is_refuted(found: &BTreeMap<String, Verdict>, harness: &str) -> Result<bool, 
     }
     match &verdict.answer {
         report::Answer::Proved => Ok(false),
-        // An overflow that the checker sees in a wrong change is not what the harness claims.
+        // Only a failed assertion of the harness counts; an overflow that the checker finds in changed code does not.
         report::Answer::Refuted(_) if verdict.own_failed => Ok(true),
         _ => Err(verdict.words()),
     }

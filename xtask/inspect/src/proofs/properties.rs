@@ -58,7 +58,7 @@ pub fn properties(folder: &Path) -> Vec<Property> {
 /// The properties in the text of one source file; `file` is the file's name.
 pub fn read(file: &str, text: &str) -> Vec<Property> {
     let mut found: Vec<Property> = Vec::new();
-    // `None` outside of any; `Some(true)` within a body.
+    // `None` outside any property, `Some(false)` in its head, `Some(true)` in its body.
     let mut body = None;
     let mut depth = String::new();
     let mut open = String::new();
@@ -73,7 +73,7 @@ pub fn read(file: &str, text: &str) -> Vec<Property> {
             body = Some(false);
             continue;
         }
-        // The brace that closes it stands under the line that opened it.
+        // The closing brace of a property has the same indentation as its first line.
         if body.is_some() && line == format!("{depth}}}") {
             body = None;
         }
@@ -94,7 +94,7 @@ pub fn read(file: &str, text: &str) -> Vec<Property> {
             }
             continue;
         }
-        // A use may go over several lines, up to the one that closes it.
+        // An `assume!` or `such!` may span several lines, up to the line that ends in `);`.
         if code.starts_with("assume!(") || code.contains("such!(") || !open.is_empty() {
             let gap = if open.is_empty() || open.ends_with('(') {
                 ""
@@ -120,7 +120,7 @@ fn quoted(code: &str, key: &str) -> Option<String> {
 fn assumption(code: &str) -> Option<String> {
     let inner = code.split_once("!(")?.1.strip_suffix(");")?.trim_end();
     let (rest, why) = inner.strip_suffix('"')?.rsplit_once(", \"")?;
-    // The condition: all after the source in `assume!`, the closure's body in `such!`.
+    // The condition is all after the first argument of `assume!`, or the body of the closure in `such!`.
     let condition = if code.starts_with("assume!(") {
         rest.split_once(", ")?.1
     } else {
@@ -187,7 +187,7 @@ mod tests {
         let mut uses = 0;
         for entry in std::fs::read_dir(&folder).expect("the proofs") {
             let path = entry.expect("readable").path();
-            // The macros themselves.
+            // The file `source.rs` defines the macros.
             if path.ends_with("source.rs") || path.is_dir() {
                 continue;
             }

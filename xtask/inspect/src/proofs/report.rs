@@ -4,9 +4,9 @@
 //! the checker's own verdict is only one of the conditions here.
 //!
 //! The checker's own test whether each assertion can be reached is switched off. It would also test the assertions in the code,
-//! which takes a quarter of the time. Instead each assertion of a property must have a cover after it in its block, which can only
-//! be reached through the assertion ([`super::shown`] checks this in the sources), or must contain a cover (`assert_reached!` in
-//! `proofs/src/lib.rs`). A harness with an assertion that has neither does not count as proved.
+//! which takes a quarter of the time. Instead each assertion of a property needs a cover. The cover comes after it in its block and
+//! can only be reached through the assertion ([`super::shown`] checks this in the sources). Or the assertion contains a cover
+//! (`assert_reached!` in `proofs/src/lib.rs`). A harness with an assertion that has neither does not count as proved.
 
 use std::collections::BTreeMap;
 
@@ -144,7 +144,7 @@ fn answer(result: &Value, errors: &Value, checks: &[Value]) -> Answer {
         Some(other) => return Answer::Unknown(other.into()),
     }
     let status = |check: &Value| check["status"].as_str().unwrap_or_default().to_string();
-    // A loop that was cut short says nothing about the code: neither proof nor refutation.
+    // A loop that the checker did not follow to its end gives neither a proof nor a refutation.
     if let Some(cut) = checks
         .iter()
         .find(|check| status(check) == "Failure" && check["category"] == "unwind")
@@ -179,7 +179,7 @@ fn answer(result: &Value, errors: &Value, checks: &[Value]) -> Answer {
     {
         return Answer::Empty("no cover".into());
     }
-    // Several in one macro may have one place; then it has as many covers.
+    // Several assertions in one macro may have the same place; it must then have at least as many covers as assertions.
     let line = |check: &Value| {
         let line = &check["location"]["line"];
         line.as_u64()

@@ -106,7 +106,7 @@ fn of_block(group: &Group) -> Vec<LineColumn> {
     };
     let is = |statement: &StmtMacro, names: &[&str]| {
         let last = statement.mac.path.segments.last();
-        // What has an attribute may not be there.
+        // A statement with an attribute does not count, since it may not be compiled.
         statement.attrs.is_empty()
             && last.is_some_and(|it| names.iter().any(|name| it.ident == name))
     };

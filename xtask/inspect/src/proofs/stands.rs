@@ -104,7 +104,7 @@ impl<'i> Ground<'i> {
                 Kind::Member { of, of_trait } => {
                     ground.by_name.entry(name).or_default().push(at);
                     let mut words = vec![of.as_deref(), of_trait.as_deref()];
-                    // The number on the left of an operator is not named.
+                    // The code does not name the type on the left of an operator.
                     if of
                         .as_ref()
                         .is_none_or(|of| !of.starts_with(char::is_uppercase))
@@ -140,7 +140,7 @@ impl<'i> Ground<'i> {
             let numbers = self.number(at, built_with);
             let file = self.items.files[item.file].modules.last();
             let name = format!("{}::{}", file.map_or("", |it| it), item.name);
-            // Two modules of a file may have one of the same name: then each is a part of the number.
+            // If two modules of a file have a property of the same name, both go into the hash.
             found
                 .entry(name)
                 .and_modify(|other| {
@@ -285,12 +285,12 @@ impl<'i> Ground<'i> {
         if ["$", "crate", "super", "self"].contains(&before) {
             return true;
         }
-        // Of a type, or of an enumeration.
+        // The word before the name is a type or an enumeration.
         if before.is_empty() || before.starts_with(char::is_uppercase) {
             return false;
         }
         of_file.iter().chain(&to.inline).any(|it| it == before)
-            // What a macro names its module is not known.
+            // The name that a macro gives to its module is not known.
             || to.inline.iter().any(String::is_empty) && !self.modules.contains(before)
             || [name, "*"].iter().any(|it| self.handed_on.contains(&(before, *it)))
     }
@@ -356,7 +356,7 @@ impl<'i> Reach<'_, 'i> {
             Kind::Property => false,
             Kind::Call => {
                 let name = item.name.trim_start_matches(':');
-                // What a macro makes for a type that is made elsewhere.
+                // A macro call counts if it implements something for a type that is reached.
                 let rank = ground.rank(item);
                 name.is_empty()
                     || ground.implementing.contains(name)
@@ -369,7 +369,8 @@ impl<'i> Reach<'_, 'i> {
                 let of_type = match of {
                     Some(of) => self.has_type(of, rank),
                     None if item.within.is_some() => self.has_macro(item),
-                    // Of a trait itself, or for a type parameter: what else it names decides, if that is known.
+                    // For a trait's own methods and for type parameters, the trait or the other named types decide, if they are
+                    // known.
                     None if !item.name.is_empty() => {
                         of_trait.as_ref().is_none_or(|it| self.has_type(it, rank))
                     }
@@ -389,12 +390,12 @@ impl<'i> Reach<'_, 'i> {
                         .any(|(of, kind)| *of == rank && **kind == Kind::Trait)
                 };
                 let own = of_trait.as_ref().is_some_and(is_own);
-                // Those of a trait of others may be called by others.
+                // Methods that implement another crate's trait may be called by that crate.
                 let by_others = of_trait.is_some() && of.is_some() && !own;
                 of_type
                     && (item.name.is_empty() || by_others || self.is_called(item, of.as_deref()))
             }
-            // By what names it.
+            // All other items are reached by their names.
             _ => false,
         }
     }

@@ -73,7 +73,7 @@ fn table(
         let cells = cells.map(|cell| cell.replace('|', "\\|"));
         let _ = writeln!(text, "| {} |", cells.join(" | "));
     }
-    // A property that two modules have under one name is shown with both.
+    // Harnesses of equally named properties are counted with each of them, so `shown` may exceed the number of harnesses.
     if shown >= found.len() {
         Ok(text)
     } else {

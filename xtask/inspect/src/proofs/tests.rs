@@ -38,7 +38,7 @@ fn only_one_harness_of_all_is_proved() {
         ((1, 1), "cadical")
     );
     assert!(verdict.program.contains("__R"), "{}", verdict.program);
-    // Nine faults, one each.
+    // Each of the other nine harnesses has one fault.
     assert_eq!(wrong(&found, MEMORY_KIB).len(), 9);
 }
 
@@ -107,7 +107,7 @@ fn a_mutant_is_caught_by_its_own_harness_only() {
 
 #[test]
 fn the_lock_is_the_list_of_what_runs() {
-    // No source is known here, so that every number is that of nothing.
+    // No source is read in this test, so every hash is zero.
     let found = recorded();
     let nothing = Statements::of_nothing();
     let all: String = found.keys().map(|name| nothing.line(name) + "\n").collect();
@@ -123,12 +123,12 @@ fn the_lock_is_the_list_of_what_runs() {
         new,
         ["w8::refuted: ran, but is not in proofs/harnesses.lock (--bless adds it)"]
     );
-    // A name that another contains is another name.
+    // A name that is only a part of another name is a different harness.
     assert_eq!(
         against(&all.replace("w8::refuted ", "w8::refute ")).len(),
         2
     );
-    // A statement with another number is another statement.
+    // A statement with another hash is another statement.
     let other = all.replace("w8::refuted 0", "w8::refuted 1");
     assert_eq!(against(&other).len(), 1);
     assert!(against(&other)[0].contains("states something else"));
@@ -150,7 +150,7 @@ fn too_long_and_too_large_are_faults() {
     assert_eq!(with(PROCESSOR_S, MEMORY_KIB), 0);
     assert_eq!(with(PROCESSOR_S + 0.5, 0), 1);
     assert_eq!(with(1.0, MEMORY_KIB + 1), 1);
-    // Where it was not measured, the clock counts.
+    // Without a measurement the wall-clock time counts as processor time.
     let by_clock = |seconds| {
         let verdict = Verdict {
             usage: None,
