@@ -4,6 +4,7 @@ use std::fmt::Arguments;
 use std::io::{ErrorKind, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::harmless::is_harmful;
 
 /// True after the reader of standard output has closed the pipe.
 static CLOSED: AtomicBool = AtomicBool::new(false);
@@ -33,10 +34,24 @@ pub fn is_read() -> bool {
     !CLOSED.load(Ordering::Relaxed)
 }
 
-/// Prints to standard output. A reader that closes the pipe early (`| head`) causes no error, so that the report is still written.
+/// Prints a text on standard output, with harmful characters replaced by [`shown`]. A reader that closes the pipe early (`| head`)
+/// causes no error, so that the report is still written.
 pub fn print(text: Arguments<'_>) -> Result<()> {
+    put(&shown(&text.to_string()))
+}
+
+/// Prints a line in place of the last printed line on a terminal. With `ends`, the next output begins on a new line.
+pub fn print_over(line: &str, ends: bool) -> Result<()> {
+    put(&format!(
+        "\r{}{}",
+        shown(line),
+        if ends { "\n" } else { "" }
+    ))
+}
+
+fn put(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
-    match out.write_fmt(text).and_then(|()| out.flush()) {
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Error::Io {
             path: "standard output".into(),
             problem: error.to_string(),
@@ -56,17 +71,31 @@ pub fn result(
     people: impl FnOnce() -> Result<()>,
 ) -> Result<()> {
     match json() {
-        true => print(format_args!("{:#}\n", value())),
+        true => print(format_args!("{}\n", json_text(&value()))),
         false => people(),
     }
 }
 
-/// Replaces control characters in a text before it is printed. Texts from files, boards and services may have such characters,
-/// which a terminal would execute.
+/// JSON text of a value, with indented lines. Characters that a terminal would execute are written as JSON escapes, which keeps the
+/// value the same.
+pub fn json_text(value: &serde_json::Value) -> String {
+    let mut text = String::new();
+    for letter in format!("{value:#}").chars() {
+        match letter {
+            '\n' => text.push(letter),
+            _ if is_harmful(letter) => text.push_str(&format!("\\u{:04x}", u32::from(letter))),
+            _ => text.push(letter),
+        }
+    }
+    text
+}
+
+/// Replaces control characters, except line ends and tabs, by U+FFFD. Texts from files, boards and services may have control
+/// characters, which a terminal would execute.
 pub fn shown(text: &str) -> String {
     let harmless = |letter: char| match letter {
         '\n' | '\t' => letter,
-        _ if letter.is_control() => '\u{fffd}',
+        _ if is_harmful(letter) => '\u{fffd}',
         _ => letter,
     };
     text.chars().map(harmless).collect()
@@ -74,7 +103,7 @@ pub fn shown(text: &str) -> String {
 
 /// Same as `println!`, without a panic on a closed pipe; for the output that a command is run for.
 macro_rules! say {
-    ($($text:tt)*) => { $crate::out::print(format_args!("{}\n", $crate::out::shown(&format!($($text)*))))? };
+    ($($text:tt)*) => { $crate::out::print(format_args!("{}\n", format_args!($($text)*)))? };
 }
 /// Same as [`say`], for progress and summaries, which `--json` and `--quiet` suppress.
 macro_rules! tell {
@@ -85,3 +114,25 @@ macro_rules! note {
     ($($text:tt)*) => { if !$crate::out::quiet() { eprintln!("{}", $crate::out::shown(&format!($($text)*))) } };
 }
 pub(crate) use {note, say, tell};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn json_for_a_terminal_is_the_same_value() {
+        let value = serde_json::json!({ "name": "a\u{1b}[31m\u{7f}\u{9b}\u{202e}\u{2028}\nß" });
+        let text = json_text(&value);
+        assert!(
+            !text
+                .chars()
+                .any(|letter| letter != '\n' && is_harmful(letter)),
+            "{text:?}"
+        );
+        assert_eq!(
+            serde_json::from_str::<serde_json::Value>(&text).unwrap(),
+            value
+        );
+        assert_eq!(shown("a\u{9b}b\tc\n"), "a\u{fffd}b\tc\n");
+    }
+}
