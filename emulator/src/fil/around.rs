@@ -114,14 +114,14 @@ fn played(program: &Program, setup: &Setup) -> Result<String, String> {
     bench.wait_for(Phase::Armed, 100 * MS)?;
     bench.run(250 * MS)?;
     let here = bench.machine.chip().world.angle_rad();
-    // And as much further as a press of this board takes.
+    // Plus the deflection of the hand itself under a press of this board.
     let give = 1.0 / MEDIUM.pad_stiffness + 1.0 / MEDIUM.stiffness;
     let reach = REACH_RAD + give * bench.machine.chip().board.press_n_m;
     let world = &mut bench.machine.chip_mut().world;
     world.hold(&MEDIUM, move |time| {
         here + reach * (std::f64::consts::TAU * time / 1.6).sin()
     });
-    // Under the hand: all of it comes, all but the wall goes, and comes back.
+    // While the hand moves: all elements are set, then all but the wall removed, then set again.
     let mut answered_after = 0;
     for environment in [all, alone, all] {
         let asked = bench.now();
@@ -250,7 +250,7 @@ fn differs(record: &Telemetry, here: Force<Fixed32>) -> String {
 /// Checks that an invalid environment is refused without effect, and that a saved environment is active after a restart.
 fn kept(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = configured(program, setup)?;
-    // As many laws to compute as there can be, as the watchdog runs from the start on.
+    // The largest possible environment, because the watchdog already runs while the device builds it.
     let [softer, stiffer] = setup.board.walls;
     let far = |k: Si, at| WallBeside {
         at_rad: si(at),
@@ -279,7 +279,7 @@ fn kept(program: &Program, setup: &Setup) -> Result<String, String> {
         Err(Refusal::Invalid(invalid)) if &*invalid.path == "environment.endstops.upper_rad" => {}
         other => return Err(format!("ends the wrong way round: {other:?}")),
     }
-    // Settings that it would not be valid with.
+    // Settings with which the environment would be invalid.
     let mut settings = bench.settings()?;
     settings.law.force_limit_n_m = Si::lit("0.002");
     match bench.ask(Request::SetAll(settings))? {

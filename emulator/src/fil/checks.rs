@@ -155,7 +155,7 @@ fn bad_frame(bench: &mut Bench, random: &mut Random) -> Vec<u8> {
     let mut frame = match random.bits() % 3 {
         0 => content,
         1 => {
-            // COBS without a zero inside: one byte says how far it is to the end.
+            // COBS of content without zeros: the first byte is the distance to the end.
             content.insert(0, length as u8 + 1);
             content
         }
@@ -172,7 +172,7 @@ fn bad_frame(bench: &mut Bench, random: &mut Random) -> Vec<u8> {
             loop {
                 let at = random.bits() as usize % frame.len();
                 let turned = frame[at] ^ 1 << (random.bits() % 8);
-                // A zero would make two frames of it.
+                // A zero would split the frame in two.
                 if turned != 0 {
                     frame[at] = turned;
                     break frame;

@@ -135,7 +135,7 @@ fn rows(bench: &mut Bench, setup: &Setup, tally: &mut Tally) -> Result<(), Strin
     );
     bench.machine.chip_mut().world.mount(MotorParameters {
         pole_pairs: 11,
-        // The same torque constant.
+        // The torque constant stays the same.
         flux_linkage_wb: motor.flux_linkage_wb * f64::from(motor.pole_pairs) / 11.0,
         ..motor
     });
@@ -161,9 +161,9 @@ fn prepared(program: &Program, setup: &Setup) -> Result<Bench, String> {
     bench.configure(|settings| {
         settings.encoder.kind = kind;
         settings.calibration.electrical_turns_per_s = setup.board.field_turns_per_s;
-        // Far away.
+        // The wall is far away.
         settings.wall.surface_rad = Si::lit("90");
-        // The calibration's current may be held for ever: this is not about it.
+        // The calibration's current may be held for ever, because this test is not about heating.
         settings.motor.continuous_current_a = settings.calibration.current_a;
     })?;
     bench.demand(Request::Telemetry { decimation: 1 })?;
@@ -245,7 +245,7 @@ fn beside(found: &MeasuredCogging, motor: &MotorParameters, most: &Off) -> Resul
     let mut words = Vec::new();
     let mut is_right = true;
     for (it, (share_most, degrees_most)) in COGGING.iter().zip(most) {
-        // `A sin(n θ + φ)` holds `-A sin(n θ + φ)`.
+        // A motor torque of `A sin(n θ + φ)` compensates the cogging `-A sin(n θ + φ)`.
         let truth = Complex::new(it.phase.sin(), it.phase.cos()) * (it.amplitude / constant);
         let ratio = at_order(&found.map, it.per_rev) / truth;
         let (share, degrees) = (ratio.norm(), ratio.arg().to_degrees());
@@ -330,7 +330,7 @@ fn refused(
 /// Switches the power off and on. Checks that the saved map is then present, fits the settings and compensates the cogging.
 fn kept(bench: &mut Bench, map: &CoggingMap) -> Result<String, String> {
     power_on(bench);
-    // Before it listens it has the map ready: twelve harmonics take 15 ms.
+    // The device computes the map before it answers requests: twelve harmonics take 15 ms.
     bench.run(100 * MS)?;
     bench.boot()?;
     let (settings, board) = (

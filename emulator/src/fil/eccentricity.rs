@@ -86,7 +86,7 @@ fn prepared(program: &Program, setup: &Setup) -> Result<Bench, String> {
     bench.configure(|settings| {
         settings.encoder.kind = kind;
         settings.calibration.electrical_turns_per_s = Si::from_num(FIELD_FASTEST_TURNS_PER_S);
-        // The calibration's current may be held for ever: this is not about it.
+        // The calibration's current may be held for ever, because this test is not about heating.
         settings.motor.continuous_current_a = settings.calibration.current_a;
     })?;
     bench.demand(Request::Telemetry { decimation: 1 })?;
@@ -106,7 +106,7 @@ fn measured(bench: &mut Bench, magnet: Magnet, spins: bool) -> Result<Found, Str
     let errors = [error(0), error(1)];
     let sensors = &mut bench.machine.chip_mut().world.sensors;
     sensors.encoder_error = errors.to_vec();
-    // With noise no rest is seen, and each brake and coast of a measurement takes its longest.
+    // With noise the device detects no rest, and each brake and coast phase of a measurement lasts its longest time.
     sensors.noise = (!spins).then_some(NOISE);
     bench.configure(|settings| settings.calibration.measures = spins)?;
     let from = bench.link.telemetry.len();
@@ -128,7 +128,7 @@ fn measured(bench: &mut Bench, magnet: Magnet, spins: bool) -> Result<Found, Str
             count: record.count,
         })
         .collect();
-    // Nothing holds the shaft any more: it moves until it rests.
+    // The field no longer holds the shaft, so the shaft moves until it comes to rest.
     bench.run(500 * MS)?;
     let since = bench.link.telemetry.last().ok_or("no telemetry")?.count;
     let turned = TAU * f64::from(since) / known.counts_per_rev;

@@ -197,7 +197,7 @@ pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
                 work,
             });
         };
-        // Once a board, and once.
+        // The checks run once per board; the check of the emulator runs once.
         if !checked.contains(&board) {
             let of_all = checked.is_empty().then_some(&OF_THE_EMULATOR);
             let wanted = |name| is_named(name) && asked.has_check(board, name);
@@ -269,7 +269,7 @@ impl Job<'_> {
             let is_lost =
                 device.bench().halted.is_some() || outcome.wrong.as_ref().is_some_and(failed);
             if is_lost {
-                // Beyond help: the next one begins with another.
+                // The device is unusable now, so the next injection starts with a new device.
                 tally.ran(device.bench());
             } else {
                 campaign = Some(device);

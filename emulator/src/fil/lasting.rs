@@ -42,7 +42,7 @@ fn prepared(program: &Program, setup: &Setup, silence: &str) -> Result<Bench, St
         settings.wall.surface_rad = Si::lit("0.3");
         settings.limits.host_silence_s = silence;
         settings.motor.heating_time_s = Si::from_num(HEATING_TIME_S);
-        // The calibration's current may be held for ever: this is not about it.
+        // The calibration's current may be held for ever: `weak_motor` tests a calibration that heats the motor.
         settings.motor.continuous_current_a = settings.calibration.current_a;
     })?;
     Ok(bench)
@@ -57,7 +57,7 @@ fn pulled(program: &Program, setup: &Setup, state: Phase) -> Result<u64, String>
         }
         _ => bench.arm()?,
     }
-    // The last word.
+    // The last message of the desktop.
     bench.status()?;
     let begin = bench.now();
     bench.run(450 * MS)?;
@@ -93,7 +93,7 @@ impl Windings {
     fn warm(&mut self, bench: &Bench) {
         let world = &bench.machine.chip().world;
         let squares: f64 = (0..3).map(|phase| world.current_a(phase).powi(2)).sum();
-        // Of three currents that are balanced, two thirds of the sum are the square of their amplitude.
+        // The squared amplitude of three balanced currents is two thirds of the sum of their squares.
         let square = 2.0 / 3.0 * squares;
         self.mean += 1e-4 / HEATING_TIME_S * (square - self.mean);
         self.hottest = self.hottest.max(self.mean);
@@ -124,7 +124,7 @@ fn ends_hot(program: &Program, setup: &Setup) -> Result<String, String> {
     });
     off?;
     bench.run(5 * MS)?;
-    // Where it is a fault, and what the shunts leave of it.
+    // The fault threshold, with the error of the shunts.
     let times = windings.hottest / bears.powi(2);
     match bench.fault()?.and_then(|fault| fault.known()) {
         Some(FaultCode::MotorHot) if (1.4..1.6).contains(&times) => Ok(format!(
@@ -144,7 +144,7 @@ fn leans(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = prepared(program, setup, "0")?;
     bench.arm()?;
     let bears = number(bench.settings()?.motor.continuous_current_a);
-    // As strong as it takes: it stays where it wants to be, whatever the wall does.
+    // The hand is so stiff that it holds its position against any force of the wall.
     let hand = Hand {
         stiffness: 40.0,
         ..touchstone_world::plant::MEDIUM
@@ -175,7 +175,7 @@ fn leans(program: &Program, setup: &Setup) -> Result<String, String> {
     if !records.iter().any(|record| derated(record.limits)) {
         return Err("no record tells of the derating".into());
     }
-    // What the shunts and the tick leave of it.
+    // The limit, with 3 % for the errors of the shunts and of the control tick.
     if hottest > 1.03 * bears * bears {
         return Err(format!(
             "a mean square of {hottest:.3} A², and the motor bears {:.3}",

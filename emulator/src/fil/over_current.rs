@@ -21,8 +21,8 @@ const STEP_A: f64 = 3.3 / 4_096.0 / (0.003 * 4.0 / 7.0);
 const LEADS_H: f64 = 4e-6;
 /// Resistance of supply, wires and transistor in the short, Ω.
 const WAY_OHM: f64 = 0.05;
-/// Largest time between two evaluations of the short, in microseconds. A division takes up to ten cycles, and the emulator
-/// evaluates the short once per instruction.
+/// Largest time between two evaluations of the short, in microseconds. The emulator evaluates the short once per instruction, and a
+/// division takes 12 cycles.
 const LOOK_US: f64 = 12.0 / 170.0;
 /// Duration in microseconds for which a comparator must stay active: eight samples, one per 32 cycles
 /// (docs/faults/08-hardware-break.md).
@@ -69,10 +69,10 @@ fn armed(bench: &mut Bench) -> Result<(), String> {
     let turns = bench.machine.chip().board.field_turns_per_s;
     bench.configure(|settings| {
         settings.calibration.electrical_turns_per_s = turns;
-        // A person calibrates once; here it is every few seconds.
+        // The test calibrates every few seconds, so the motor must bear the calibration's current for ever.
         settings.motor.continuous_current_a = settings.calibration.current_a;
     })?;
-    // A break that is there already refuses it, and is asked for next.
+    // If a break is active, the device refuses the calibration; `no_break` reports the break next.
     let _ = bench.command(DeviceCommand::Calibrate)?;
     while no_break(bench)? == Phase::Calibrating {
         bench.run(20 * MS)?;
@@ -177,7 +177,7 @@ fn to_supply(bench: &mut Bench, phase: usize) -> Result<String, String> {
 fn just_below(bench: &mut Bench) -> Result<String, String> {
     let bus_v = bench.machine.chip().board.supply_v;
     let amps = SWITCHES_OFF_A - STEP_A;
-    // The resistance ends it there; within a microsecond it is.
+    // The resistance limits the current to this value, which it reaches within a microsecond.
     let found = short(bench, 1, Touched::Supply, bus_v / amps, 1e-7)?;
     match (found.seen, found.code) {
         (None, Some(FaultCode::OverCurrent)) if found.largest_a > 0.99 * amps => Ok(format!(

@@ -64,7 +64,7 @@ pub fn press(bench: &mut Bench, k_desired: Si) -> Result<Press, String> {
         board_named(bench.machine.chip().board.name)?,
         &armed,
     )?;
-    // The hand has pressed for 0.6 s and held for 0.8 s, a quarter of a second after the arming.
+    // The hand starts a quarter of a second after arming, presses for 0.6 s and holds for 0.8 s.
     let hold = armed.get(1_500..1_600).unwrap_or_default();
     let mean = |of: fn(&Telemetry) -> f64| {
         hold.iter().map(|record| of(record)).sum::<f64>() / hold.len().max(1) as f64

@@ -39,7 +39,7 @@ pub fn kept_alignment(program: &Program, setup: &Setup, tally: &mut Tally) {
         Err(error) => return tally.check("kept alignment", Err(error)),
     };
     tally.check("kept alignment, used", is_used(&mut bench));
-    // 24 degrees draw the rotor no eighth of a turn away: the mean alone tells.
+    // A slip of 24 degrees pulls the rotor away by less than an eighth of a turn, so only the mean reveals it.
     for degrees in [360.0, 24.0, 30.0, 90.0, 180.0] {
         let name = format!("kept alignment, a magnet that slipped by {degrees} electrical degrees");
         tally.check(&name, slipped(&mut bench, degrees));
@@ -151,7 +151,7 @@ fn kept(program: &Program, setup: &Setup) -> Result<Bench, String> {
         settings.encoder.kind = kind;
         settings.calibration.electrical_turns_per_s = setup.board.field_turns_per_s;
         settings.wall.surface_rad = Si::lit("0.3");
-        // The calibration's current may be held for ever: this is not about it.
+        // The calibration's current may be held for ever, because this test is not about heating.
         settings.motor.continuous_current_a = settings.calibration.current_a;
     })?;
     bench.calibrate()?;
@@ -175,7 +175,7 @@ pub fn power_on(bench: &mut Bench) {
     }
     bench.machine.power_on(ResetCause::PowerOn);
     bench.halted = None;
-    // Whatever was begun before.
+    // Ends a frame that the link may have begun before the power cut.
     bench.send(&[0]);
 }
 
@@ -216,7 +216,7 @@ fn is_used(bench: &mut Bench) -> Result<String, String> {
         return Err("it was looked for, not checked".into());
     }
     let degrees = most.to_degrees();
-    // An eighth of an electrical turn of seven pole pairs is 6.4 degrees.
+    // An eighth of an electrical turn is 6.4 degrees of the shaft with seven pole pairs.
     if degrees > 8.0 {
         return Err(format!("the shaft moved by {degrees:.1} degrees"));
     }
@@ -324,7 +324,7 @@ fn starts(bench: &mut Bench) -> Result<String, String> {
     let settings = bench.settings()?;
     power_on(bench);
     let begun = bench.now();
-    // Past what was told before the power went.
+    // Skips the telemetry from before the power cut.
     bench.run(100 * MS)?;
     let from = bench.link.telemetry.len();
     bench.run_until("the outputs on", WOULD_BE_ON - 200 * MS, |bench| {
@@ -338,7 +338,7 @@ fn starts(bench: &mut Bench) -> Result<String, String> {
     let surface = number(settings.wall.surface_rad);
     let stiffness = number(settings.wall.k_desired_n_m_per_rad);
     bench.press_at(&MEDIUM, torque, 0.6, 0.8, surface, counts, stiffness)?;
-    // Longer than a desktop may be silent.
+    // Longer than the allowed silence of the desktop.
     bench.run(2_200 * MS)?;
     if !bench.is_on() {
         return Err("off again, with nobody there".into());
@@ -357,7 +357,7 @@ fn starts(bench: &mut Bench) -> Result<String, String> {
     if force < 0.8 * torque {
         return Err(format!("{force:.3} N·m of {torque}"));
     }
-    // A desktop comes, and its cable is pulled.
+    // A desktop connects, then its cable is pulled.
     let status = bench.status()?;
     let started = report(bench)?;
     if status.phase != Phase::Armed || started.self_start != SelfStart::Started {

@@ -51,7 +51,7 @@ pub fn damage(program: &Program, setup: &Setup, ways: usize) -> Result<usize, St
     };
     let defaults = DeviceSettings::defaults(identity.board);
     changed(&mut bench, Si::lit("2"))?;
-    // Twice: what damages one copy only must do no harm.
+    // Saved twice: damage to one of the two copies must have no effect.
     bench.demand(Request::Save)?;
     bench.demand(Request::Save)?;
     let saved = bench.settings()?;
@@ -64,7 +64,7 @@ pub fn damage(program: &Program, setup: &Setup, ways: usize) -> Result<usize, St
     let mut noticed = 0;
     for way in 0..ways {
         let mut bytes = clean.clone();
-        // From a single bit to sixteen of them.
+        // Flips one to sixteen bits.
         let mut places = Vec::new();
         for _ in 0..=(way % 16) {
             let at = written[(random.bits() % written.len() as u64) as usize];
@@ -100,7 +100,7 @@ fn is_safe(
                 return Err("neither the saved settings nor the defaults".into());
             }
             bench.demand(Request::Command(DeviceCommand::Stop))?;
-            // A calibration with refused settings ends in the fault again.
+            // A calibration with invalid settings ends in the same fault again.
             let _ = bench.command(DeviceCommand::Calibrate)?;
             bench.run(50 * MS)?;
             if bench.command(DeviceCommand::Arm)? || bench.is_on() {

@@ -95,7 +95,7 @@ fn saves_until(bench: &mut Bench, cut: u64) -> Result<bool, String> {
     let saved = bench.demand(Request::Save);
     bench.machine.chip_mut().flash.cut_at = None;
     match (saved, bench.halted.take()) {
-        // All its changes came before the cut.
+        // The save made all its changes before the cut.
         (Ok(_), None) => Ok(false),
         (Err(_), Some(Halt::PowerCut)) => Ok(true),
         (Err(error), _) => Err(error),
@@ -126,7 +126,7 @@ fn in_a_save(program: &Program, setup: &Setup, every: u64) -> Result<usize, Stri
         let since = bench.now();
         restart(&mut bench).map_err(said)?;
         came_up(&mut bench, since, &[&old, &new]).map_err(said)?;
-        // A word that was torn interrupts when it is read, and pulls the system's break: it must be over by now.
+        // A torn word raises an interrupt and the system break when it is read. The device must have handled it by now.
         starts(&mut bench).map_err(said)?;
     }
     Err(format!("a save of more than {MOST_CHANGES} changes"))
@@ -219,10 +219,10 @@ pub fn supply_cut(program: &Program, setup: &Setup, tally: &mut Tally) {
             goes_away(&mut bench, conducted).map_err(said)?;
             let since = bench.now();
             restart(&mut bench).map_err(said)?;
-            // What was not saved is gone.
+            // The unsaved settings are lost.
             came_up(&mut bench, since, &[&old]).map_err(said)?;
             starts(&mut bench).map_err(said)?;
-            // A rotor that coasts would not let the next calibration begin.
+            // The next calibration needs a rotor at rest.
             bench.run(500 * MS)?;
         }
         Ok(format!(
