@@ -1,5 +1,5 @@
-//! Costs of the program: instructions and table cycles of the law, of the control interrupt and of the current loop;
-//! the stack.
+//! Counts what the firmware costs: instructions and cycles of the control law, of the control interrupt and of the current loop,
+//! and the stack in use.
 
 use touchstone_control::{ChangeOfForce, Si};
 use touchstone_protocol::settings::DeviceSettings;
@@ -20,12 +20,12 @@ use crate::peripheral::flash::BASE as FLASH;
 use crate::peripheral::spi::SlaveFault;
 use crate::peripheral::timer::gates::GateDriver;
 
-/// How often the current loop runs: once a period of the PWM.
+/// Rate of the current loop in hertz: one run per PWM period.
 const PWM_HZ: u64 = 20_000;
-/// The fastest control rate.
+/// Fastest control rate of the firmware, Hz.
 const FASTEST_HZ: u64 = 10_000;
 
-/// A piece of work.
+/// A workload under which the costs are counted: settings of the device, and a hand that presses the knob.
 struct Case {
     name: &'static str,
     settings: fn(&mut DeviceSettings),
@@ -93,7 +93,8 @@ const CASES: &[Case] = &[
     },
 ];
 
-/// What ends a wall: a tick with a fault does other things than one without.
+/// Faults that switch the outputs off, by name. The costs are counted with each, because a control tick with a fault executes other
+/// code than one without.
 const FAULTS: &[(&str, Fault)] = &[
     ("  bus at 33 V", Fault::Bus(33.0, 0)),
     ("  phase A reads +8 A", Fault::Sensor(0, 8.0)),
@@ -105,7 +106,7 @@ const FAULTS: &[(&str, Fault)] = &[
     ("  comparator of phase A stays", Fault::Comparator(1, 0)),
 ];
 
-/// The counted costs.
+/// Counted costs of the control law, the control interrupt and the current loop.
 #[derive(Debug, Clone, Copy, Default)]
 struct Counted {
     law: Cost,
@@ -113,7 +114,7 @@ struct Counted {
     current: Handler,
 }
 
-/// The table while it grows.
+/// The largest costs and the violated budgets, collected while the table is printed row by row.
 #[derive(Default)]
 struct Table {
     worst: Counted,
@@ -122,7 +123,7 @@ struct Table {
 }
 
 impl Table {
-    /// Prints the costs since the last row.
+    /// Prints one row of the table: the costs since the previous row.
     fn row(&mut self, name: &str, result: Result<(), String>, bench: &mut Bench, stack_top: u32) {
         let counted = take(bench);
         let show = |cost: Cost| {
@@ -151,7 +152,8 @@ impl Table {
     }
 }
 
-/// Counts the programs of all boards; the exit code. The last line is the summary of all.
+/// Counts the costs of the programs of all boards, prints a table per board and a summary as the last line, and returns the exit
+/// code.
 #[must_use]
 pub fn run(programs: &Programs) -> u8 {
     let nucleo = [
@@ -200,8 +202,8 @@ pub fn run(programs: &Programs) -> u8 {
     code
 }
 
-/// Runs all cases on a board, with the first of its encoders, and some with the others, and prints the table; whether all is within
-/// its budget, and a summary.
+/// Runs all workloads on a board with the first of its encoders, and some workloads with its other encoders, and prints the table.
+/// Returns whether every cost is within its budget, and a summary.
 fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> {
     println!(
         "{:<36}{:>22}{:>24}{:>22}",
@@ -222,7 +224,7 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
         bench.machine.chip_mut().core.by_place = vec![0; board.flash_bytes / 8];
         let booted = bench.boot().map(|_| ());
         table.row("start", booted, &mut bench, top);
-        // The cases' walls are too stiff for a small knob, and its program is the NUCLEO's.
+        // The workloads' walls are too stiff for a small knob, whose program is that of the NUCLEO.
         let (cases, faults) = match index {
             0 if board.has_small_motor() => (&CASES[..1], FAULTS),
             0 => (CASES, FAULTS),
@@ -239,7 +241,7 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
             let failed =
                 calibrate(&mut bench, &CASES[0], encoder).and_then(|()| fail(&mut bench, *fault));
             table.row(name, failed, &mut bench, top);
-            // A light rotor coasts for seconds, and a calibration wants it at rest.
+            // A light rotor coasts for seconds, and a calibration needs it at rest.
             if board.has_small_motor() && matches!(fault, Fault::Flicked(..)) {
                 bench.run(5_000 * MS)?;
             }
@@ -290,7 +292,8 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
     Ok((is_right, summary(worst, &over, table.stack_used, size)))
 }
 
-/// Which functions current loop and control tick fetched from flash most, where the others are in a memory without wait states.
+/// Prints which functions the current loop and the control tick fetched from flash most often. Boards without CCM RAM, the memory
+/// without wait states, are left out.
 fn tell_places(program: &Program, bench: &Bench) {
     if bench.machine.chip().board.ccm_bytes == 0 {
         return;
@@ -322,7 +325,8 @@ fn summary(worst: &Counted, over: &[&str], used: u32, size: u32) -> String {
     )
 }
 
-/// Whether a fault can come on a board: some need an encoder on the bus, some a current sensor, and the break is a pin or comparators.
+/// Whether a fault can occur on a board. Some faults need an encoder on the SPI bus or a current sensor; the break signal comes
+/// from a pin on some boards and from comparators on others.
 fn can_have(board: &Board, fault: Fault) -> bool {
     match fault {
         Fault::Encoder(_) | Fault::BusHangs => !matches!(board.encoder, Encoder::Incremental(_)),
@@ -333,7 +337,7 @@ fn can_have(board: &Board, fault: Fault) -> bool {
     }
 }
 
-/// The costs since the last call.
+/// Returns the costs counted since the last call, and resets the counters.
 fn take(bench: &mut Bench) -> Counted {
     let chip = bench.machine.chip_mut();
     let mut counted = Counted::default();
@@ -345,7 +349,9 @@ fn take(bench: &mut Bench) -> Counted {
     counted
 }
 
-/// A fault while armed, until it is latched, and its end; the next calibration begins with a stop.
+/// Injects a fault while the device is armed, waits 20 ms, and removes the fault.
+///
+/// Errors: the device is then not in the phase `Fault` (a flick of the knob may leave it armed).
 fn fail(bench: &mut Bench, fault: Fault) -> Result<(), String> {
     fault.inject(bench)?;
     bench.run(20 * MS)?;
@@ -375,7 +381,7 @@ fn calibrate(bench: &mut Bench, case: &Case, encoder: Encoder) -> Result<(), Str
 }
 
 fn play(bench: &mut Bench, case: &Case) -> Result<(), String> {
-    // The cases are for the thesis' press of 0.1 N·m.
+    // The workloads are made for the press of the thesis with 0.1 N·m.
     let share = bench.machine.chip().board.press_n_m / 0.1;
     bench.press(&case.hand, share * case.torque_n_m, case.ramp_s, 0.3)?;
     let time = (2.0 * case.ramp_s + 0.4) * 1e3;

@@ -1,4 +1,4 @@
-//! The emulator's commands. `cargo xtask fil` and `cargo xtask cycles` build the firmware and call them.
+//! Command line of the emulator. `cargo xtask fil` and `cargo xtask cycles` build the firmware and run these commands.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -34,11 +34,11 @@ const USAGE: &str = "Usage: touchstone-emulator COMMAND ELF
                               the serial port on a socket, in real time; --hand: a hand presses now and then; --parts: the usual motor and knob,
                               each of these by a factor";
 
-/// Exit codes beside 0.
+/// Exit code for a command that failed. 0 means success.
 const FAILED: u8 = 1;
 const WRONG_USAGE: u8 = 2;
 
-/// The selected part of the campaign.
+/// Which checks and injections the command line selects.
 #[derive(Debug, Default)]
 struct Wanted<'a> {
     sample: Option<Asked<'a>>,
@@ -94,7 +94,7 @@ fn read(elf: &str) -> Result<Program, u8> {
     })
 }
 
-/// Parses the boards' programs and the selection, in any order.
+/// Parses the options of `fil` and `cycles`: the program of each board, and the selection of checks, in any order.
 fn boards<'a>(mut options: &[&'a str]) -> Result<(Programs, Wanted<'a>), u8> {
     let mut programs = Programs::default();
     let mut wanted = Wanted::default();
@@ -127,7 +127,7 @@ fn boards<'a>(mut options: &[&'a str]) -> Result<(Programs, Wanted<'a>), u8> {
     Ok((programs, wanted))
 }
 
-/// The commands with one program.
+/// Runs a command that takes one program, and returns the exit code.
 fn other(command: &str, program: &Program, words: &[&str]) -> u8 {
     let said = |result: Result<String, String>| match result {
         Ok(text) => {
@@ -196,7 +196,7 @@ fn other(command: &str, program: &Program, words: &[&str]) -> u8 {
     }
 }
 
-/// A board by the name of its program, with an AS5047P where it has a port for one.
+/// The board whose program has this name. Boards that can read an AS5047P encoder get one.
 fn board_of(name: &str) -> Option<Board> {
     match name {
         "nucleo-g474re" => Some(Board::nucleo_g474re(Encoder::As5047p)),
@@ -216,7 +216,7 @@ fn board_of(name: &str) -> Option<Board> {
     }
 }
 
-/// Plays a file's programme and writes the recording.
+/// Plays the hand's programme from a file on the emulated device, and writes the recording to another file.
 fn play(
     program: &Program,
     board: Board,
@@ -235,7 +235,7 @@ fn play(
     ))
 }
 
-/// Boots, and writes the content of the RAM to a file.
+/// Boots the device, then writes the content of its RAM to a file.
 fn ram(program: &Program, board: Board, file: &Path) -> Result<String, String> {
     let ram_bytes = board.ram_bytes;
     let mut bench = Bench::new(program, &Setup::on(board))?;
@@ -245,7 +245,7 @@ fn ram(program: &Program, board: Board, file: &Path) -> Result<String, String> {
     Ok(format!("{} bytes in {}", bytes.len(), file.display()))
 }
 
-/// `--hand`, `--for SECONDS` and `--parts FACTORS`, in any order.
+/// Parses the options of `serve`: `--hand`, `--for SECONDS` and `--parts FACTORS`, in any order.
 fn serve_options(words: &[&str]) -> Result<serve::Wanted, String> {
     let mut wanted = serve::Wanted::default();
     let mut words = words.iter();

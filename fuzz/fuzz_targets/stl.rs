@@ -10,6 +10,8 @@ use choices::Given;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    made::is_read(bytes);
+    for name in ["made.stl", "made.obj", "made.ply"] {
+        made::is_read_as(name, bytes);
+    }
     made::is_read(&made::made(&mut Given(bytes)));
 });

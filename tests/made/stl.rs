@@ -73,6 +73,12 @@ pub fn made(seeded: &mut impl Choices) -> Vec<u8> {
         0 => solid(seeded.of(&["", "part", "facet normal"]), &triangles).into_bytes(),
         _ => binary(b"solid", 12, &triangles),
     };
+    damage(&mut bytes, seeded);
+    bytes
+}
+
+/// Damages a file at up to three places.
+pub fn damage(bytes: &mut Vec<u8>, seeded: &mut impl Choices) {
     for _ in 0..seeded.below(4) {
         let at = seeded.below(bytes.len().max(1)).min(bytes.len());
         match seeded.below(5) {
@@ -89,12 +95,16 @@ pub fn made(seeded: &mut impl Choices) -> Vec<u8> {
             }
         }
     }
-    bytes
 }
 
 /// Whether a file is read. If it is, the mesh's remarks are calculated as well.
 pub fn is_read(bytes: &[u8]) -> bool {
-    match Mesh::parse_stl(bytes, Path::new("made"), 1e-3) {
+    is_read_as("made.stl", bytes)
+}
+
+/// Whether it is read as what its name says.
+pub fn is_read_as(name: &str, bytes: &[u8]) -> bool {
+    match Mesh::parse(bytes, Path::new(name), 1e-3) {
         Ok(mesh) => {
             let _ = mesh.notes([[-0.1; 3], [0.1; 3]]);
             true

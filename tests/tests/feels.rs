@@ -162,7 +162,38 @@ fn a_profile_is_felt_as_it_is_drawn() {
     assert!(felt > 12 * 1000, "{felt}");
 }
 
-/// No position is lost or counted twice: what a program counts, with a quarter of a pitch as hysteresis, is where the knob is.
+/// The force of the lower end is negative. The largest force, the verdict and the torque limit are those of the upper end.
+#[test]
+fn an_end_is_judged_alike_from_either_side() {
+    let pressed = |angle: &str, sets: &[&str]| {
+        let angle = format!("operator.motion.angle_rad={angle}");
+        let scene = feel("hard-stops", &[&[&*angle], sets].concat());
+        let recording = run(&scene, true).unwrap();
+        let trace = recording.trace.unwrap();
+        let most = trace
+            .force_n_m
+            .iter()
+            .fold(0.0, |most: f64, force| most.max(force.abs()));
+        assert_eq!(recording.summary.force_max, most, "{angle}");
+        assert!(most > 0.04, "{angle}: {most}");
+        recording.summary
+    };
+    // A spring alone, without guard: it swings up to the motor's limit while the hand stays.
+    let swings = [
+        "law.kind=spring",
+        "law.guard.on=false",
+        "law.states=measured",
+        "operator.motion.stay_s=2",
+        "timing.duration_s=3.3",
+    ];
+    for (sets, verdict) in [(&[][..], Verdict::Passive), (&swings, Verdict::Unstable)] {
+        let [up, down] = ["4", "-4"].map(|angle| pressed(angle, sets));
+        assert_eq!((up.verdict, down.verdict), (verdict, verdict), "{sets:?}");
+        assert!((up.force_max - down.force_max).abs() < 1e-3, "{sets:?}");
+    }
+}
+
+/// A program that counts positions with a hysteresis of a quarter of a pitch always has the knob's true position.
 #[test]
 fn positions_are_neither_lost_nor_doubled() {
     for name in [

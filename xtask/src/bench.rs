@@ -1,9 +1,10 @@
-//! `cargo xtask bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS]`: instructions per tick of an example of `host-sim/sim`; `bench --ladder
-//! [--write]`: of every effect of a scene alone and of all pairs ([`ladder`]).
+//! `cargo xtask bench [EXAMPLE [TICKS MORE_TICKS]] [-- ARGS]`: counts the instructions per control period (tick) of an example of
+//! `host-sim/sim`. `bench --ladder [--write]` counts every simulated effect alone and in pairs ([`ladder`]).
 //!
-//! The example is called as `EXAMPLE ARGS… TICKS` twice under valgrind's callgrind, with few and with more ticks. The
-//! difference of the instruction counts over the difference of the ticks is free of start-up, and, unlike a wall clock,
-//! the same on a busy machine. Without ARGS, each name that `EXAMPLE --list` prints is counted.
+//! `EXAMPLE ARGS… TICKS` runs twice under valgrind's callgrind, with few and with more ticks. Instructions per tick are the
+//! difference of the two instruction counts divided by the difference of the ticks. This removes the cost of start-up and, unlike a
+//! wall clock, does not depend on the load of the machine. Without ARGS, each configuration that `EXAMPLE --list` prints is
+//! counted.
 
 use std::path::Path;
 
@@ -11,11 +12,11 @@ use crate::counted::{built, instructions, per_tick};
 use crate::outcome::Outcome;
 use crate::{ladder, packages, shell};
 
-/// Budget of a configuration, instructions a tick: plant, encoder, law and guard in double precision take 367 here,
-/// and another compiler gets a little room.
+/// Most instructions per tick that a configuration may take. `held-guarded-f64` (simulated motor, encoder, control law and guard in
+/// double precision) took 367; the rest is a margin for other compilers.
 const LIMITS: &[(&str, f64)] = &[("held-guarded-f64", 385.0)];
 
-/// The programs to count.
+/// The example program to count, its two numbers of ticks and its arguments.
 #[derive(Debug, PartialEq, Eq)]
 struct Plan {
     example: String,
@@ -24,7 +25,7 @@ struct Plan {
 }
 
 impl Plan {
-    /// Parses the arguments; none means the cost of a tick of the simulator.
+    /// Parses the command's arguments. Without arguments, the plan is the example `tick_cost` with 10 000 and 110 000 ticks.
     fn parse(words: &[String]) -> Option<Plan> {
         let end = words.iter().position(|word| word == "--");
         let (own, args) = match end {
@@ -64,14 +65,15 @@ pub fn run(words: &[String]) -> Outcome {
         return missing;
     }
     let counted = count_all(&plan).unwrap_or_else(|failed| failed);
-    // Without words, as the tests run it, the ladder belongs to it: absent effects cost nothing, and no tick allocates.
+    // Without arguments, as in the gates, the pairs of effects are measured too: absent effects must cost nothing, and no tick may
+    // allocate.
     if words.is_empty() && !counted.is_failure() {
         return ladder::run(&[]);
     }
     counted
 }
 
-/// Counts the configuration named by the arguments, or each that the example lists.
+/// Counts the configuration that the arguments name; without arguments, each configuration that the example lists.
 fn count_all(plan: &Plan) -> Result<Outcome, Outcome> {
     let binary = built(&plan.example)?;
     let listed = shell::capture(shell::program(&binary).arg("--list")).unwrap_or_default();
@@ -104,7 +106,7 @@ fn count_all(plan: &Plan) -> Result<Outcome, Outcome> {
     }))
 }
 
-/// The limit that a configuration is beyond.
+/// The limit of a configuration in instructions per tick if its cost exceeds that limit; otherwise `None`.
 fn beyond_limit(args: &[String], cost: f64) -> Option<f64> {
     let name = args.first()?;
     LIMITS
@@ -125,7 +127,7 @@ fn count(plan: &Plan, binary: &Path, args: &[String]) -> Result<f64, Outcome> {
 }
 
 fn callgrind(binary: &Path, ticks: u64, args: &[String], out: &Path) -> Result<u64, Outcome> {
-    // An old count must not stand in for one that failed.
+    // Removes an old count, which must not be read if this run fails.
     let _ = std::fs::remove_file(out);
     let mut command = shell::program("valgrind");
     command

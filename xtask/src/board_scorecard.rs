@@ -1,5 +1,5 @@
-//! `cargo xtask fil --scorecard`: a hand plays the scorecard's programme on the emulated reference board, and the
-//! figures are compared with the desktop's of the same scene.
+//! `cargo xtask fil --scorecard`: runs the scorecard (scripted actions of a simulated hand) on the firmware of the emulated
+//! reference board. The figures measured there are compared with those of the desktop simulation of the same scene.
 
 use std::path::PathBuf;
 
@@ -7,22 +7,22 @@ use crate::firmware::REFERENCE;
 use crate::outcome::Outcome;
 use crate::{emulator, shell};
 
-/// The scene of the board's knob.
+/// Name of the scene file that describes the reference board's knob.
 const SCENE: &str = "gimbal-knob";
-/// Properties of the board that the scene lacks: the bandwidth of its shipped current loop, and that the loop takes a
-/// command with the PWM period after the encoder's reading.
+/// Settings of the board that the scene file lacks: bandwidth of the shipped current loop in hertz, and delay from the encoder's
+/// reading to the new current command in seconds (one PWM period).
 const LOOP: [&str; 2] = [
     "device.current_loop.bandwidth_hz=600",
     "timing.computational_delay_s=0.00005",
 ];
-/// Places of the surface within a count of the encoder at which the board is played, as shares of a count; the scene's
-/// own first. A press alone is played at all of them too. At a single place a figure lies outside the desktop's
-/// scatter in two of nine cases, and another compiler's program is another sample.
+/// Positions of the wall's surface between two encoder counts, in fractions of a count; the scene file's own position is the first.
+/// The board runs at each position, also where only a press is run. At a single position, a figure lay outside the desktop's
+/// scatter in two of nine cases.
 const PLACES: [&str; 4] = ["0", "0.25", "0.5", "0.75"];
-/// Figures are the same within this share.
+/// Largest relative deviation at which a figure of the board still counts as equal to the desktop's.
 const SAME: &str = "0.1";
 
-/// Plays all grips and actions; or only a medium grip's press, which takes seconds.
+/// Runs all grips and actions if `is_whole`; otherwise only a press with a medium grip, which takes seconds.
 pub fn run(is_whole: bool) -> Outcome {
     played(is_whole).unwrap_or_else(|outcome| outcome)
 }

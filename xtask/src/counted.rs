@@ -1,11 +1,11 @@
-//! Instructions that valgrind counts, of an example.
+//! Counts the instructions of an example program with valgrind.
 
 use std::path::PathBuf;
 
 use crate::outcome::Outcome;
 use crate::shell;
 
-/// Instructions in all, from callgrind's output file.
+/// Total of the executed instructions in the text of callgrind's output file.
 pub fn instructions(file: &str) -> Option<u64> {
     let value = |key| {
         file.lines()
@@ -14,16 +14,18 @@ pub fn instructions(file: &str) -> Option<u64> {
     value("totals:").or_else(|| value("summary:"))
 }
 
-/// `(Ir(n2) - Ir(n1)) / (n2 - n1)`.
+/// Instructions per tick from two runs: difference of the counted instructions, divided by the difference of the ticks.
 pub fn per_tick(ticks: [u64; 2], counted: [u64; 2]) -> f64 {
     (counted[1] as f64 - counted[0] as f64) / (ticks[1] - ticks[0]) as f64
 }
 
-/// Builds an example of `host-sim/sim`, optimised like the released program: across crates, so that a count does not
-/// depend on where they end.
+/// Builds an example of `host-sim/sim` and returns its path. Like the released program it is optimised across crates, so that the
+/// borders between crates do not change a count.
 pub fn built(example: &str) -> Result<PathBuf, Outcome> {
     let mut build = shell::cargo_locked("build");
     build.args(["--profile", "dist", "--package", "touchstone-sim"]);
+    // Callgrind finds the function `mark` by its name, so the names must not be stripped as in the released program.
+    build.args(["--config", "profile.dist.strip=false"]);
     build.arg("--example");
     let built = shell::run(build.arg(example));
     if built.is_failure() {

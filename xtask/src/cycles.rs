@@ -1,5 +1,6 @@
-//! `cargo xtask cycles`: instructions and table cycles of the law, the control interrupt and the current loop, on the real programs
-//! of all boards in the emulator, worst over presses, taps and hard settings; and how deep the stack was.
+//! `cargo xtask cycles`: instructions and estimated processor cycles (from a table) of control law, control interrupt and current
+//! loop, and the depth of the stack. The firmware of all boards runs in the emulator; the worst of presses, taps and hard settings
+//! counts.
 
 use crate::emulator;
 use crate::firmware::BOARDS;

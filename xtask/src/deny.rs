@@ -1,7 +1,8 @@
-//! `cargo xtask deny`: what the project depends on: crates that stand twice, licences, known vulnerabilities (`deny.toml`).
+//! `cargo xtask deny`: checks the dependencies for crates in several versions, for licences and for known vulnerabilities
+//! (`deny.toml`).
 //!
-//! Duplicates are counted with cargo alone. The rest is cargo-deny's; where it is missing, or its list of advisories cannot be fetched, the
-//! step says so and is not run.
+//! Cargo alone finds the crates in several versions. cargo-deny checks the rest; if cargo-deny is not installed or cannot fetch its
+//! list of vulnerabilities, the step reports "not run" with the reason.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,11 +10,13 @@ use crate::outcome::Outcome;
 use crate::shell;
 
 const INSTALL: &str = "licences and advisories: cargo install --locked cargo-deny";
-/// Names of which two versions may be built: of crates that other crates have not left behind yet.
+/// Largest number of crates that may be in the dependency tree in more than one version. Some dependencies still need older
+/// versions.
 const MOST_TWICE: usize = 5;
-/// What cargo-deny says where it could not look.
+/// Message of cargo-deny when it cannot fetch the list of vulnerabilities.
 const NO_LIST: &str = "failed to fetch advisory database";
-/// The lock files: the workspace's and those of what runs on other machines.
+/// Manifests whose dependencies are checked: the workspace's, and those of the separate workspaces for emulator, firmware and
+/// microcontroller tests.
 const MANIFESTS: [&str; 4] = [
     "Cargo.toml",
     "emulator/Cargo.toml",
@@ -61,7 +64,7 @@ pub fn run(args: &[String]) -> Outcome {
 
 fn checked(manifest: &str, what: &[&str]) -> Outcome {
     let mut deny = shell::cargo("deny");
-    // As a whole path: it takes no bare name.
+    // cargo-deny needs an absolute path; it rejects a bare file name.
     deny.arg("--manifest-path")
         .arg(shell::root().join(manifest));
     deny.args(["check", "--config"])
@@ -76,7 +79,8 @@ fn checked(manifest: &str, what: &[&str]) -> Outcome {
     }
 }
 
-/// The crates of which a tree has several versions, such as `syn v2.0.119 (proc-macro)` a line.
+/// The crates that `cargo tree` lists in several versions, with these versions. A line of `tree` is such as `syn v2.0.119
+/// (proc-macro)`.
 fn twice(tree: &str) -> Vec<(String, Vec<String>)> {
     let mut versions: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     for line in tree.lines() {

@@ -1,7 +1,8 @@
-//! `cargo xtask dist`: an archive with which a maker needs no compiler, in `target/dist/`.
+//! `cargo xtask dist`: packs a release archive in `target/dist/` that can be used without a compiler.
 //!
-//! It builds and checks the firmware of all boards as `cargo xtask firmware` does, builds the program for this machine, packs
-//! both with guide and licences, unpacks the archive and asks the program in it, without a PATH, whether it finds what came with it.
+//! The step builds and checks the firmware of all boards as `cargo xtask firmware` does, and builds the program for this machine.
+//! It packs them with guide and licences and unpacks the archive again. The unpacked program must then find the packed firmware
+//! with an empty PATH.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -12,7 +13,7 @@ use crate::{firmware, inspect, shell, toolchain};
 
 const USAGE: &str = "cargo xtask dist";
 
-/// Features of the released program, which is complete: `flash` and `log` without another program, meshes, Parquet.
+/// Features of the released program: `flash` and `log` without an external program, mesh files, Parquet files.
 const FEATURES: &str = "touchstone/probe,touchstone/mesh,touchstone/parquet";
 /// Cargo profile of the shipped program: optimised across crates and stripped.
 const PROFILE: &str = "dist";
@@ -41,7 +42,7 @@ fn made() -> Result<Outcome, Outcome> {
     for metadata in metadata(&folder)? {
         words.push(paired("metadata", &metadata));
     }
-    // What an older archive had, this one may not.
+    // Removes the files of an older archive, which this one may not contain.
     let unpacked = folder.join(&name);
     if unpacked.exists() {
         done(std::fs::remove_dir_all(&unpacked), &unpacked)?;
@@ -54,7 +55,7 @@ fn made() -> Result<Outcome, Outcome> {
     Ok(packed)
 }
 
-/// Builds the program for this machine; returns its path. No path of this machine stays in it.
+/// Builds the program for this machine and returns its path. Names of this machine's folders are removed from the program.
 fn program(folder: &Path) -> Result<PathBuf, Outcome> {
     let home = std::env::var_os("CARGO_HOME").map_or_else(
         || PathBuf::from(std::env::var_os("HOME").unwrap_or_default()).join(".cargo"),
@@ -75,7 +76,7 @@ fn program(folder: &Path) -> Result<PathBuf, Outcome> {
     Ok(folder.join(PROFILE).join(name))
 }
 
-/// What cargo knows of the packages in the program and in the firmware, in files.
+/// Writes the output of `cargo metadata` for the program and for the firmware to one file each; returns the paths of the files.
 fn metadata(folder: &Path) -> Result<Vec<PathBuf>, Outcome> {
     let host = toolchain::host();
     let both = [
@@ -99,8 +100,8 @@ fn metadata(folder: &Path) -> Result<Vec<PathBuf>, Outcome> {
     Ok(files)
 }
 
-/// Checks that the unpacked program runs with an empty PATH, and finds the boards' programs beside it and the flash
-/// tool inside.
+/// Checks that the unpacked program runs with an empty PATH. It must find the boards' firmware files beside it, and need no
+/// external program to flash them.
 fn tried(unpacked: &Path) -> Result<(), Outcome> {
     let mut calls = vec![vec!["run", "thesis-knob", "--quiet"]];
     for board in firmware::BOARDS {
@@ -115,7 +116,7 @@ fn tried(unpacked: &Path) -> Result<(), Outcome> {
     Ok(())
 }
 
-/// Such as `touchstone-0.1.0-x86_64-linux`.
+/// Name of the archive, such as `touchstone-0.1.0-x86_64-linux`.
 fn name() -> String {
     let (machine, system) = (std::env::consts::ARCH, std::env::consts::OS);
     format!(
@@ -124,7 +125,7 @@ fn name() -> String {
     )
 }
 
-/// The version of the tree.
+/// Text of the file `VERSION` in the archive: version, commit, date of the commit, compiler.
 fn identity() -> String {
     let changed = git(&["status", "--porcelain"]).is_none_or(|changes| !changes.is_empty());
     let changed = if changed {
@@ -142,7 +143,7 @@ fn identity() -> String {
     )
 }
 
-/// The time of everything in the archive: the commit's, or `SOURCE_DATE_EPOCH`.
+/// Time stamp of all files in the archive, in seconds since 1970: `SOURCE_DATE_EPOCH` if set, else the time of the commit.
 fn seconds() -> u64 {
     let number = |text: String| text.parse().ok();
     std::env::var("SOURCE_DATE_EPOCH")

@@ -1,4 +1,4 @@
-//! `cargo xtask doc`: the documentation of all crates builds without a warning, broken links included.
+//! `cargo xtask doc`: builds the documentation of all crates; any warning, also about a broken link, is an error.
 
 use crate::outcome::Outcome;
 use crate::shell;

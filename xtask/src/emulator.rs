@@ -1,4 +1,4 @@
-//! Building and calling the emulator, for `cargo xtask fil` and `cargo xtask cycles`.
+//! Builds and runs the microcontroller emulator, for `cargo xtask fil` and `cargo xtask cycles`.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -6,10 +6,11 @@ use std::process::Command;
 use crate::outcome::{Outcome, USAGE};
 use crate::{firmware, packages, shell};
 
-/// What Unicorn and its bindings are built with.
+/// Programs that the build of the emulator library Unicorn and of its bindings needs, each with its package.
 const TOOLS: [(&str, &str); 2] = [("clang", "clang"), ("cmake", "cmake")];
 
-/// Builds the firmware of boards and the emulator, calls the emulator with a command and the programs; what it said last.
+/// Builds the emulator and the firmware of `boards`, then runs the emulator's `command` on them. The outcome's text is the last
+/// line that the emulator printed.
 pub fn call(command: &str, boards: &[&str], words: &[&str]) -> Outcome {
     let all = firmware_and_emulator(boards);
     all.map_or_else(
@@ -25,7 +26,7 @@ pub fn call(command: &str, boards: &[&str], words: &[&str]) -> Outcome {
     )
 }
 
-/// Runs it; the outcome says what it said last.
+/// Runs the emulator; the outcome's text is the last line that the emulator printed.
 fn last_line(call: &mut Command) -> Outcome {
     let mut last = String::new();
     let code = shell::exit_code(call, |line| {
@@ -41,7 +42,7 @@ fn last_line(call: &mut Command) -> Outcome {
     }
 }
 
-/// Builds both; where they are.
+/// Builds the emulator and the firmware of `boards`; returns the emulator's path and the paths of the firmware files.
 pub fn firmware_and_emulator(boards: &[&str]) -> Result<(PathBuf, Vec<PathBuf>), Outcome> {
     if let Some(outcome) = missing() {
         return Err(outcome);
@@ -50,7 +51,7 @@ pub fn firmware_and_emulator(boards: &[&str]) -> Result<(PathBuf, Vec<PathBuf>),
     Ok((built()?, programs?))
 }
 
-/// The emulator's own tests.
+/// Runs the unit tests of the emulator's own crate.
 pub fn test() -> Outcome {
     if let Some(outcome) = missing() {
         return outcome;
@@ -68,7 +69,7 @@ pub fn test() -> Outcome {
     shell::run(&mut cargo)
 }
 
-/// Builds the emulator; where it is.
+/// Builds the emulator and returns the path of its program.
 pub fn built() -> Result<PathBuf, Outcome> {
     if let Some(outcome) = missing() {
         return Err(outcome);
@@ -85,7 +86,7 @@ pub fn built() -> Result<PathBuf, Outcome> {
     }
 }
 
-/// Why the emulator cannot be built here, if it cannot.
+/// Reason why the emulator cannot be built on this machine; `None` if it can. Tries to install missing packages first.
 fn missing() -> Option<Outcome> {
     if !is_there() {
         packages::apt_get(&packages::EMULATOR);
@@ -101,7 +102,7 @@ fn missing() -> Option<Outcome> {
     with_space(&[sources, shell::target("emulator")])
 }
 
-/// The build of Unicorn calls a shell script by its path, without quotes.
+/// Reports the first folder with white space in its path: Unicorn's build calls a shell script by an unquoted path and would fail.
 fn with_space(folders: &[PathBuf]) -> Option<Outcome> {
     let has_space = |folder: &&PathBuf| folder.to_string_lossy().contains(char::is_whitespace);
     folders.iter().find(has_space).map(|folder| {
@@ -112,7 +113,7 @@ fn with_space(folders: &[PathBuf]) -> Option<Outcome> {
     })
 }
 
-/// Whether all that the build needs is there.
+/// Whether clang, cmake and libclang, which the emulator's build needs, are installed.
 pub fn is_there() -> bool {
     let runs = |(program, _): &(&str, &str)| {
         shell::capture(shell::program(program).arg("--version")).is_some()
@@ -120,8 +121,7 @@ pub fn is_there() -> bool {
     TOOLS.iter().all(runs) && has_libclang()
 }
 
-/// Whether bindgen can load libclang while it runs: from the folders of the system, of LLVM's versions, or a given
-/// one.
+/// Whether bindgen can load libclang: from a folder of the system, a folder of an LLVM version, or the one in `LIBCLANG_PATH`.
 fn has_libclang() -> bool {
     let folders = [
         "/usr/lib",

@@ -1,9 +1,15 @@
-//! `cargo xtask fil [--sample | --brief | --only TEXT] [--board BOARD]`: the firmware in the loop. The real programs of all boards, or of one, on an
-//! emulated chip with a simulated motor and hand: boot, calibration, arming, the thesis' press compared with the law on this machine to the
-//! bit, and every fault, injected. A table; one that is wrong fails all. `--sabotage`: that rows do go wrong, [`sabotage`]. `--scorecard`: what
-//! a hand feels of the reference board, [`board_scorecard`]. A press of it is in the run of everything and in that of
-//! the sample, which has one injection of three, all but the longest check on the reference board, and few checks on the others; the brief run
-//! has the same injections, and the checks that are done soon.
+//! `cargo xtask fil [--sample | --brief | --only TEXT] [--board BOARD]`: firmware-in-the-loop tests. The firmware of all boards, or
+//! of one, runs on an emulated chip with a simulated motor and hand.
+//!
+//! The checks are boot, calibration, arming, a press that must equal the control law on this machine bit for bit, and every
+//! injected fault. They are printed as a table; one failed check fails the step. Except with `--only`, the emulator's own tests run
+//! before, and a press of the scorecard (scripted actions of a simulated hand) on the reference board runs after.
+//!
+//! `--sample` runs one of three fault injections, all but the longest check on the reference board, and few checks on the other
+//! boards. `--brief` runs the same injections and only the short checks.
+//!
+//! `--sabotage` shows that the checks fail where they must ([`sabotage`]). `--scorecard` runs the whole scorecard on the reference
+//! board ([`board_scorecard`]).
 
 use crate::firmware::{self, BOARDS, REFERENCE};
 use crate::outcome::Outcome;
@@ -12,13 +18,13 @@ use crate::{board_scorecard, emulator, sabotage};
 
 const SAMPLE: &str = "--sample";
 const BRIEF: &str = "--brief";
-/// The part that the first gate runs.
+/// The part of `cargo xtask fil` that the middle gate (`cargo xtask test`) runs.
 pub const ONE_BOARD: Share = Share::Part(
     &[BRIEF, "--board", REFERENCE],
     "two of three injections; the checks of starts, power cuts, heat, noise, cogging and eccentricity; the other four boards, and with them \
      whether every fault code is latched",
 );
-/// The part that the full gate runs.
+/// The part of `cargo xtask fil` that the full gate (`cargo xtask test --full`) runs.
 pub const SAMPLED: Share = Share::Part(
     &[SAMPLE],
     "two of three injections and the map of the cogging; most checks of the boards that are not the reference",
@@ -43,7 +49,7 @@ pub fn run(args: &[String]) -> Outcome {
     }
 }
 
-/// The emulator's tests, everything or a sample, a press.
+/// Runs the emulator's own tests, then the firmware-in-the-loop checks with the options `words`, then a press of the scorecard.
 fn with_a_press(words: &[&str], boards: &[&str]) -> Outcome {
     match emulator::test() {
         Outcome::Ok(_) => {}

@@ -1,7 +1,7 @@
-//! `cargo xtask firmware [--board BOARD]`: builds the firmware of all boards and looks at what came out.
+//! `cargo xtask firmware [--board BOARD]`: builds the firmware of all boards, or of one, and checks the compiled programs.
 //!
-//! The program of a board ends up in `target/firmware/BOARD/touchstone.elf`, which is what the emulator runs and
-//! `touchstone flash` writes.
+//! The firmware of a board is written to `target/firmware/BOARD/touchstone.elf`, which the emulator runs and `touchstone flash`
+//! writes to a board.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use crate::step::Share;
 use crate::toolchain::{self, BOARD};
 use crate::{inspect, shell};
 
-/// The boards: each is the name of a binary and of a feature of `firmware/`.
+/// The supported boards. Each name is also the name of a binary and of a Cargo feature of `firmware/`.
 pub const BOARDS: [&str; 5] = [
     "nucleo-g474re",
     "nucleo-g474re-ihm16m1",
@@ -21,21 +21,21 @@ pub const BOARDS: [&str; 5] = [
     "b-g431b-esc1",
 ];
 
-/// Boards with 128 KiB of flash, whose firmware is compiled for size first.
+/// Boards with 128 KiB of flash memory, whose firmware is compiled for small size instead of speed.
 const SMALL_FLASH: [&str; 2] = ["nucleo-g431rb-ihm16m1", "b-g431b-esc1"];
 
-/// The board of which the first gate runs program and faults.
+/// The board whose firmware and fault reactions the middle gate (`cargo xtask test`) checks.
 pub const REFERENCE: &str = "nucleo-g474re-ihm16m1";
-/// The part of `cargo xtask firmware` that the first gate runs.
+/// The part of `cargo xtask firmware` that the middle gate (`cargo xtask test`) runs.
 pub const ONE_BOARD: Share = Share::Part(
     &["--board", REFERENCE],
     "the programs of the other four boards",
 );
 
-/// What `cargo xtask firmware` takes.
+/// Usage text of `cargo xtask firmware`.
 const USAGE: &str = "cargo xtask firmware [--board nucleo-g474re|nucleo-g474re-ihm16m1|nucleo-g474re-simplefoc-mini|nucleo-g431rb-ihm16m1|b-g431b-esc1]";
 
-/// Path of a board's firmware after it is built.
+/// Path of a board's firmware file once it is built.
 pub fn program(board: &str) -> PathBuf {
     shell::target("firmware").join(board).join("touchstone.elf")
 }
@@ -66,7 +66,7 @@ pub fn run(args: &[String]) -> Outcome {
     inspect::call(words)
 }
 
-/// Builds a board's program, warnings denied; where it is.
+/// Builds a board's firmware with warnings as errors; returns the path of the firmware file.
 pub fn build(board: &str) -> Result<PathBuf, Outcome> {
     let (mut cargo, options) = toolchain::build_board()?;
     let folder = shell::target("firmware").join("build");
@@ -84,7 +84,7 @@ pub fn build(board: &str) -> Result<PathBuf, Outcome> {
     Ok(kept)
 }
 
-/// The command that builds a board's program from a copy of the sources, and where the program will be.
+/// The command that builds a board's firmware from a copy of the sources, and the path of the program that the command writes.
 pub fn build_copy(
     board: &str,
     sources: &Path,
@@ -95,12 +95,13 @@ pub fn build_copy(
     Ok((cargo, built(folder, board)))
 }
 
-/// Where cargo leaves a board's program.
+/// Path at which cargo leaves a board's program below the target folder `folder`.
 fn built(folder: &Path, board: &str) -> PathBuf {
     folder.join(BOARD).join("release").join(board)
 }
 
-/// Clippy on a board's program, warnings denied. Where no clippy knows the target, the compiler's own warnings are all there is.
+/// Runs Clippy on a board's firmware with warnings as errors. If no installed Clippy supports the target, nothing is run; the
+/// compiler's warnings were then checked by the build alone.
 fn lint(board: &str) -> Outcome {
     let Some((mut clippy, options)) = toolchain::clippy_board() else {
         return Outcome::Ok(String::new());
@@ -111,10 +112,10 @@ fn lint(board: &str) -> Outcome {
     shell::run(clippy.args(["--", "-D", "warnings"]))
 }
 
-/// Adds the arguments that all cargo commands share.
+/// Adds to a cargo command the arguments that build and Clippy share.
 fn arguments(cargo: &mut Command, board: &str, options: &[String], sources: &Path, folder: &Path) {
     cargo
-        // Where its own `.cargo/config.toml` is.
+        // Cargo then reads the `.cargo/config.toml` of the firmware.
         .current_dir(sources.join("firmware"))
         .args(["--release", "--target-dir"])
         .arg(folder)

@@ -1,10 +1,14 @@
-//! `cargo xtask float-free [--source]`: the crates that decide, as firmware builds them, have no float in them.
+//! `cargo xtask float-free [--source]`: checks that the crates with control law, guard and motor drive, as built for firmware, use
+//! no floating point.
 //!
-//! Three looks, each finding what the others cannot: at the source (types, literals, casts, outside what the feature
-//! `float` turns on); at the code that this machine's compiler makes of an example that uses all that firmware uses, with all
-//! that it calls in other crates; and, where the compiler can make it, at the microcontroller's code, where a soft-float target
-//! turns every float operation into a call with a telling name. Where the code is examined, calls to panics are found too:
-//! set-up and tick must have none.
+//! Three checks find different faults:
+//! - in the source: float types, literals and casts outside the parts that the feature `float` enables;
+//! - in the code compiled for this machine: float operations in an example that uses all that the firmware uses, and in every function
+//!   that the example calls in other crates;
+//! - in the code compiled for the microcontroller, where the compiler supports it: calls that stand for float operations, since a soft-float
+//!   target has no float instructions.
+//!
+//! The two checks of compiled code also find calls to panics, of which set-up and control periods must have none.
 
 use std::path::{Path, PathBuf};
 
@@ -12,13 +16,13 @@ use crate::outcome::Outcome;
 use crate::step::Gates;
 use crate::{inspect, shell, toolchain};
 
-/// A crate and the example that stands for firmware.
+/// A crate to check, with the example that calls all that the firmware calls.
 struct Subject {
     package: &'static str,
     /// Folder of the crate's source.
     folder: &'static str,
     example: &'static str,
-    /// Beginning of the name of its assembly file.
+    /// Beginning of the name of the crate's assembly file.
     assembly: &'static str,
 }
 
@@ -37,7 +41,7 @@ const SUBJECTS: [Subject; 2] = [
     },
 ];
 
-/// What all gates but the full one give it.
+/// Option that checks only the source; the quick and the middle gate use it.
 const SOURCE: &str = "--source";
 pub const GATES: Gates = Gates::part(
     &[SOURCE],
@@ -101,12 +105,12 @@ fn in_thumb_code(subject: &Subject) -> Outcome {
     look(subject, &folder.join(target).join("release"), target)
 }
 
-/// A separate folder for each compiler: the code of two must not be mixed.
+/// Build folder for one compiler and version, so that code of different compilers is never mixed.
 fn folder(name: &str, version: &str) -> PathBuf {
     shell::target("float-free").join(format!("{name}-{version}"))
 }
 
-/// Builds the example for firmware's eyes, with the assembly of all its crates.
+/// Builds the example as firmware would build it, and writes the assembly of all its crates.
 fn emit(
     subject: &Subject,
     mut cargo: std::process::Command,
@@ -120,13 +124,13 @@ fn emit(
         .args(options)
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
         .env("RUSTFLAGS", "--emit=asm -Ccodegen-units=1")
-        // Bitcode for a later link would be empty of instructions.
+        // With link-time optimisation the assembly files would hold bitcode instead of instructions.
         .env("CARGO_PROFILE_RELEASE_LTO", "off")
         .env("CARGO_PROFILE_RELEASE_DEBUG", "false");
     shell::run(&mut cargo)
 }
 
-/// Follows every function of crate and example through all that it calls.
+/// Searches the assembly of crate and example, and of every function that they call, for float operations and panics.
 fn look(subject: &Subject, release: &Path, architecture: &str) -> Outcome {
     inspect::call([
         "float-code".as_ref(),

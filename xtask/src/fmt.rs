@@ -1,4 +1,4 @@
-//! `cargo xtask fmt`: the code is formatted by rustfmt's defaults.
+//! `cargo xtask fmt`: checks that the code is formatted as rustfmt does by default.
 
 use crate::outcome::Outcome;
 use crate::{packages, shell};

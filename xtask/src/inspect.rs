@@ -1,5 +1,5 @@
-//! Calls `inspect/`, the crate that reads what builds, emulators and the model checker leave behind. It is built when a step
-//! first needs it, so that the others start without its dependencies.
+//! Calls the crate `inspect/`, which reads files written by builds, emulators and the model checker. The crate is built when a step
+//! first needs it, so that other steps start without its dependencies.
 
 use std::ffi::OsStr;
 use std::process::{Command, Stdio};
@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use crate::outcome::Outcome;
 use crate::shell;
 
-/// A cargo command that builds or runs the crate in its fastest profile to compile.
+/// A cargo command for the crate `inspect/`, with the profile that compiles fastest.
 fn of_tools(what: &str) -> Command {
     let mut cargo = shell::cargo_locked(what);
     cargo.args([
@@ -20,13 +20,13 @@ fn of_tools(what: &str) -> Command {
     cargo
 }
 
-/// Builds the crate early, so that a step that needs it only at its end does not wait. Errors are reported at that
-/// step.
+/// Builds the crate `inspect/` early, so that a step that calls it at its end does not wait. Errors are ignored: the later call
+/// reports them.
 pub fn build() {
     let _ = of_tools("build").stderr(Stdio::null()).status();
 }
 
-/// Shows what it found; the outcome is its last line.
+/// Runs `inspect/` with these arguments and prints its lines. The text of the outcome is the last line.
 pub fn call<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> Outcome {
     let (lines, outcome) = ask(words);
     for line in lines {
@@ -35,7 +35,7 @@ pub fn call<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> Outcome {
     outcome
 }
 
-/// Same as [`run`], with its lines returned instead of shown.
+/// Runs `inspect/` like [`call`], but returns the lines instead of printing them.
 pub fn ask<W: AsRef<OsStr>>(words: impl IntoIterator<Item = W>) -> (Vec<String>, Outcome) {
     let mut cargo = of_tools("run");
     let done = cargo

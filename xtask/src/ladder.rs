@@ -1,8 +1,9 @@
-//! `cargo xtask bench --ladder [--write]`: what every effect of a scene costs alone and in pairs, instructions a tick.
+//! `cargo xtask bench --ladder [--write]`: measures the cost of every effect of a scene file, alone and in pairs, in instructions
+//! per control period (tick).
 //!
-//! One process runs all configurations, few ticks and then more of each, and callgrind writes down its count at every call of the
-//! example's `mark`. With `--write` the counts go to `host-sim/lab/src/plan/ladder.txt`, from which `touchstone plan` predicts, and as
-//! a table into `docs/effects.md`.
+//! One process runs all configurations, each first with few and then with more ticks. Callgrind writes its instruction count at
+//! every call of the example's function `mark`. `--write` puts the counts into `host-sim/lab/src/plan/ladder.txt`, from which
+//! `touchstone plan` predicts the computing cost of a scene, and as a table into `docs/effects.md`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -12,13 +13,12 @@ use crate::counted::{built, instructions, per_tick};
 use crate::outcome::Outcome;
 use crate::{packages, shell};
 
-/// Long enough for what happens once in a hundred ticks to happen often.
+/// Ticks of the short and of the long run. Events that happen once in a hundred ticks still happen often in 1000 ticks.
 const TICKS: [u64; 2] = [1_000, 5_000];
-/// Where the table stands in `docs/effects.md`.
+/// Line of `docs/effects.md` after which the table begins.
 const BEGIN: &str = "<!-- ladder: begin, written by `cargo xtask bench --ladder --write` -->\n";
 const END: &str = "<!-- ladder: end -->\n";
-/// Instructions that an effect at amplitude zero may cost. Only ticks are counted; the rest is the rounding of a
-/// table.
+/// Most instructions per tick that an effect with amplitude zero may add. It allows only for rounding.
 const NOTHING: f64 = 0.01;
 
 type Costs = BTreeMap<String, f64>;
@@ -46,7 +46,7 @@ fn climb(write: bool) -> Result<Outcome, Outcome> {
     print!("{table}");
     let bare = costs["bare"];
     for (name, cost) in costs.iter().filter(|(name, _)| name.starts_with("silent:")) {
-        // An effect of the hand needs one.
+        // An effect of the simulated hand needs the hand, so its cost is compared with the cost of a hand alone.
         let costs_nothing = [bare, costs["with:hand"]]
             .iter()
             .any(|without| (cost - without).abs() <= NOTHING);
@@ -88,17 +88,17 @@ fn put(path: &Path, text: &str) -> Result<(), Outcome> {
     std::fs::write(path, text).map_err(|error| failed(path, &error))
 }
 
-/// The page with another table.
+/// The text of a page with its table replaced by `table`; `None` if the page has no marks for a table.
 fn between(page: &str, table: &str) -> Option<String> {
     let (before, rest) = page.split_once(BEGIN)?;
     let (_, after) = rest.split_once(END)?;
     Some(format!("{before}{BEGIN}{table}{END}{after}"))
 }
 
-/// Instructions a tick of every configuration.
+/// Measures the instructions per tick of every configuration in `names`.
 fn counted(binary: &Path, names: &[&str]) -> Result<Costs, Outcome> {
     let folder = shell::target("bench/ladder");
-    // Old counts must not stand in for ones that failed.
+    // Removes old counts, which must not be read if this run fails.
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, &error))?;
     let out = folder.join("count");
@@ -116,7 +116,7 @@ fn counted(binary: &Path, names: &[&str]) -> Result<Costs, Outcome> {
     if shell::capture(&mut command).is_none() {
         return Err(Outcome::Failed("the ladder failed under valgrind".into()));
     }
-    // The first count is of everything before the first mark.
+    // The first count covers everything before the first call of `mark`.
     let file = |number: usize| PathBuf::from(format!("{}.{number}", out.display()));
     let count = |number: usize| -> Result<u64, Outcome> {
         let path = file(number);
@@ -134,14 +134,15 @@ fn counted(binary: &Path, names: &[&str]) -> Result<Costs, Outcome> {
         .iter()
         .enumerate()
         .map(|(at, name)| {
-            // The last of a configuration's three marks ends its ticks; what comes after is the next one's plan.
+            // Each configuration calls `mark` three times; the last call ends its ticks. The code after it prepares the next
+            // configuration.
             let counted = [count(3 * at + 2)?, count(3 * at + 3)?];
             Ok(((*name).to_owned(), per_tick(TICKS, counted)))
         })
         .collect()
 }
 
-/// Checks that a long climb takes no more memory than a short one: no tick of any configuration allocates.
+/// Checks that a long run allocates memory no more often than a short run: no tick of any configuration allocates.
 fn allocated(binary: &Path) -> Result<(), Outcome> {
     let count = |more: u64| -> Result<u64, Outcome> {
         let log = shell::target("bench/ladder").join(format!("heap.{more}"));
@@ -167,14 +168,14 @@ fn allocated(binary: &Path) -> Result<(), Outcome> {
     )))
 }
 
-/// Allocations in all, from memcheck's summary.
+/// Number of all memory allocations, from the summary in memcheck's log.
 fn allocations(log: &str) -> Option<u64> {
     let (_, rest) = log.split_once("total heap usage: ")?;
     let (count, _) = rest.split_once(" allocs")?;
     count.replace(',', "").parse().ok()
 }
 
-/// What each effect adds alone, and what two together add beyond that.
+/// Table of the instructions per tick that each effect adds alone, and of what each pair adds beyond the sum of its two effects.
 fn table(names: &[&str], costs: &Costs) -> String {
     let effects: Vec<&str> = names
         .iter()

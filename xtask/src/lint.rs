@@ -4,7 +4,7 @@ use crate::outcome::Outcome;
 use crate::step::Gates;
 use crate::{packages, shell};
 
-/// The workspace without the crates for a probe, which are more than all the others together.
+/// Option that leaves out the crates for a debug probe, whose dependencies outnumber all others.
 const WORKSPACE: &str = "--workspace";
 pub const GATES: Gates = Gates::part(&[WORKSPACE], "the probe's crate with its feature");
 
@@ -17,10 +17,10 @@ pub fn run(args: &[String]) -> Outcome {
     if let Some(missing) = packages::missing_component("clippy") {
         return missing;
     }
-    // The control crate once more by itself: in the workspace it is built with `float`, which firmware leaves out.
+    // Checks the control crate also alone: in the workspace it is built with the feature `float`, which firmware leaves out.
     let mut packages: Vec<&[&str]> = vec![&["--workspace"], &["--package", "touchstone-control"]];
     if is_whole {
-        // Without its feature it is empty. The program with that feature is looked at by `cargo xtask probe`.
+        // Without its feature the probe's crate is empty. `cargo xtask probe` checks the program with that feature.
         packages.push(&["--package", "touchstone-probe", "--features", "probe-rs"]);
     }
     shell::run_all(packages.into_iter().map(|packages| {

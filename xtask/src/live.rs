@@ -1,8 +1,8 @@
-//! `cargo xtask live`: the live page's WebAssembly, which is committed so that a user of the program needs no second
-//! target.
+//! `cargo xtask live`: builds the WebAssembly module of the live page. The module is committed, so that a user of the program needs
+//! no WebAssembly compiler.
 //!
-//! The same source gives the same bytes with the same compiler, in any folder: paths are removed. A file beside the
-//! module records how it was made, and `cargo xtask wasm` makes it again and compares.
+//! The same source and compiler give the same bytes in any folder, since paths are removed. The file `MADE.txt` beside the module
+//! records the compiler. `cargo xtask wasm` builds the module again and compares it with the committed one.
 
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ fn folder() -> PathBuf {
     shell::root().join("host-sim/live/module")
 }
 
-/// Text of the file beside the module.
+/// Text of the file `MADE.txt`, which records how the module was built.
 fn about(compiler: &Compiler, bytes: &[u8]) -> String {
     format!(
         "made by    cargo xtask live\ncompiler   {}, its library {}\ntarget     {TARGET}\nprofile    live (Cargo.toml)\nbytes      {}\n",
@@ -49,7 +49,7 @@ pub fn run(args: &[String]) -> Outcome {
     }
 }
 
-/// Builds the module; gives its bytes.
+/// Builds the WebAssembly module and returns its bytes.
 fn build(compiler: &Compiler) -> Result<Vec<u8>, Outcome> {
     let (mut cargo, options) = compiler.cargo_for("rustc", &["std", "panic_abort"]);
     let target = shell::target("wasm").join(&compiler.version);
@@ -63,7 +63,7 @@ fn build(compiler: &Compiler) -> Result<Vec<u8>, Outcome> {
     cargo
         .args(["--profile", "live", "--target-dir"])
         .arg(&target);
-    // Messages of panics name their files: what a machine calls its folders is no part of the program.
+    // Panic messages contain paths of source files; the names of this machine's folders must not get into the module.
     let separator = "\u{1f}";
     let flags: Vec<String> = remapped()
         .into_iter()
@@ -78,7 +78,8 @@ fn build(compiler: &Compiler) -> Result<Vec<u8>, Outcome> {
     std::fs::read(&file).map_err(|error| Outcome::Failed(format!("{}: {error}", file.display())))
 }
 
-/// Folders whose names must not enter the bytes; of several that fit, the compiler takes the last.
+/// Folders whose paths must not get into the module, with the text that replaces each. If several match a path, the compiler uses
+/// the last.
 fn remapped() -> Vec<(PathBuf, &'static str)> {
     let home = std::env::var_os("CARGO_HOME")
         .map(PathBuf::from)
@@ -86,7 +87,7 @@ fn remapped() -> Vec<(PathBuf, &'static str)> {
         .unwrap_or_default();
     let sources = home.join("registry/src");
     let mut all = vec![(home, "cargo")];
-    // A folder for each place that crates come from, named after it.
+    // Each registry has its own folder below the sources.
     for entry in std::fs::read_dir(sources).into_iter().flatten().flatten() {
         all.push((entry.path(), "crates"));
     }
@@ -94,7 +95,7 @@ fn remapped() -> Vec<(PathBuf, &'static str)> {
     all
 }
 
-/// The reason why this compiler cannot make the committed module again; `None` where it can.
+/// The reason why this compiler cannot reproduce the committed module; `None` if it can.
 pub fn why_not_compared(compiler: &Compiler) -> Option<String> {
     let told = std::fs::read_to_string(folder().join("MADE.txt")).unwrap_or_default();
     let made_with = told
@@ -107,7 +108,7 @@ pub fn why_not_compared(compiler: &Compiler) -> Option<String> {
     })
 }
 
-/// Checks that the committed module is built from the present source.
+/// Checks that the committed module equals a new build of the present source.
 pub fn check(compiler: &Compiler) -> Outcome {
     if let Some(why) = why_not_compared(compiler) {
         return Outcome::NotRun(why);

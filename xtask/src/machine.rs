@@ -1,11 +1,12 @@
-//! `cargo xtask machine`: what this machine has, and which compiler each step takes, so that a report of a failure says it all.
+//! `cargo xtask machine`: prints the machine's tools, their versions and the compiler of each kind of build, for reports of
+//! failures.
 
 use std::process::Command;
 
 use crate::outcome::Outcome;
 use crate::{shell, toolchain};
 
-/// Programs that steps start, with the option that makes them say their version.
+/// Programs that the steps start, each with the option that prints its version.
 const PROGRAMS: [(&str, &str); 12] = [
     ("cargo", "--version"),
     ("cargo-kani", "--version"),
@@ -20,7 +21,7 @@ const PROGRAMS: [(&str, &str); 12] = [
     ("firefox-esr", "--version"),
     ("geckodriver", "--version"),
 ];
-/// Variables of the environment that change what cargo builds or where.
+/// Environment variables that change what cargo builds or where it puts the results.
 const VARIABLES: [&str; 9] = [
     "CARGO_HOME",
     "CARGO_TARGET_DIR",
@@ -59,7 +60,7 @@ pub fn run(args: &[String]) -> Outcome {
     ))
 }
 
-/// The first line that a program says of itself.
+/// First line that a program prints when called with `option`, or `not found`.
 fn version(name: &str, option: &str) -> String {
     let said = shell::capture(Command::new(name).arg(option));
     let line = said.as_deref().and_then(|text| text.lines().next());

@@ -1,8 +1,8 @@
 //! The commands behind `cargo xtask`: set-up, test, measure.
 //!
-//! A launcher: it decides what is run, with which compiler, and prints what came of it. It has nothing but the standard library,
-//! so that the first one starts in seconds. What reads files of others (programs, assembly, lists, reports) is the crate in
-//! `inspect/`, which only the steps that need it build.
+//! This crate decides which programs run and with which compiler, and prints the results. It uses only the standard library, so
+//! that the first command starts within seconds. The crate `inspect/` reads the files that other programs write (firmware,
+//! assembly, lists, reports); only the steps that need it build it.
 
 mod bench;
 mod board_scorecard;
@@ -47,7 +47,7 @@ use std::process::ExitCode;
 
 use step::{Gate, Gates, Share, Step};
 
-/// Every command. A new one is a `mod` above and a row here.
+/// Every `cargo xtask` command. A new command needs a `mod` above and an entry here.
 const STEPS: &[Step] = &[
     Step {
         name: "test",

@@ -1,15 +1,16 @@
-//! Results for each wrong change, in a file: an interrupted run goes on. A result counts only for the same sources,
-//! the same program under test, where it is ours, and the same question.
+//! Stores the result of each test of a wrong change in a file, so that an interrupted run can continue.
+//!
+//! A stored result counts only for the same sources, the same change and, where one is given, the same tested program.
 
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// A word on it, and why.
+/// A stored result: one word such as `caught`, and the reason.
 pub type Found = (String, String);
 
-/// The known results.
+/// The stored results and their file.
 pub struct Memo {
     file: PathBuf,
     ground: u64,
@@ -17,7 +18,7 @@ pub struct Memo {
 }
 
 impl Memo {
-    /// The results for these sources and the program under test; others do not count.
+    /// Opens the file of results. Results for other sources or another program (`asked`) have other keys and are never found.
     pub fn open(file: PathBuf, sources: &Path, asked: Option<&Path>) -> std::io::Result<Self> {
         let mut hasher = DefaultHasher::new();
         take(sources, sources, &mut hasher)?;
@@ -33,7 +34,7 @@ impl Memo {
         })
     }
 
-    /// The number of a question on this ground.
+    /// The key of a question about these sources and this program: a hash of all three.
     pub fn key(&self, question: &impl Hash) -> u64 {
         let mut hasher = DefaultHasher::new();
         self.ground.hash(&mut hasher);
@@ -41,12 +42,12 @@ impl Memo {
         hasher.finish()
     }
 
-    /// An earlier result.
+    /// The stored result with this key, if there is one.
     pub fn get(&self, key: u64) -> Option<&Found> {
         self.known.get(&key)
     }
 
-    /// Writes it down at once.
+    /// Stores a result and appends it to the file at once.
     pub fn keep(&mut self, key: u64, word: &str, reason: &str) -> std::io::Result<()> {
         let mut file = std::fs::OpenOptions::new()
             .create(true)
@@ -66,7 +67,7 @@ fn line(text: &str) -> Option<(u64, Found)> {
     Some((key, (word.to_owned(), reason.to_owned())))
 }
 
-/// Hashes all files of a folder, by name and content, in the order of their names.
+/// Hashes the name and content of all files below a folder, in the order of their names.
 fn take(root: &Path, from: &Path, hasher: &mut DefaultHasher) -> std::io::Result<()> {
     let mut entries = std::fs::read_dir(from)?.collect::<Result<Vec<_>, _>>()?;
     entries.sort_by_key(std::fs::DirEntry::file_name);

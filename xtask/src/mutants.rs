@@ -1,11 +1,11 @@
-//! `cargo xtask prove --mutants`: small wrong changes to the law, each of which a named proof must refute, and, with `--tests`,
-//! a named test as well.
+//! `cargo xtask prove --mutants`: mutation tests. Each mutant is a small wrong change of the code; the proof named for it must
+//! refute the changed code. With `--tests`, the test named for it must fail.
 //!
-//! A mutant is caught when the harness that it names ran alone and an assertion in it failed. A change that does not compile,
-//! a time-out, a cover that is no longer reached: none of these is a catch.
+//! A mutant is caught when the named proof (harness) ran alone and one of its assertions failed. A change that does not compile, a
+//! time-out or an unreachable cover is not a catch.
 //!
-//! Each answer is written down at once and is not asked again of the same sources, so that a run can be broken off; `--shard I/N` asks
-//! a part of the list. A harness has the checker's limit of time and memory, a test of its own.
+//! Each result is stored at once and not repeated for the same sources, so that a run can be interrupted. `--shard I/N` tests one
+//! of N parts of the list. A proof has the limits of the checker for time and memory; a test has a limit of processor time.
 
 use std::path::Path;
 use std::time::Instant;
@@ -18,10 +18,10 @@ use crate::shell;
 
 const LIST: &str = "proofs/mutants.toml";
 const LEAST: usize = 30;
-/// Processor time of a test, in seconds.
+/// Most processor time of a test, in seconds.
 const TEST_S: u32 = 300;
 
-/// A part of the list: the `index`th of `of`, from 1.
+/// Part `index` (from 1) of `of` parts of the list of mutants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shard {
     pub index: usize,
@@ -31,7 +31,7 @@ pub struct Shard {
 impl Shard {
     pub const ALL: Self = Self { index: 1, of: 1 };
 
-    /// Whether it has the one with this number.
+    /// Whether this part contains the mutant with this number.
     pub fn has(self, number: usize) -> bool {
         number % self.of == self.index % self.of
     }
@@ -46,7 +46,8 @@ impl Shard {
     }
 }
 
-/// Goes through the list; prints a line for each.
+/// Tests each mutant of the part `shard` with `ask` and prints a line for each. `of` is the field of an entry that names its proof
+/// or test.
 fn each(
     folder: &Path,
     of: &str,
@@ -93,7 +94,7 @@ fn each(
             Err(why) => format!("NO ANSWER: {why}"),
         };
         caught += usize::from(answer == Ok(true));
-        // What had no answer is asked again the next time.
+        // A mutant without a result is tested again in the next run.
         if known.is_none()
             && answer.is_ok()
             && let Err(why) = memo.keep(key, &word, "")
@@ -117,7 +118,7 @@ fn each(
     }
 }
 
-/// Each mutant against the proof that it names.
+/// Tests each mutant with the proof that its entry names.
 pub fn by_proofs(shard: Shard) -> Outcome {
     let folder = shell::target("mutants-by-proofs");
     let target = folder.join("kani");
@@ -126,13 +127,13 @@ pub fn by_proofs(shard: Shard) -> Outcome {
     })
 }
 
-/// Each mutant against the test that it names, without the checker.
+/// Tests each mutant with the unit test that its entry names, without the model checker.
 pub fn by_tests(shard: Shard) -> Outcome {
     let folder = shell::target("mutants-by-tests");
     let target = folder.join("tests");
     each(&folder, "test", shard, |work, test| {
         let (package, name) = test.split_once(' ').ok_or("a test is `package name`")?;
-        // Built apart from run, so that what does not compile is not taken for a catch.
+        // Compiles before it runs, so that a failure to compile does not count as a catch.
         let cargo = |more: &[&str]| {
             let mut cargo = shell::cargo("test");
             cargo

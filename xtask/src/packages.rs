@@ -1,31 +1,31 @@
-//! Finds installed tools and fetches missing ones: rustup's components, Debian's packages.
+//! Finds installed tools and installs missing ones: components of rustup and Debian packages.
 
 use std::process::Command;
 
 use crate::outcome::Outcome;
 use crate::shell;
 
-/// Packages that the emulator is built with; libclang has no program to be found by.
+/// Debian packages that the build of the emulator needs. libclang is a library, so no program shows whether it is installed.
 pub const EMULATOR: [&str; 3] = ["clang", "libclang-dev", "cmake"];
 
-/// The first line that a program prints, such as its version; `None` if it is not there.
+/// First line that a command prints, such as a version; `None` if the command cannot run or fails.
 pub fn first_line(words: &[&str]) -> Option<String> {
     let text = shell::capture(Command::new(words[0]).args(&words[1..]))?;
     text.lines().next().map(str::to_owned)
 }
 
-/// The version of one of rustup's components.
+/// Version of a rustup component such as `clippy`; `None` if it is not installed.
 pub fn component(name: &str) -> Option<String> {
     let subcommand = if name == "rustfmt" { "fmt" } else { name };
     shell::capture(shell::cargo(subcommand).arg("--version"))
 }
 
-/// The version of valgrind.
+/// Version of valgrind; `None` if it is not installed.
 pub fn valgrind() -> Option<String> {
     first_line(&["valgrind", "--version"])
 }
 
-/// `None` if the component is there or could be fetched; else why the step cannot run.
+/// Installs the rustup component if it is missing. Returns `None` if it is installed now, else why the step cannot run.
 pub fn missing_component(name: &'static str) -> Option<Outcome> {
     if component(name).is_some() {
         return None;
@@ -37,7 +37,7 @@ pub fn missing_component(name: &'static str) -> Option<Outcome> {
         .then(|| Outcome::NotRun(format!("{name} is missing: rustup component add {name}")))
 }
 
-/// `None` if valgrind is there or could be fetched; else why the step cannot run.
+/// Installs valgrind if it is missing. Returns `None` if it is installed now, else why the step cannot run.
 pub fn missing_valgrind() -> Option<Outcome> {
     if valgrind().is_some() {
         return None;
@@ -48,7 +48,7 @@ pub fn missing_valgrind() -> Option<Outcome> {
         .then(|| Outcome::NotRun("valgrind is missing: apt-get install valgrind".into()))
 }
 
-/// Installs Debian packages where this is root and there is apt-get; otherwise says so.
+/// Installs Debian packages if the user is root and apt-get exists; otherwise prints the command that would install them.
 pub fn apt_get(packages: &[&str]) {
     let root = first_line(&["id", "-u"]).is_some_and(|id| id == "0");
     if !root || first_line(&["apt-get", "--version"]).is_none() {
@@ -61,7 +61,7 @@ pub fn apt_get(packages: &[&str]) {
         shell::run(&mut command)
     };
     apt_get(&["update", "-qq"]);
-    // One by one: a package that this system does not have must not keep the others away.
+    // Installs one package at a time, so that a package which this system lacks does not prevent the others.
     for package in packages {
         let options = ["install", "-y", "-qq", "--no-install-recommends"];
         apt_get(&[&options[..], &[package]].concat());

@@ -1,4 +1,5 @@
-//! `cargo xtask page [--short | SECONDS [FOLDER]]`: the live pages and the board's in real browsers, driven by a script.
+//! `cargo xtask page [--short | SECONDS [FOLDER]]`: tests the web pages of simulator and board in real browsers, which a script
+//! controls.
 
 use std::path::PathBuf;
 
@@ -6,12 +7,12 @@ use crate::outcome::Outcome;
 use crate::step::Share;
 use crate::{emulator, shell};
 
-/// The board whose firmware is emulated before the page.
+/// The board whose firmware runs in the emulator while a browser tests the board's page.
 const BOARD: &str = "nucleo-g474re";
 
-/// One browser, no firmware, few seconds of real time.
+/// Option for a short test: one browser, no emulated firmware, few seconds of real time.
 const SHORT: &str = "--short";
-/// The part that the first gate runs.
+/// The part of `cargo xtask page` that the middle gate (`cargo xtask test`) runs.
 pub const SHORT_RUN: Share = Share::Part(
     &[SHORT],
     "the second browser; the emulated firmware's board path; 15 of 20 s of real time",
@@ -32,7 +33,7 @@ pub fn run(args: &[String]) -> Outcome {
     };
     let program = made.join("touchstone");
     let mut script = shell::program("python3");
-    // Without an emulator the pages are still driven, before the simulated knob.
+    // Without an emulator the script still tests the pages with the simulated knob.
     let nowhere = || (PathBuf::from("-"), PathBuf::from("-"));
     let (emulated, firmware) = if is_short {
         nowhere()

@@ -1,13 +1,14 @@
-//! `cargo xtask probe`: boards behind a probe, by the crate probe-rs, which no other step builds. It runs clippy, the
-//! tests on a simulated chip, and all tests of the program with the crate inside, as it is released. The last is
-//! needed since one of the crate's packages changes how `serde_json` keeps numbers, in the whole program.
+//! `cargo xtask probe`: tests the access to boards through a debug probe with the crate probe-rs, which few other steps build.
+//!
+//! The step runs clippy, the tests on a simulated chip, and all tests of the program built with probe-rs as in the release. The
+//! program's tests are repeated because a dependency of probe-rs changes how `serde_json` stores numbers in the whole program.
 
 use crate::outcome::Outcome;
 use crate::{packages, shell};
 
 const USAGE: &str = "cargo xtask probe";
 
-/// Features that switch it on, for the program and for the crate.
+/// Features that enable probe-rs in the program and in the crate for the probe.
 const FEATURES: &str = "touchstone/probe,touchstone-probe/probe-rs";
 
 pub fn run(args: &[String]) -> Outcome {

@@ -1,12 +1,11 @@
-//! `cargo xtask fil --sabotage [--only TEXT]`: the firmware with one part of its safety taken out, and the rows of `fil` that must
-//! go wrong then. A row that no sabotage fails shows nothing.
+//! `cargo xtask fil --sabotage [--only TEXT]`: shows that the checks of `cargo xtask fil` notice missing safety functions. Each
+//! sabotage removes one safety function from the firmware, and the check that its entry names must fail.
 //!
-//! A sabotage is caught when the row that it names goes wrong in the words that it names. A change that does not compile, a
-//! program that does not boot, a row that fails for another reason: none of these is a catch. All the rows are run before, on
-//! the same copy of the firmware with nothing changed, and must be right.
+//! A sabotage is caught when the named check fails with the named message. A change that does not compile, a program that does not
+//! boot, or another failure is not a catch. The same checks run first on unchanged firmware and must pass.
 //!
-//! A run takes as long as several builds of the firmware an entry, and a program without its safety may take minutes to end: what was
-//! found is written down at once, and is not asked again of the same sources ([`crate::memo`]).
+//! A run takes several builds of the firmware per entry, and a program without a safety function may take minutes to end. So each
+//! result is stored at once and not repeated for the same sources ([`crate::memo`]).
 
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
@@ -25,7 +24,7 @@ const MORE: [&str; 3] = ["firmware", "memory.x", "memory-g474re.x"];
 const USAGE: &str = "cargo xtask fil --sabotage [--only TEXT]";
 const LEAST: usize = 12;
 
-/// A program to be tried, and where it is, or why it could not be built.
+/// A built program with the work that it is for: the program's path or why it could not be built, and the build time in seconds.
 struct Built<'s> {
     asked: &'s Asked<'s>,
     program: Result<PathBuf, String>,
@@ -77,20 +76,20 @@ pub fn run(words: &[&str]) -> Outcome {
         Ok(memo) => memo,
         Err(why) => return Outcome::Failed(format!("{}: {why}", folder.display())),
     };
-    // One is built while the one before runs.
+    // One program is built while the one before is tested.
     let (send, receive) = mpsc::sync_channel(1);
     let asked = asked(&all, &memo);
     std::thread::scope(|scope| {
-        // With it goes its end of the channel: nothing more comes when it is done.
+        // The thread owns the sending end of the channel, so the channel closes when the thread ends.
         scope.spawn(|| build_all(&asked, &folder, &work, send));
         let answers = judge_all(&emulator, &asked, memo, &receive);
-        // Where it ended early, whoever still builds is told by this.
+        // Closes the receiving end, so that the building thread stops if the tests ended early.
         drop(receive);
         answers
     })
 }
 
-/// Whether an entry has a board and fits the sources.
+/// Checks that an entry names a known board and that its changes fit the sources.
 fn fits(one: &Entry, sources: &Path) -> Result<(), String> {
     let (name, board) = (one.word("name"), one.word("board"));
     if !firmware::BOARDS.contains(&board) {
@@ -103,7 +102,8 @@ fn fits(one: &Entry, sources: &Path) -> Result<(), String> {
     })
 }
 
-/// The work: for each board first the unchanged program, with the rows to run and the known results.
+/// One program to build and test: a board, the sabotage (`None` for unchanged firmware), and the checks to run. `is_known` means
+/// that a result is stored under `key`.
 struct Asked<'s> {
     board: &'static str,
     sabotage: Option<&'s Entry>,
@@ -141,7 +141,7 @@ fn asked<'s>(all: &'s [Entry], memo: &Memo) -> Vec<Asked<'s>> {
     asked
 }
 
-/// Builds the programs one after the other; those with known results are skipped.
+/// Builds the programs one after the other and sends each to the tests; skips the build of programs with a stored result.
 fn build_all<'s>(
     all: &'s [Asked<'s>],
     folder: &Path,
@@ -187,7 +187,7 @@ fn build(board: &str, work: &Path, folder: &Path, kept: &Path) -> Result<PathBuf
     Ok(kept.to_path_buf())
 }
 
-/// Runs the programs as they are built; prints a line for each.
+/// Tests each program once it is built and prints a line for each.
 fn judge_all(
     emulator: &Path,
     all: &[Asked<'_>],
@@ -221,7 +221,7 @@ fn judge_all(
                     .program
                     .and_then(|program| wrong(emulator, board, &program, rows));
                 let (word, reason) = verdict(*sabotage, &wrong);
-                // What was not run is run the next time.
+                // A program that could not be tested is tested again in the next run.
                 if wrong.is_ok()
                     && let Err(why) = memo.keep(*key, word, &reason)
                 {
@@ -250,7 +250,7 @@ fn judge_all(
     }
 }
 
-/// A word on it, and why.
+/// The result of one program in a word such as `caught`, and the reason.
 fn verdict(
     sabotage: Option<&Entry>,
     wrong: &Result<Vec<String>, String>,
@@ -273,7 +273,7 @@ fn verdict(
     }
 }
 
-/// What `fil` finds wrong on a program in these rows.
+/// Failures that `fil` reports for a program in the checks named by `rows`. Errors: the emulator did not run to its end.
 fn wrong(
     emulator: &Path,
     board: &str,

@@ -1,23 +1,22 @@
-//! `cargo xtask setup [--install [--full]]`: which tools are installed, which are missing, what they are for and how
-//! to get them.
+//! `cargo xtask setup [--install [--full]]`: lists the tools that are installed or missing, their purpose and how to install them.
 //!
-//! Every test run needs rustfmt and clippy, so rustup fetches them unasked; so does apt-get, as root, with valgrind
-//! when something is to be counted. The rest is fetched only with `--install`: the needs of `cargo xtask test`, and
-//! with `--full` also those of its full run.
+//! Every test run needs rustfmt and clippy, so rustup installs them without being told; likewise apt-get, as root, installs
+//! valgrind when instructions are counted. Other tools are installed only with `--install`: those of `cargo xtask test`, and with
+//! `--full` also those of `cargo xtask test --full`.
 
 use crate::outcome::Outcome;
 use crate::packages::{EMULATOR, apt_get, component, first_line, missing_component, valgrind};
 use crate::prove::{allocator, coq};
 use crate::{emulator, toolchain};
 
-/// The gate that needs the tool.
+/// How much of the tests needs a tool.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Need {
-    /// The tests mean nothing without it.
+    /// Without the tool the tests mean nothing.
     Required,
-    /// A step of `cargo xtask test` is not run without it.
+    /// Without the tool a step of `cargo xtask test` is not run.
     Test,
-    /// A step of `cargo xtask test --full` alone.
+    /// Without the tool only steps of `cargo xtask test --full` are not run.
     Full,
 }
 
@@ -28,9 +27,9 @@ struct Tool {
     purpose: &'static str,
     /// Version of the tool; `None` if it is missing.
     version: fn() -> Option<String>,
-    /// How to get it.
+    /// Text that says how to install the tool.
     hint: &'static str,
-    /// Debian's packages that a step of the tests needs.
+    /// Debian packages to install for the tool.
     packages: &'static [&'static str],
 }
 
@@ -129,7 +128,7 @@ const TOOLS: &[Tool] = &[
         need: Need::Full,
         purpose: "prove: the theorems over traces",
         version: || first_line(&["coqc", "--version"]),
-        // 250 MB to fetch, 1 GB on disk.
+        // Coq needs a download of 250 MB and 1 GB on disk.
         hint: "apt-get install --no-install-recommends coq",
         packages: &["coq"],
     },
@@ -155,7 +154,7 @@ const TOOLS: &[Tool] = &[
         purpose: "prove: the harnesses in less time",
         version: || allocator::found().map(|file| file.display().to_string()),
         hint: "apt-get install libtcmalloc-minimal4",
-        // Its package has another name in later releases, and no step of the tests needs it.
+        // The package has another name in later releases, and no step of the tests needs it.
         packages: &[],
     },
 ];

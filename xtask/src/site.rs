@@ -1,4 +1,4 @@
-//! `cargo xtask site`: book, live pages, a report and the API's documentation in one folder, `target/site`, for any static host.
+//! `cargo xtask site`: builds a static web site in `target/site`: book, live pages, a report and the documentation of the crates.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -64,7 +64,7 @@ fn made() -> Result<Outcome, Outcome> {
     copy(&shell::target("doc"), &site.join("api"))?;
     let index = site.join("index.html");
     done(std::fs::write(&index, INDEX), &index)?;
-    // A host of pages must not leave out files that begin with an underscore.
+    // This file tells a host such as GitHub Pages to keep files whose names begin with an underscore.
     let plain = site.join(".nojekyll");
     done(std::fs::write(&plain, ""), &plain)?;
 
@@ -86,7 +86,8 @@ fn made() -> Result<Outcome, Outcome> {
     )))
 }
 
-/// Checks all pages but the API's, whose links `cargo xtask doc` checks; returns their number and the problems.
+/// Checks that pages load nothing from other hosts and that links are good; returns the number of pages and the problems. The links
+/// of the crates' documentation are left to `cargo xtask doc`.
 fn checked(site: &Path) -> Result<(usize, Vec<String>), Outcome> {
     let mut wrong = Vec::new();
     let pages = pages(site)?;
@@ -115,7 +116,8 @@ fn checked(site: &Path) -> Result<(usize, Vec<String>), Outcome> {
     Ok((pages.len(), wrong))
 }
 
-/// The book links sources: the repository's file or folder is copied to where the link leads. Whether there is one.
+/// Copies the repository's file or folder to `to`, where a page links to it. Returns whether the repository has such a file or
+/// folder.
 fn bring(site: &Path, to: &Path) -> Result<bool, Outcome> {
     let inside = to.strip_prefix(site).unwrap_or(to);
     let source = shell::root().join(inside);
@@ -154,7 +156,7 @@ fn resolved(folder: &Path, link: &str) -> PathBuf {
     path
 }
 
-/// Targets within this site of a page's `href` and `src`, without the part after `#` and `?`.
+/// Links in a page's `href` and `src` to targets within the site, without the part after `#` or `?`.
 fn links(html: &str) -> Vec<&str> {
     let after = html
         .split(" href=\"")
@@ -167,7 +169,7 @@ fn links(html: &str) -> Vec<&str> {
         .collect()
 }
 
-/// Tags that load script, style, image, font or frame from another host.
+/// HTML tags that load a script, style, image, font or frame from another host.
 fn loads_from_elsewhere(html: &str) -> Vec<&str> {
     let tags = html
         .split('<')

@@ -1,4 +1,5 @@
-//! `cargo xtask test [--quick | --full]`: the steps of a gate in the table's order, each to its end, then a summary.
+//! `cargo xtask test [--quick | --full]`: runs the steps of a gate (test run of one extent) in the order of the table, then prints
+//! a summary.
 
 use std::fmt::Write;
 use std::time::{Duration, Instant};
@@ -6,14 +7,14 @@ use std::time::{Duration, Instant};
 use crate::outcome::Outcome;
 use crate::step::{Gate, Step};
 
-/// One finished step.
+/// A step that was run, with its outcome and time.
 struct Done {
     name: &'static str,
     outcome: Outcome,
     took: Duration,
 }
 
-/// The gates by their options.
+/// The gates with the options that select them.
 const GATES: [(&[&str], Gate); 3] = [
     (&[], Gate::Test),
     (&["--quick"], Gate::Quick),
@@ -55,7 +56,7 @@ pub fn run(all: &[Step], args: &[String]) -> Outcome {
     verdict(&done, start.elapsed())
 }
 
-/// The command that runs what a gate leaves out.
+/// Text that names the command to run what a gate leaves out.
 fn whole(gate: Gate) -> &'static str {
     match gate {
         Gate::Quick => "`cargo xtask test` runs more, `cargo xtask test --full` nearly all",
@@ -64,7 +65,7 @@ fn whole(gate: Gate) -> &'static str {
     }
 }
 
-/// The steps that a gate leaves out, a line each.
+/// List of what a gate leaves out, one line per step.
 pub fn left_out(all: &[Step], gate: Gate) -> String {
     let mut text = String::new();
     for step in all.iter().filter(|step| step.gates.is_tested()) {
@@ -134,7 +135,7 @@ mod tests {
             .collect()
     }
 
-    /// No gate leaves anything out without a word.
+    /// Checks that every gate names each part that it leaves out.
     #[test]
     fn a_gate_names_what_it_leaves_out() {
         let step = |name, gates| Step {
@@ -164,7 +165,7 @@ mod tests {
         );
     }
 
-    /// The full gate runs what the first gate leaves out; a part has arguments.
+    /// Checks that the full gate runs every step of the other gates, and that each partial step has arguments.
     #[test]
     fn the_full_gate_has_every_step_of_the_others() {
         for step in crate::STEPS {

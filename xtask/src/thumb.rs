@@ -1,8 +1,8 @@
-//! `cargo xtask thumb`: every law on a Cortex-M4F, emulated by QEMU.
+//! `cargo xtask thumb`: runs every control law on a Cortex-M4F that QEMU emulates.
 //!
-//! The vectors of `tests/vectors` are played by this machine and by `tests/thumb` on the emulated one; every digest of the
-//! two must be the same. The second also counts its instructions per tick: exactly, but only for the ticks that were played,
-//! and instructions are not cycles. Then the program is examined: what a tick reaches must be free of floats and panics.
+//! This machine and the emulated one (`tests/thumb`) both compute the test vectors of `tests/vectors`; all digests of their results
+//! must be equal. The emulated program also counts the instructions of each control period: exactly, but only for the periods that
+//! ran, and instructions are not cycles. Finally all code that a control period can reach must be free of floats and panics.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -47,7 +47,7 @@ fn has_qemu() -> bool {
     shell::capture(shell::program(QEMU).arg("--version")).is_some()
 }
 
-/// Builds the program; where it is.
+/// Builds the program for the emulated microcontroller and returns its path.
 fn build(mut cargo: Command, options: &[String]) -> Result<PathBuf, Outcome> {
     let folder = shell::target("thumb");
     cargo
@@ -61,7 +61,8 @@ fn build(mut cargo: Command, options: &[String]) -> Result<PathBuf, Outcome> {
     }
 }
 
-/// Every instruction takes 1024 ns of the emulated board's time, which is how the program counts them.
+/// The QEMU command that runs the program. Every instruction takes 1024 ns of emulated time, from which the program counts
+/// instructions.
 fn qemu(program: &Path) -> Command {
     let mut qemu = shell::program(QEMU);
     qemu.args(["-M", "mps2-an386", "-icount", "shift=10", "-nographic"])
@@ -71,7 +72,7 @@ fn qemu(program: &Path) -> Command {
     qemu
 }
 
-/// Runs with the output kept in a file; shown only where something failed.
+/// Runs a command, stores its output in a file and returns the file's path. Prints the end of the output only if the command fails.
 fn kept(command: &mut Command, name: &str) -> Result<PathBuf, Outcome> {
     println!("$ {}", shell::shown(command));
     let output = command

@@ -1,19 +1,21 @@
-//! `cargo xtask traces [--write]`: the signals to expect at a first power-up, as pictures of the build guide:
-//! `docs/first-power`. The boards' programs run in the emulator, which records tables; an example of the laboratory
-//! draws them. With `--write` the committed pictures are replaced; without, they are compared.
+//! `cargo xtask traces [--write]`: draws the signals to expect when a board is first powered, as pictures for the build guide
+//! `docs/first-power`.
+//!
+//! The boards' firmware runs in the emulator, which records the signals as tables; an example program draws them. `--write`
+//! replaces the committed pictures; without it they are compared with the new ones.
 
 use std::path::Path;
 
 use crate::outcome::Outcome;
 use crate::{emulator, shell};
 
-/// Where the pictures are, and which.
+/// Folder of the committed pictures.
 const KEPT: &str = "docs/first-power";
 const PICTURES: [&str; 4] = ["pwm.svg", "step.svg", "calibration.svg", "press.svg"];
-/// No picture is larger, bytes.
+/// Largest allowed size of a picture file, in bytes.
 const LARGEST: usize = 60_000;
 const BOARDS: [&str; 2] = ["nucleo-g474re-ihm16m1", "nucleo-g474re"];
-/// Board, signal, and name of the table.
+/// Recordings to make: index in `BOARDS`, signal, file name of the table.
 const TABLES: [(usize, &str, &str); 5] = [
     (0, "pwm", "pwm.csv"),
     (1, "pwm", "pwm-ihm08m1.csv"),

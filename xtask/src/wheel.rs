@@ -1,5 +1,5 @@
-//! `cargo xtask wheel`: the Python package with the program in it, `target/wheel/*.whl`; installed alone, and its
-//! tests run.
+//! `cargo xtask wheel`: builds the Python package that contains the program, `target/wheel/*.whl`, installs it alone and runs its
+//! tests.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use crate::outcome::Outcome;
 use crate::shell;
 
 const USAGE: &str = "cargo xtask wheel";
-/// Packages that build the wheel, and that its tests need.
+/// Python packages that build, test and type-check the wheel.
 const TOOLS: [&str; 5] = [
     "maturin>=1.9,<2",
     "pytest>=7",
@@ -28,13 +28,13 @@ fn made() -> Result<Outcome, Outcome> {
     let python = tools(&folder)?;
     let package = shell::root().join("bindings/python");
     program(&package)?;
-    // Its types are part of what it offers.
+    // The package promises type hints, so they are checked.
     let mut types = shell::program(&python);
     types.args(["-m", "mypy", "--strict"]);
     types.arg(package.join("python"));
     shell::run(types.current_dir(&folder)).went_well()?;
     let out = folder.join("built");
-    // What an older wheel was called, this one may not be.
+    // Removes older wheels, whose names may differ.
     if out.exists() {
         done(std::fs::remove_dir_all(&out), &out)?;
     }
@@ -54,7 +54,7 @@ fn made() -> Result<Outcome, Outcome> {
         "--no-deps",
     ]);
     shell::run(pip.arg(&wheel)).went_well()?;
-    // From elsewhere, so that the installed package is what is imported.
+    // Runs in another folder, so that the tests import the installed package.
     let mut tests = shell::program(&python);
     tests.args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider"]);
     tests.arg(package.join("tests"));
@@ -66,7 +66,7 @@ fn made() -> Result<Outcome, Outcome> {
     )))
 }
 
-/// A Python of the project's own with the tools; its path.
+/// Creates a Python environment with the packages in `TOOLS`, unless it exists; returns the path of its Python.
 fn tools(folder: &Path) -> Result<PathBuf, Outcome> {
     let place = folder.join("venv");
     let python = place.join("bin/python3");
@@ -91,7 +91,7 @@ fn tools(folder: &Path) -> Result<PathBuf, Outcome> {
     Ok(python)
 }
 
-/// Builds the released form of the program, and puts it where maturin expects it.
+/// Builds the program as in the release and copies it to where maturin packs scripts from.
 fn program(package: &Path) -> Result<(), Outcome> {
     let mut cargo = shell::cargo_locked("build");
     cargo.args(["--profile", "dist", "--package", "touchstone"]);

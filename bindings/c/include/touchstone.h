@@ -22,27 +22,27 @@
 
 
 /*
- Words of a guard's memory.
+ Number of 64-bit words in a guard's memory.
  */
 #define TS_GUARD_WORDS 24
 
 /*
- Words of the settings' memory.
+ Number of 64-bit words in the settings' memory.
  */
 #define TS_SETTINGS_WORDS 64
 
 /*
- Words of a wall's memory.
+ Number of 64-bit words in a wall's memory.
  */
 #define TS_WALL_WORDS 160
 
 /*
- Result of a call. `TS_OK` is 0; with any other result the output is 0, so that a firmware that ignores the result
- drives no motor.
+ Result of a call. `TS_OK` is 0. With any other result the output is 0, so that a firmware that ignores the result drives no
+ motor.
  */
 typedef enum {
   /*
-   Done.
+   The call succeeded.
    */
   TS_OK = 0,
   /*
@@ -58,15 +58,15 @@ typedef enum {
    */
   TS_OUT_OF_RANGE = 3,
   /*
-   No setting has this name.
+   There is no setting of this name.
    */
   TS_UNKNOWN_SETTING = 4,
   /*
-   The text is no value of this setting.
+   The text is not a value of this setting.
    */
   TS_BAD_VALUE = 5,
   /*
-   The device moved further in a tick than the guard's `overspeed` allows. The force is 0 until the guard or wall is resumed:
+   The device moved further in a tick than the guard's `overspeed` allows. The force is 0 until guard or wall are resumed:
    switch the motor off.
    */
   TS_OVERSPEED = 6,
@@ -78,27 +78,27 @@ typedef enum {
 typedef int64_t ts_si;
 
 /*
- Properties of the device that the guard needs, and the size of its promise. Start from `ts_guard_defaults`.
+ Properties of the device that the guard needs, and the guard's energy limits. Start from `ts_guard_defaults`.
  */
 typedef struct {
   /*
-   Ticks a second, 1 to 100,000.
+   Control periods (ticks) per second, 1 to 100,000.
    */
   uint32_t rate_hz;
   /*
-   Largest force ever commanded, N·m (N).
+   Largest force that is ever commanded, N·m (N).
    */
   ts_si force_limit;
   /*
-   A count of the encoder, or twice the largest error of a measured position, rad (m), at most 0.1.
+   One count of the encoder, or twice the largest error of a measured position, rad (m), at most 0.1.
    */
   ts_si count;
   /*
-   Damping of the device alone, without a hand, as measured, N·m·s/rad (N·s/m).
+   Measured damping of the device alone, without a hand, N·m·s/rad (N·s/m).
    */
   ts_si damping;
   /*
-   Share of that damping that is sure to be there, 0 to 1.
+   Fraction (0 to 1) of that damping that the guard relies on.
    */
   ts_si share_of_damping;
   /*
@@ -106,29 +106,30 @@ typedef struct {
    */
   ts_si capacity;
   /*
-   Power that a hand may get out again and again, W, at most 1.
+   Power that a hand may get out in the long run, W, at most 1.
    */
   ts_si refill;
   /*
-   Speed up to which every displacement is answered for, rad/s (m/s); above it the force goes off and stays off.
+   Largest speed at which the energy bound holds, rad/s (m/s). Above it the force is switched off and stays off.
    */
   ts_si overspeed;
   /*
-   Time from a sample until its force begins to act, s, at most a tick.
+   Time from a sample until its force begins to act, s, at most one tick.
    */
   ts_si delay;
   /*
-   Time from there until the force is there, as the mean of the current loop's step response, s; with the delay at most a tick.
+   Mean time of the current loop's step response, from when a force begins to act, s. Delay and lag together are at most one
+   tick.
    */
   ts_si lag;
   /*
-   1 where the position is also read when the force changes, for `ts_guard_tick_with_change`; else 0.
+   1 if the position is also read when the force changes, for `ts_guard_tick_with_change`; otherwise 0.
    */
   uint32_t change_is_measured;
 } ts_guard_config;
 
 /*
- A guard: coefficients and memory. Initialise it by `ts_guard_init`.
+ A guard: coefficients and memory. Initialise it with `ts_guard_init`.
  */
 typedef struct {
   uint64_t memory[TS_GUARD_WORDS];
@@ -150,14 +151,14 @@ typedef int32_t ts_force;
 typedef int64_t ts_energy;
 
 /*
- The settings of a wall. Initialise them by `ts_settings_init`.
+ The settings of a wall. Initialise them with `ts_settings_init`.
  */
 typedef struct {
   uint64_t memory[TS_SETTINGS_WORDS];
 } ts_settings;
 
 /*
- A wall: coefficients and memory of estimator, law and guard. Initialise it by `ts_wall_init`.
+ A wall: coefficients and memory of estimator, law and guard. Initialise it with `ts_wall_init`.
  */
 typedef struct {
   uint64_t memory[TS_WALL_WORDS];
@@ -168,30 +169,31 @@ extern "C" {
 #endif // __cplusplus
 
 /*
- Fills in capacity, refill, share of damping and overspeed as Touchstone's knob has them, and 0 for all that only you know of your device.
- Rate, force limit, count and damping, delay and lag. `ts_guard_init` refuses a rate of 0.
+ Fills in capacity, refill, fraction of damping and over-speed of Touchstone's simulated knob. It sets to 0 what only you know of
+ your device: rate, force limit, count, damping, delay and lag. `ts_guard_init` refuses a rate of 0.
  */
 ts_status ts_guard_defaults(ts_guard_config *config);
 
 /*
- A guard at power-up, with a full account. Call it once: a full account is a promise spent once.
+ Initialises a guard as at power-up, with a full energy account. Call it once: each call gives the hand a full account again.
 
- Answers `TS_OUT_OF_RANGE` where a setting is refused; the guard then counts as not initialised, and allows no force.
+ Returns `TS_OUT_OF_RANGE` if a setting is refused; the guard is then not initialised, and allows no force.
  */
 ts_status ts_guard_init(ts_guard *guard,
                         const ts_guard_config *config);
 
 /*
- Whether a configuration is accepted, and why not, in one line with the setting's name and range. `message` may be null.
+ Checks a configuration. If it is refused, `message` gets the reason in one line, with the setting's name and range; `message`
+ may be null.
  */
 ts_status ts_guard_check(const ts_guard_config *config,
                          char *message,
                          size_t length);
 
 /*
- Runs one control period. `moved` is the displacement since the last tick, `wanted` the force of your law,
- `*allowed` the force to command; a force that resists a positive `moved` is positive. At most `capacity + refill *
- time` ever reaches the hand beyond what it put in.
+ Runs one control period. `moved` is the displacement since the last tick, `wanted` the force that your law requests, and
+ `*allowed` the force to command. A force that resists a positive `moved` is positive. At most `capacity + refill * time` reaches
+ the hand beyond what it put in.
  */
 ts_status ts_guard_tick(ts_guard *guard,
                         ts_position moved,
@@ -199,8 +201,8 @@ ts_status ts_guard_tick(ts_guard *guard,
                         ts_force *allowed);
 
 /*
- As `ts_guard_tick`, where the encoder was also read when the last force took effect: `before_change` is the part of
- `moved` that came before.
+ As `ts_guard_tick`, for an encoder that was also read when the last force took effect. `before_change` is the part of `moved`
+ before that reading.
  */
 ts_status ts_guard_tick_with_change(ts_guard *guard,
                                     ts_position moved,
@@ -209,90 +211,93 @@ ts_status ts_guard_tick_with_change(ts_guard *guard,
                                     ts_force *allowed);
 
 /*
- Tells the guard that a smaller force than allowed was commanded. A larger force counts as the allowed one.
+ Reports that a smaller force than allowed was commanded. A larger force counts as the allowed one.
  */
 ts_status ts_guard_commanded(ts_guard *guard, ts_force force);
 
 /*
- Tells the guard that the motor was switched off and that no tick follows until `ts_guard_resume`.
+ Reports that the motor was switched off and that no tick follows until `ts_guard_resume`.
  */
 ts_status ts_guard_switched_off(ts_guard *guard);
 
 /*
- Takes a switched-off or tripped guard up again, with the account that it had: arming again is no reason for a full one.
+ Resumes a guard that was switched off or tripped. The energy account keeps its level: arming again does not fill it.
  */
 ts_status ts_guard_resume(ts_guard *guard);
 
 /*
- Energy that the hand may still get out, J times 2^48; negative after overspeed until refill and damping have made
- up for it.
+ Energy that the hand may still get out, J times 2^48. It is negative after an over-speed, until refill and damping have made up
+ for it.
  */
 ts_status ts_guard_account(ts_guard *guard,
                            ts_energy *account);
 
 /*
- The defaults: the wall of Touchstone's simulated knob. Set at least what differs on your device.
+ Sets all settings to the defaults: the wall of Touchstone's simulated knob. Change at least what differs on your device.
  */
 ts_status ts_settings_init(ts_settings *settings);
 
 /*
- Sets one by its path and a decimal text or word: `"wall.k_desired_n_m_per_rad"`, `"5"`; `"law.kind"`, `"spring-damper"`.
- Ranges are checked by `ts_settings_check` and `ts_wall_init`, when all are set.
+ Sets one setting by its path, from a decimal text or word: `"wall.k_desired_n_m_per_rad"`, `"5"`; `"law.kind"`,
+ `"spring-damper"`. `ts_settings_check` and `ts_wall_init` check the ranges when all are set.
  */
 ts_status ts_settings_set(ts_settings *settings,
                           const char *path,
                           const char *value);
 
 /*
- Sets the encoder for estimator and guard: counts of a whole turn, all edges counted, at least 1.
+ Sets the encoder of estimator and guard: counts of a whole turn with all edges counted, at least 1.
  */
 ts_status ts_settings_set_counts_per_rev(ts_settings *settings, uint32_t counts_per_rev);
 
 /*
- Whether all are accepted together, and if not why, in one line with the setting's name and range. `message` may be null.
+ Checks all settings together. If they are refused, `message` gets the reason in one line, with the setting's name and range;
+ `message` may be null.
  */
 ts_status ts_settings_check(ts_settings *settings,
                             char *message,
                             size_t length);
 
 /*
- A status in words, for a log. Never null.
+ The meaning of a status in words, for a log. Never null.
  */
 const char *ts_status_text(int32_t status);
 
 /*
- A wall at power-up. Answers `TS_OUT_OF_RANGE` where the settings are refused; the wall then counts as not initialised, and gives no force.
+ Initialises a wall as at power-up. Returns `TS_OUT_OF_RANGE` if the settings are refused; the wall is then not initialised, and
+ gives no force.
  */
 ts_status ts_wall_init(ts_wall *wall,
                        ts_settings *settings);
 
 /*
- Runs one control period: takes the depth in the wall, positive inside, gives the force that pushes out. Command the
- motor with its negative along the angle, and hold it until the next tick.
+ Runs one control period: takes the depth in the wall, positive inside, and gives the force that pushes out. Command the motor
+ with the negative of that force along the angle, and hold it until the next tick.
  */
 ts_status ts_wall_tick(ts_wall *wall,
                        ts_position penetration,
                        ts_force *force);
 
 /*
- Tells estimator and guard the commanded force, where that is smaller than the wall's.
+ Reports to estimator and guard the commanded force, if it is smaller than the wall's.
  */
 ts_status ts_wall_commanded(ts_wall *wall, ts_force force);
 
 /*
- Tells the wall that the motor was switched off and that no tick follows until `ts_wall_resume`.
+ Reports that the motor was switched off and that no tick follows until `ts_wall_resume`.
  */
 ts_status ts_wall_switched_off(ts_wall *wall);
 
 /*
- Takes the wall up again for the next arming, with its settings or changed ones: all memory is new but the guard's account.
+ Resumes the wall for the next arming, with its settings or changed ones. All memory is new except the level of the guard's
+ energy account.
  */
 ts_status ts_wall_resume(ts_wall *wall,
                          ts_settings *settings);
 
 /*
- The penetration of an encoder's count into a wall that stands at `surface`, rad: `2 pi count / counts_per_rev - surface`,
- saturating. 0 for an encoder without counts.
+ Penetration of an encoder count into a wall with its surface at `surface`, rad: `2 pi count / counts_per_rev - surface`, limited
+ to the range of positions. 0 if `counts_per_rev` is 0.
  */
 ts_position ts_penetration(int64_t count,
                            uint32_t counts_per_rev,

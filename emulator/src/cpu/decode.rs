@@ -1,54 +1,54 @@
-//! The cost of an instruction, and the few instructions that the run loop must recognise.
+//! The cycles that an instruction takes, and the few instructions that the emulator's run loop must recognise.
 //!
-//! Cycles are those of the Cortex-M4 technical reference manual (DDI 0439, tables 3-1 and 7-1), each at its upper
-//! value, for memory without wait states. A taken branch costs [`REFILL`] more.
+//! The cycle counts come from the Cortex-M4 technical reference manual (DDI 0439, tables 3-1 and 7-1). Each is the upper value for
+//! memory without wait states. A taken branch costs [`REFILL`] cycles more.
 
-/// Cycles to refill the pipeline after a taken branch: 1 to 3, depending on the goal's alignment.
+/// Cycles to refill the pipeline after a taken branch. The manual says 1 to 3, depending on the alignment of the branch's target.
 pub const REFILL: u64 = 3;
-/// Cycles of an exception entry, stacking included, and of a return (DDI 0439, 2.3.5).
+/// Cycles of an exception entry, including the stacking of registers; also the cycles of an exception return (DDI 0439, 2.3.5).
 pub const EXCEPTION: u64 = 12;
-/// Cycles from one handler into the next without unstacking.
+/// Cycles from the end of one exception handler to the start of the next when the registers stay stacked (tail-chaining).
 pub const TAIL_CHAIN: u64 = 6;
 
-/// Instructions that the run loop must recognise.
+/// How the emulator's run loop must treat an instruction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// An instruction that needs no special treatment.
     Plain,
-    /// Begins an IT block.
+    /// Begins an IT (if-then) block.
     IfThen {
-        /// Number of instructions in the block.
+        /// Number of conditional instructions in the IT block.
         count: u8,
-        /// Length of the instruction, bytes.
+        /// Length of the conditional instructions of the IT block together, in bytes.
         bytes: u8,
     },
-    /// Changes what may interrupt: the next instruction boundary looks again.
+    /// Changes the interrupt masks, so the run loop checks for pending interrupts at the next instruction boundary.
     Mask,
-    /// Uses the float unit: the next exception frame holds its registers.
+    /// Uses the floating-point unit, so the next exception frame includes the floating-point registers.
     Float,
-    /// Waits for an event.
+    /// WFE: waits for an event.
     WaitEvent,
-    /// Waits for an interrupt.
+    /// WFI: waits for an interrupt.
     WaitInterrupt,
-    /// Sends an event.
+    /// SEV: sends an event.
     SendEvent,
-    /// Reads IPSR, which Unicorn does not keep here.
+    /// Reads the register IPSR (number of the running exception), whose value Unicorn does not hold in this emulator.
     ReadIpsr,
 }
 
-/// An instruction.
+/// A decoded instruction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Info {
-    /// Cycles when nothing is refilled.
+    /// Processor cycles of the instruction without the refill of the pipeline.
     pub cycles: u8,
-    /// How the run loop treats it.
+    /// How the run loop treats the instruction.
     pub kind: Kind,
-    /// Reads a constant that lies beside the code.
+    /// Whether the instruction reads a constant from the program memory beside the code.
     pub reads_literal: bool,
 }
 
 impl Info {
-    /// An instruction of one cycle with no further effect.
+    /// An instruction that takes one cycle and needs no special treatment.
     pub const SIMPLE: Self = info(1, Kind::Plain);
 }
 
@@ -60,8 +60,8 @@ const fn info(cycles: u32, kind: Kind) -> Info {
     }
 }
 
-/// Whether it loads from an address relative to its own: `LDR` and its kin, `LDRD`, `VLDR` and the table branches with the program
-/// counter as base.
+/// Whether the instruction loads from an address relative to the program counter. Such instructions are the `LDR` variants, `LDRD`,
+/// `VLDR` and the table branches.
 #[must_use]
 pub const fn reads_literal(first: u16, second: u16) -> bool {
     if !is_wide(first) {
@@ -74,13 +74,14 @@ pub const fn reads_literal(first: u16, second: u16) -> bool {
     one || two || float || table
 }
 
-/// Whether the first half-word begins an instruction of two.
+/// Whether this first half-word begins a 32-bit instruction, which has a second half-word.
 #[must_use]
 pub const fn is_wide(first: u16) -> bool {
     first >> 11 >= 0b11101
 }
 
-/// The same instruction, with the length of its IT block computed from the half-words that follow it.
+/// Returns `info` with the length of its IT block computed from the half-words that follow the IT instruction. Other instructions
+/// are returned unchanged.
 #[must_use]
 pub fn with_block(info: Info, following: &[u16]) -> Info {
     let Kind::IfThen { count, .. } = info.kind else {
@@ -98,7 +99,8 @@ pub fn with_block(info: Info, following: &[u16]) -> Info {
     }
 }
 
-/// From the first half-word, and the second where there is one. An IT block is taken for one of short instructions.
+/// Decodes an instruction from its first half-word and, for a 32-bit instruction, its second half-word. For an IT instruction the
+/// length of the block assumes 16-bit instructions; [`with_block`] corrects it.
 #[must_use]
 pub const fn decode(first: u16, second: u16) -> Info {
     if is_wide(first) {

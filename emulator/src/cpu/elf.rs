@@ -1,14 +1,14 @@
-//! The program: the bytes for the flash, and the symbols.
+//! Reads a firmware program from an ELF file: the bytes for the flash, and the symbols.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use object::{Object, ObjectSymbol};
 
-/// A firmware ELF.
+/// A firmware program read from an ELF file.
 #[derive(Debug, Clone)]
 pub struct Program {
-    /// Address and content of each segment, as a programmer would flash it.
+    /// Start address and bytes of each segment, as a programming tool would write them to flash.
     pub segments: Vec<(u32, Vec<u8>)>,
     symbols: BTreeMap<String, u32>,
     functions: Vec<(u32, u32, String)>,
@@ -18,7 +18,7 @@ impl Program {
     /// Reads an ELF file.
     ///
     /// # Errors
-    /// One line that names the file and its problem.
+    /// One line that names the file and says what is wrong with it.
     pub fn read(path: &Path) -> Result<Self, String> {
         let said = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
         let bytes = std::fs::read(path).map_err(|error| said(&error))?;
@@ -61,13 +61,13 @@ impl Program {
         })
     }
 
-    /// Address of a symbol by its exact name.
+    /// Address of the symbol with exactly this name; `None` if the program has no such symbol.
     #[must_use]
     pub fn symbol(&self, name: &str) -> Option<u32> {
         self.symbols.get(name).copied()
     }
 
-    /// Start and length of the functions whose mangled name contains all words.
+    /// Start address, length in bytes and name of each function whose mangled name contains all of `words`.
     #[must_use]
     pub fn functions(&self, words: &[&str]) -> Vec<(u32, u32, &str)> {
         let fits = |name: &str| words.iter().all(|word| name.contains(word));
@@ -77,7 +77,7 @@ impl Program {
             .collect()
     }
 
-    /// The function around an address.
+    /// Name of the function whose code contains the address; `None` if no function does.
     #[must_use]
     pub fn function_at(&self, address: u32) -> Option<&str> {
         let at = self

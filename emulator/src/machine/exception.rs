@@ -1,4 +1,5 @@
-//! Exception entry and return (ARMv7-M reference manual, B1.5.6 and B1.5.8), on the main stack: the firmware has no other.
+//! Exception entry and return (ARMv7-M reference manual, B1.5.6 and B1.5.8). All frames are on the main stack, because the firmware
+//! uses no other stack.
 
 use unicorn_engine::RegisterARM;
 
@@ -6,7 +7,7 @@ use super::state::{Halt, Machine};
 use crate::cpu::decode::{EXCEPTION, TAIL_CHAIN};
 use crate::cpu::nvic::{HARD_FAULT, Masks};
 
-/// Registers of the exception frame, from its lower end.
+/// Registers of the exception frame, in the order of their addresses.
 const FRAME: [RegisterARM; 8] = [
     RegisterARM::R0,
     RegisterARM::R1,
@@ -18,11 +19,11 @@ const FRAME: [RegisterARM; 8] = [
     RegisterARM::XPSR,
 ];
 
-/// Single registers of the float unit that are in an extended frame.
+/// Number of single-precision registers that an extended exception frame holds.
 const FLOATS: i32 = 16;
 const FRAME_BYTES: u32 = 0x20;
 const EXTENDED_BYTES: u32 = 0x68;
-/// Bit of the stacked xPSR: the stack was moved by four to be aligned to eight.
+/// Bit 9 of the stacked xPSR: the stack pointer was moved by four bytes to align the frame to eight.
 const ALIGNED: u32 = 1 << 9;
 
 impl Machine {
@@ -34,7 +35,7 @@ impl Machine {
         }
     }
 
-    /// Enters the exceptions that are due.
+    /// Enters the pending exception of highest priority, unless the interrupt masks block it.
     pub(super) fn deliver(&mut self) {
         if !self.chip().nvic.any_pending() {
             return;
@@ -52,7 +53,7 @@ impl Machine {
             .memory(stack.wrapping_sub(EXTENDED_BYTES + 4), 4)
             .is_empty()
         {
-            // The frame cannot be stacked, nor that of the fault which this is.
+            // Neither this frame nor that of the resulting fault can be stacked.
             self.lock_up(format!(
                 "exception {exception} with the stack at 0x{stack:08x}"
             ));
@@ -63,7 +64,7 @@ impl Machine {
         self.start_handler(exception, value);
     }
 
-    /// Pushes the frame; the EXC_RETURN that undoes it.
+    /// Pushes the exception frame onto the stack. Returns the EXC_RETURN value with which a return removes the frame.
     fn push_frame(&mut self) -> u32 {
         let float = self.chip().core.float_used;
         let stack = self.register(RegisterARM::SP);
@@ -117,13 +118,15 @@ impl Machine {
         let vectors = self.chip().vectors();
         let handler = self.word(vectors + 4 * exception as u32);
         self.set_register(RegisterARM::LR, return_value);
-        // Thumb, no IT block, no flags: as after reset.
+        // Thumb mode, no IT block and no flags, as after a reset.
         self.set_register(RegisterARM::XPSR, 1 << 24);
         self.set_register(RegisterARM::PC, handler | 1);
         self.chip_mut().begin_handler(exception);
     }
 
-    /// A jump to EXC_RETURN.
+    /// Returns from an exception: carries out the program's jump to the EXC_RETURN value `value`.
+    ///
+    /// Errors: no exception is running, or the value is not a valid EXC_RETURN for the main stack.
     pub(super) fn leave(&mut self, value: u32) -> Result<(), Halt> {
         if self.chip_mut().end_handler().is_none()
             || value & 0xffff_ff00 != 0xffff_ff00
@@ -132,7 +135,7 @@ impl Machine {
             return Err(Halt::BadReturn(format!("a return to 0x{value:08x}")));
         }
         self.set_register(RegisterARM::FAULTMASK, 0);
-        // Tail-chaining: the next handler is entered with the frame as it is.
+        // Tail-chaining: the next handler is entered without changing the stacked frame.
         let masks = self.masks();
         if let Some(exception) = self.chip().nvic.next(masks) {
             self.chip_mut().core.spend_cycles(TAIL_CHAIN);
@@ -175,7 +178,7 @@ impl Machine {
         self.set_register(RegisterARM::SP, frame + bytes + moved);
     }
 
-    /// An access or an instruction that there is not: HardFault, or the end where that cannot be entered.
+    /// Handles an invalid access or instruction: enters HardFault, or locks the processor up if HardFault is already running.
     pub(super) fn fault(&mut self, pc: u32, what: &str) -> Result<(), Halt> {
         let name = format!("{what} at 0x{pc:08x}");
         if self.chip().nvic.is_active(HARD_FAULT) {

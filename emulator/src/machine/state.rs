@@ -1,4 +1,4 @@
-//! The machine: Unicorn with the chip behind it, its registers and memory, and how it starts.
+//! The machine: Unicorn with the emulated chip, the access to registers and memory, and power-on and reset.
 
 use unicorn_engine::unicorn_const::{Arch, MemType, Mode, Prot, uc_error};
 use unicorn_engine::{ArmCpuModel, HookType, RegisterARM, Unicorn};
@@ -10,7 +10,7 @@ use crate::cpu::elf::Program;
 use crate::cpu::{CCM, RAM};
 use crate::peripheral::flash;
 
-/// R0 to R12.
+/// The registers R0 to R12.
 const GENERAL: [RegisterARM; 13] = [
     RegisterARM::R0,
     RegisterARM::R1,
@@ -27,45 +27,46 @@ const GENERAL: [RegisterARM; 13] = [
     RegisterARM::R12,
 ];
 
-/// What Unicorn protects at a time, bytes.
+/// Size in bytes of the memory blocks whose access rights Unicorn can change.
 const BLOCK: u64 = 4_096;
 
-/// Value of RAM that was never written, to find the stack's deepest use.
+/// Value of each RAM byte after power-on. It shows which bytes of the stack were never written.
 const UNTOUCHED: u8 = 0xa5;
 
-/// Why a run ended before its time.
+/// Why a run ended before the requested time.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Halt {
-    /// A return from an exception that does not run: a mistake of the emulator, or a program that has lost its stack.
+    /// The program returned from an exception that was not running. Either the emulator has a defect, or the program has corrupted
+    /// its stack.
     BadReturn(String),
-    /// The power was cut at a write to flash, as a test wanted.
+    /// The power was cut at a write to flash, as a test had set up.
     PowerCut,
-    /// The program used something that is not modelled.
+    /// The program used a feature of the chip that the emulator does not model.
     Unsupported(String),
 }
 
-/// The chip with its processor.
+/// The emulated chip with its processor.
 pub struct Machine {
     pub(super) unicorn: Unicorn<'static, Chip>,
     pub(super) asleep: Option<Stop>,
-    /// A fault that could not be handled stopped the processor: only a reset helps.
+    /// Whether the processor is in lockup: a fault that it could not handle has stopped it until the next reset.
     pub(super) locked: bool,
     behind_program: u32,
-    /// Resets since power came on: when, and why.
+    /// Time in processor cycles and cause of each reset since power-on.
     pub resets: Vec<(u64, ResetCause)>,
 }
 
-/// What Unicorn said, as text.
+/// Converts an error of Unicorn to a text that begins with `what`.
 fn said(what: &str) -> impl Fn(uc_error) -> String {
     let what = what.to_owned();
     move |error| format!("Unicorn, {what}: {error:?}")
 }
 
 impl Machine {
-    /// A chip with a program in its flash, before power is on.
+    /// Creates a machine with a program in its flash. Its power is still off.
     ///
     /// # Errors
-    /// Unicorn refuses the memory map, or a segment lies outside of flash.
+    /// Unicorn refuses the memory map, or a segment of the program lies outside flash.
     pub fn new(chip: Chip, program: &Program) -> Result<Self, String> {
         let flash_bytes = chip.board.flash_bytes;
         let memories = [(RAM, chip.board.ram_bytes), (CCM, chip.board.ccm_bytes)];
@@ -130,7 +131,7 @@ impl Machine {
             if let Some(place) = here.filter(|place| u64::from(*place) < block + BLOCK) {
                 uc.get_data_mut().read_flash(place);
             }
-            // The read goes on, and finds what the tearing has left.
+            // The read continues, and returns the bits that the power cut has left.
             uc.mem_protect(block, BLOCK, Prot::READ | Prot::EXEC)
                 .is_ok()
         };
@@ -156,13 +157,13 @@ impl Machine {
         })
     }
 
-    /// The chip.
+    /// The emulated chip.
     #[must_use]
     pub fn chip(&self) -> &Chip {
         self.unicorn.get_data()
     }
 
-    /// The chip, to be changed.
+    /// The emulated chip, mutable.
     pub fn chip_mut(&mut self) -> &mut Chip {
         self.unicorn.get_data_mut()
     }
@@ -172,11 +173,11 @@ impl Machine {
     }
 
     pub(super) fn set_register(&mut self, register: RegisterARM, value: u32) {
-        // Only an unknown register is refused.
+        // Unicorn fails only for an unknown register.
         let _ = self.unicorn.reg_write(register, u64::from(value));
     }
 
-    /// A word of memory; 0 where no memory is.
+    /// The 32-bit word at an address; 0 if no memory is mapped at that address.
     #[must_use]
     pub fn word(&self, address: u32) -> u32 {
         let mut bytes = [0; 4];
@@ -184,7 +185,7 @@ impl Machine {
         u32::from_le_bytes(bytes)
     }
 
-    /// Bytes of memory.
+    /// `length` bytes of memory from an address on; empty if no memory is mapped there.
     #[must_use]
     pub fn memory(&self, address: u32, length: usize) -> Vec<u8> {
         self.unicorn
@@ -192,13 +193,14 @@ impl Machine {
             .unwrap_or_default()
     }
 
-    /// Overwrites memory, flash too, as a debugger or a stray particle would.
+    /// Overwrites memory, including flash, as a debugger would or as a particle that flips bits does.
     pub fn set_memory(&mut self, address: u32, bytes: &[u8]) {
         let _ = self.unicorn.mem_write(u64::from(address), bytes);
     }
 
-    /// Makes the surroundings of each torn word of flash unreadable, so that the first read is noticed. A hook on
-    /// every read will not do: with one, Unicorn returns wrong values for some reads.
+    /// Removes read access from the 4 KiB block around each torn double word of flash, so that the first read of it is noticed.
+    /// Torn means: the power was cut while it was written. A hook on every read is no alternative, because with one Unicorn returns
+    /// wrong values for some reads.
     pub(super) fn guard_torn(&mut self) {
         for place in self.chip().flash.torn.clone() {
             let block = u64::from(place) & !(BLOCK - 1);
@@ -206,7 +208,7 @@ impl Machine {
         }
     }
 
-    /// Switches the chip on: RAM is without a meaning.
+    /// Switches the chip's power on. RAM gets a fixed pattern, because its content after power-on is undefined.
     pub fn power_on(&mut self, cause: ResetCause) {
         let board = &self.chip().board;
         for (base, bytes) in [(RAM, board.ram_bytes), (CCM, board.ccm_bytes)] {
@@ -215,7 +217,8 @@ impl Machine {
         self.reset(cause);
     }
 
-    /// Cuts the supply: nothing runs, no pin is driven, and the encoder forgets its last request. The flash stays.
+    /// Cuts the supply: the processor stops, no pin is driven, and the encoder forgets the last request that it received. The flash
+    /// keeps its content.
     pub fn power_off(&mut self) {
         let chip = self.chip_mut();
         chip.reset(ResetCause::PowerOn);
@@ -224,7 +227,7 @@ impl Machine {
         self.locked = true;
     }
 
-    /// Resets; flash, RAM and the simulated world stay as they are.
+    /// Resets the chip. Flash, RAM and the simulated world stay as they are.
     pub fn reset(&mut self, cause: ResetCause) {
         self.resets.push((self.chip().core.now, cause));
         self.chip_mut().reset(cause);
@@ -249,13 +252,13 @@ impl Machine {
         self.set_register(RegisterARM::PC, start | 1);
     }
 
-    /// First address behind the program in flash, which nothing has written.
+    /// First flash address after the program. The flash from this address on is blank in the program's file.
     #[must_use]
     pub fn behind_program(&self) -> u32 {
         self.behind_program
     }
 
-    /// Bytes of the stack, which begins at RAM's start, that were ever used.
+    /// Number of stack bytes that were ever written. The stack lies between the start of RAM and `top`.
     #[must_use]
     pub fn stack_used(&self, top: u32) -> u32 {
         let stack = self.memory(RAM, (top - RAM) as usize);
@@ -263,8 +266,8 @@ impl Machine {
         top - RAM - untouched as u32
     }
 
-    /// Stops the processor for good, and raises what the chip has for that: the break of TIM1, where the program
-    /// enabled it.
+    /// Puts the processor into lockup, and raises the chip's lockup signal. The signal triggers the break input of TIM1 if the
+    /// program has enabled that.
     pub(super) fn lock_up(&mut self, what: String) {
         self.locked = true;
         let chip = self.chip_mut();
@@ -293,7 +296,7 @@ fn on_instruction(uc: &mut Unicorn<'_, Chip>, address: u64, size: u32) {
     }
 }
 
-/// Decodes an instruction that is met for the first time.
+/// Decodes an instruction when it is executed for the first time, and stores the result.
 #[cold]
 fn learn(uc: &mut Unicorn<'_, Chip>, address: u32) {
     let mut bytes = [0; 20];

@@ -1,4 +1,4 @@
-//! Faults inside the processor: an exhausted stack, a program counter that jumps, a stuck interrupt mask.
+//! Injects faults inside the processor: an exhausted stack, a jump of the program counter, interrupts that stay masked.
 
 use unicorn_engine::RegisterARM;
 
@@ -6,8 +6,8 @@ use super::state::Machine;
 use crate::cpu::RAM;
 
 impl Machine {
-    /// Moves the thread's stack pointer to its end, so that the next use overflows it. Only while the thread runs or
-    /// sleeps: a handler with a moved stack would return to a random address, which no overflow does.
+    /// Moves the stack pointer of the thread to the end of the stack, so that the next push overflows it. The fault is injected
+    /// only while no exception handler runs: a handler would return to a random address, which a real overflow does not cause.
     ///
     /// # Errors
     /// The thread does not run within 50 ms.
@@ -17,10 +17,10 @@ impl Machine {
         Ok(())
     }
 
-    /// Runs until the handler of an exception runs (the thread for `None`), and lets it go on at another address.
+    /// Runs until the handler of `exception` runs (the thread for `None`), then continues execution at `address`.
     ///
     /// # Errors
-    /// The program does not run within 50 ms.
+    /// The handler or thread does not run within 50 ms.
     pub fn divert(&mut self, exception: Option<usize>, address: u32) -> Result<(), String> {
         self.run_to(exception)?;
         self.asleep = None;
@@ -28,7 +28,8 @@ impl Machine {
         Ok(())
     }
 
-    /// Masks a priority and all below it, as a thread does that shares their state, and forgets to end it.
+    /// Masks the interrupts of `priority` and of all lower priorities through BASEPRI, as a critical section of the thread that
+    /// never ends.
     ///
     /// # Errors
     /// The thread does not run within 50 ms.
@@ -43,10 +44,10 @@ impl Machine {
         self.set_register(RegisterARM::BASEPRI, 0);
     }
 
-    /// Runs until the handler of an exception runs, or the thread.
+    /// Runs until the handler of `exception` runs; for `None`, until the thread runs.
     ///
     /// # Errors
-    /// The program does not run within 50 ms.
+    /// The handler or thread does not run within 50 ms.
     pub fn run_to(&mut self, exception: Option<usize>) -> Result<(), String> {
         let end = self.chip().core.now + 50_000 * 170;
         while self.chip().core.now < end {

@@ -1,6 +1,7 @@
-//! A converter: power-up, calibration, injected sequences by trigger, single regular conversions by software.
+//! An analogue-to-digital converter: power-up, calibration, injected sequences started by a trigger, and single regular conversions
+//! started by software.
 //!
-//! The board gives a channel's voltage at the end of its sampling time, so a conversion is as late as on the chip.
+//! The board supplies the channel's voltage at the end of the sampling time, so each code is as old as on the real chip.
 
 use super::plain::Plain;
 use super::{CYCLES_PER_US, NEVER, Peripheral};
@@ -28,48 +29,48 @@ const JADSTART: u32 = 1 << 3;
 const STOPS: u32 = 1 << 4 | 1 << 5;
 const ADCAL: u32 = 1 << 31;
 
-/// Sampling times in half cycles of the converter's clock.
+/// Sampling times of the codes 0 to 7 in half cycles of the converter's clock.
 const SAMPLING: [u64; 8] = [5, 13, 25, 49, 95, 185, 495, 1281];
-/// Successive approximation of 12 bits, in half cycles.
+/// Duration of the 12-bit successive approximation in half cycles of the converter's clock.
 const APPROXIMATION: u64 = 25;
-/// Time from the trigger to the start of sampling, in half cycles.
+/// Time from the trigger to the start of sampling in half cycles of the converter's clock.
 const LATENCY: u64 = 6;
-/// TIM1_TRGO2 as the injected trigger.
+/// Code that selects TIM1_TRGO2 as the trigger of the injected sequence.
 const TRGO2: u32 = 8;
 
-/// A sequence under way.
+/// A running sequence of conversions.
 #[derive(Debug, Clone, Copy)]
 struct Sequence {
     injected: bool,
     rank: u32,
-    /// Time at which the rank's sampling ends.
+    /// Time in processor cycles at which the sampling of the present rank ends.
     sampled: u64,
     done: u64,
-    /// The code, once the rank was sampled.
+    /// Code of the present rank; `None` until its sampling has ended.
     code: Option<u16>,
 }
 
-/// A converter.
+/// An analogue-to-digital converter.
 #[derive(Debug, Clone)]
 pub struct Adc {
     registers: Plain,
     status: u32,
     control: u32,
-    /// Cycles of the processor in half a cycle of the converter.
+    /// Processor cycles per half cycle of the converter's clock.
     half_cycle: u64,
-    /// What completes when: (time, bits of CR to clear, bits of ISR to set).
+    /// Operations that will complete: (time in processor cycles, bits of CR to clear, bits of ISR to set).
     completes: Vec<(u64, u32, u32)>,
     running: Option<Sequence>,
     injected: [u16; 4],
     regular: u16,
-    /// The interrupt that both converters raise.
+    /// Number of the interrupt that the two converters share.
     interrupt: u32,
-    /// Triggers that came while a sequence ran.
+    /// Number of triggers that arrived while a sequence was running, and had no effect.
     pub missed: u64,
 }
 
 impl Adc {
-    /// A unit that raises this interrupt.
+    /// A converter that raises the interrupt with this number.
     #[must_use]
     pub fn new(interrupt: u32) -> Self {
         Self {
@@ -87,7 +88,7 @@ impl Adc {
         }
     }
 
-    /// Takes the common register CCR: the clock's divider.
+    /// Takes over the common register CCR, which holds the divider of the converter's clock.
     pub fn set_common(&mut self, ccr: u32) {
         const DIVIDERS: [u64; 12] = [1, 2, 4, 6, 8, 10, 12, 16, 32, 64, 128, 256];
         let divider = match ccr >> 16 & 3 {
@@ -128,7 +129,7 @@ impl Adc {
         });
     }
 
-    /// TIM1_TRGO2 rises.
+    /// Handles a rising edge of the trigger TIM1_TRGO2.
     pub fn trigger(&mut self, now: u64) {
         let jsqr = self.registers.get(JSQR);
         let selected = jsqr >> 2 & 31 == TRGO2 && jsqr >> 7 & 3 != 0;
@@ -137,12 +138,12 @@ impl Adc {
         }
         match self.running {
             Some(sequence) if sequence.injected => self.missed += 1,
-            // An injected sequence interrupts a regular one, which starts again afterwards; here it comes to nothing.
+            // On the chip an injected sequence interrupts a regular one, which then starts again. Here the regular one is lost.
             _ => self.begin(true, 0, now),
         }
     }
 
-    /// The channel whose sampling ends by now, if any: the board answers with [`Adc::sample`].
+    /// The channel whose sampling has ended by `now`, if any. The board then supplies its code through [`Adc::sample`].
     #[must_use]
     pub fn wants(&self, now: u64) -> Option<u32> {
         let sequence = self.running?;
@@ -150,7 +151,7 @@ impl Adc {
             .then(|| self.channel(sequence.injected, sequence.rank))
     }
 
-    /// The channel that is being sampled or converted, and when its sampling ends.
+    /// The channel that is being sampled or converted, and the time in processor cycles at which its sampling ends.
     #[must_use]
     pub fn sampling(&self) -> Option<(u32, u64)> {
         let sequence = self.running?;
@@ -160,7 +161,7 @@ impl Adc {
         ))
     }
 
-    /// Stores the code of the sampled channel.
+    /// Stores the code of the channel whose sampling has ended.
     pub fn sample(&mut self, code: u16) {
         if let Some(sequence) = &mut self.running {
             sequence.code = Some(code);
@@ -206,10 +207,10 @@ impl Peripheral for Adc {
 
     fn write(&mut self, offset: u32, value: u32, now: u64) {
         match offset {
-            // Ones clear.
+            // Written ones clear the flags.
             ISR => self.status &= !value,
             CR => {
-                // These are set by ones and cleared by the converter.
+                // Written ones set these bits, and the converter clears them.
                 const SET: u32 = ADEN | ADDIS | ADSTART | JADSTART | STOPS | ADCAL;
                 let rising = value & SET & !self.control;
                 self.control = (self.control & SET) | value & !SET | rising;

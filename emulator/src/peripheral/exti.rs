@@ -1,4 +1,4 @@
-//! EXTI, as far as the voltage detector needs it: line 16 to interrupt 1.
+//! The external interrupt controller EXTI, reduced to the voltage detector: line 16 raises interrupt 1.
 
 use super::Peripheral;
 use super::plain::Plain;
@@ -11,7 +11,7 @@ const PR1: u32 = 0x14;
 const PVD_LINE: u32 = 16;
 const PVD_INTERRUPT: u32 = 1;
 
-/// EXTI.
+/// The external interrupt controller EXTI.
 #[derive(Debug, Clone, Default)]
 pub struct Exti {
     registers: Plain,
@@ -20,7 +20,7 @@ pub struct Exti {
 }
 
 impl Exti {
-    /// Takes the level of the voltage detector.
+    /// Sets the output of the voltage detector: `low` while the supply is below the detector's threshold.
     pub fn set_detector(&mut self, low: bool) {
         let edges = if low { RTSR1 } else { FTSR1 };
         if low != self.detector && self.registers.get(edges) >> PVD_LINE & 1 != 0 {

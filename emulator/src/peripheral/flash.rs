@@ -1,5 +1,5 @@
-//! The flash memory: unlocking, programming double words, erasing pages, each with its time, during which the processor, which
-//! fetches from the same bank, stands still. The power may be cut at any write.
+//! The flash controller: unlocking, programming of double words and erasing of pages. The processor stands still during each
+//! change, because it fetches from the same flash bank. A test may cut the power at any change.
 
 use std::collections::BTreeSet;
 
@@ -20,52 +20,53 @@ const EOP: u32 = 1;
 const PROGERR: u32 = 1 << 3;
 const PGSERR: u32 = 1 << 7;
 const BSY: u32 = 1 << 16;
-/// Bit of ECCR: two wrong bits in a double word; writing a one clears it (with ECCC).
+/// Bit ECCD of the register ECCR: a double word had two wrong bits. Writing a one clears it (together with ECCC).
 const ECCD: u32 = 1 << 31;
 const ECC_FLAGS: u32 = 3 << 30;
 
-/// Where the memory begins.
+/// First address of the flash.
 pub const BASE: u32 = 0x0800_0000;
-/// Bytes of a page, dual bank.
+/// Bytes per page in dual-bank mode.
 pub const PAGE: u32 = 2048;
-/// Typical times of the data sheet (DS12288, table 49).
+/// Time to program a double word in microseconds: typical value of the data sheet (DS12288, table 49).
 const PROGRAM_US: u64 = 82;
 const ERASE_US: u64 = 22_000;
 
-/// A change to be made to the memory.
+/// A change of the flash that the program has requested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Change {
-    /// Eight bytes become these.
+    /// Programs the double word at this address with these eight bytes.
     Program(u32, [u8; 8]),
-    /// A page becomes 0xff.
+    /// Erases the page at this address to 0xff.
     Erase(u32),
 }
 
-/// The controller. The memory itself is the processor's.
+/// The flash controller. The content of the flash is in Unicorn's memory.
 #[derive(Debug, Clone)]
 pub struct Flash {
     registers: Plain,
     control: u32,
     status: u32,
     keys: u32,
-    /// The first word of a double word.
+    /// Address and value of the first word of a double word, until the program stores the second word.
     half: Option<(u32, u32)>,
     busy_until: u64,
-    /// Changes that the processor's side has yet to make to the memory.
+    /// Requested changes that the run loop has yet to apply to the memory.
     pub changes: Vec<Change>,
-    /// Words that were stored, with their former value, which has to be restored unless they are programmed.
+    /// Words that the program stored to flash: address and former value. The run loop restores the former value unless the word is
+    /// programmed.
     pub stores: Vec<(u32, u32)>,
-    /// Double words whose check bits are wrong, by their addresses: their writing was cut.
+    /// Addresses of double words with wrong check bits, because the power was cut while they were written.
     pub torn: BTreeSet<u32>,
     error: u32,
-    /// Number of changes in this run.
+    /// Number of changes since the emulator's start.
     pub count: u64,
-    /// Cut the power at the change with this number, counted from 0.
+    /// Number, counted from 0, of the change at which the power is cut; `None` for no cut.
     pub cut_at: Option<u64>,
 }
 
 impl Flash {
-    /// Locked; the option bytes say dual bank.
+    /// A locked flash controller with these option bytes (register OPTR).
     #[must_use]
     pub fn new(option_bytes: u32) -> Self {
         Self {
@@ -84,7 +85,7 @@ impl Flash {
         }
     }
 
-    /// Resets the registers; the memory's content stays.
+    /// Resets the registers of the controller; the content of the flash stays.
     pub fn reset(&mut self, option_bytes: u32) {
         let torn = std::mem::take(&mut self.torn);
         let (count, cut_at) = (self.count, self.cut_at);
@@ -92,13 +93,13 @@ impl Flash {
         (self.torn, self.count, self.cut_at) = (torn, count, cut_at);
     }
 
-    /// Time until which the processor stands still.
+    /// Time in processor cycles until which the processor stands still.
     #[must_use]
     pub fn busy_until(&self) -> u64 {
         self.busy_until
     }
 
-    /// The program stores a word to the memory.
+    /// Handles the store of a word to the flash by the program.
     pub fn store(&mut self, address: u32, value: u32, now: u64) {
         if self.control & (LOCK | PG) != PG {
             self.status |= PGSERR;
@@ -117,7 +118,7 @@ impl Flash {
         }
     }
 
-    /// The program, or its processor, reads there: whether the error correction can do nothing about what it finds.
+    /// Handles a read of the flash. Returns whether the double word is torn, so that the error correction cannot repair it.
     pub fn reads_torn(&mut self, address: u32) -> bool {
         let is_torn = self.torn.contains(&(address & !7));
         if is_torn && self.error & ECCD == 0 {
@@ -126,20 +127,21 @@ impl Flash {
         is_torn
     }
 
-    /// Whether an error that cannot be corrected is up.
+    /// Whether the flag of an uncorrectable error (ECCD) is set.
     #[must_use]
     pub const fn has_error(&self) -> bool {
         self.error & ECCD != 0
     }
 
-    /// Bits that a cut leaves as they were before the programming: some of the eight bytes', by the number of the change.
+    /// Mask of the bits of a double word that keep their old value when the power is cut during its programming. The mask is a
+    /// pseudo-random function of the number of the change.
     #[must_use]
     pub fn not_yet(&self) -> u64 {
         let mixed = (self.count + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         mixed ^ mixed >> 29
     }
 
-    /// The word to be programmed was not blank.
+    /// Sets the error flag PROGERR: the program wanted to program a word that was not erased.
     pub fn refuse(&mut self) {
         self.status |= PROGERR;
     }

@@ -1,4 +1,4 @@
-//! The ports A to G: output registers, and inputs that the board pulls or drives.
+//! The GPIO ports A to G: outputs that the program drives, and inputs that the board pulls or drives.
 
 use super::Peripheral;
 use super::plain::Plain;
@@ -11,17 +11,17 @@ const ODR: u32 = 0x14;
 const BSRR: u32 = 0x18;
 const BRR: u32 = 0x28;
 
-/// A port of 16 pins.
+/// A GPIO port of 16 pins.
 #[derive(Debug, Clone)]
 pub struct Port {
     registers: Plain,
     out: u32,
-    /// Level that the board drives at each pin, where it drives one.
+    /// Level that the board drives at each pin; `None` where the board drives none.
     driven: [Option<bool>; 16],
 }
 
 impl Port {
-    /// The state after a reset; ports A and B keep the debugger's pins (RM0440, 9.4.1, 9.4.3, 9.4.4).
+    /// A port after a reset. Ports A and B keep the debugger's pins configured (RM0440, 9.4.1, 9.4.3, 9.4.4).
     #[must_use]
     pub fn new(index: usize) -> Self {
         let (modes, speeds, pulls) = match index {
@@ -39,13 +39,13 @@ impl Port {
         }
     }
 
-    /// The board drives a pin, or lets it go.
+    /// Lets the board drive a pin at a level; `None` means that the board does not drive it.
     pub fn drive(&mut self, pin: usize, level: Option<bool>) {
         self.driven[pin] = level;
     }
 
-    /// Level at the pin: the program's output if it drives the pin, otherwise the board's, otherwise the pull
-    /// resistor's.
+    /// Level at a pin: that of the program's output if the pin is an output, otherwise that which the board drives, otherwise that
+    /// of the pull-up or pull-down resistor.
     #[must_use]
     pub fn level(&self, pin: usize) -> bool {
         let field = |register| self.registers.get(register) >> (2 * pin) & 3;
@@ -56,7 +56,7 @@ impl Port {
         }
     }
 
-    /// Whether the program drives the pin: as an output, or by a peripheral.
+    /// Mode of a pin in MODER: 0 input, 1 output, 2 alternate function, 3 analogue.
     #[must_use]
     pub fn mode(&self, pin: usize) -> u32 {
         self.registers.get(MODER) >> (2 * pin) & 3
@@ -76,7 +76,7 @@ impl Peripheral for Port {
     fn write(&mut self, offset: u32, value: u32, now: u64) {
         match offset {
             ODR => self.out = value & 0xffff,
-            // Setting wins over resetting.
+            // A bit that is set and reset at once is set.
             BSRR => self.out = (self.out & !(value >> 16)) | (value & 0xffff),
             BRR => self.out &= !value,
             IDR => {}

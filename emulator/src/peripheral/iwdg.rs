@@ -1,25 +1,25 @@
-//! The independent watchdog. Its clock runs beside the processor's: slow, nominal or fast, as the data sheet allows.
+//! The independent watchdog. Its own oscillator may run slow, nominal or fast, within the limits of the data sheet.
 
 use super::{CYCLES_PER_US, NEVER, Peripheral};
 
-/// The watchdog.
+/// The independent watchdog.
 #[derive(Debug, Clone)]
 pub struct Iwdg {
     lsi_hz: u64,
     prescaler: u32,
     reload: u32,
     unlocked: bool,
-    /// Time of the reset that it will cause, if started.
+    /// Time in processor cycles at which the watchdog will reset the chip; [`NEVER`] while it is not started.
     bites: u64,
-    /// Time until which a write to a register is still on its way to the other clock.
+    /// Time in processor cycles until which a register write is still being transferred to the oscillator's clock domain.
     busy: u64,
-    /// Longest time between two feeds so far, cycles.
+    /// Longest time between two refreshes so far, in processor cycles.
     pub longest: u64,
     fed: u64,
 }
 
 impl Iwdg {
-    /// Stopped, with the oscillator at a frequency: 32 kHz nominally, 29.5 to 34 kHz.
+    /// A stopped watchdog whose oscillator runs at `lsi_hz`: nominally 32 kHz, at the limits 29.5 and 34 kHz.
     #[must_use]
     pub fn new(lsi_hz: u64) -> Self {
         Self {
@@ -50,13 +50,13 @@ impl Iwdg {
         }
     }
 
-    /// Whether the reset is due.
+    /// Whether the watchdog resets the chip at the time `now`.
     #[must_use]
     pub fn bites(&self, now: u64) -> bool {
         now >= self.bites
     }
 
-    /// Whether it has been started.
+    /// Whether the program has started the watchdog.
     #[must_use]
     pub fn is_started(&self) -> bool {
         self.bites != NEVER

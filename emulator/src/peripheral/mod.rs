@@ -1,7 +1,7 @@
-//! The chip around the processor, as far as the firmware uses it.
+//! The peripherals of the chip, as far as the firmware uses them.
 //!
-//! Times are in cycles of the processor's clock. Nothing completes at once: a model that sets its flags immediately
-//! would hide the races of code that waits for them.
+//! Times are in cycles of the processor's clock. No operation completes at once: a model that sets its flags immediately would hide
+//! race conditions in code that waits for the flags.
 
 pub mod adc;
 pub mod encoder;
@@ -16,36 +16,36 @@ pub mod timer;
 pub mod uart;
 pub mod wwdg;
 
-/// No event ahead.
+/// Time of an event that will not happen.
 pub const NEVER: u64 = u64::MAX;
 
-/// Clock of processor, buses and timers, Hz, as the firmware sets it up. Times of the world follow from it; before the
-/// PLL runs, the chip is slower than modelled.
+/// Clock frequency of processor, buses and timers in hertz, as the firmware sets it up. The simulated world uses this clock from
+/// the start; the real chip is slower until the PLL runs.
 pub const CORE_HZ: u64 = 170_000_000;
 
-/// Cycles of the processor's clock in a microsecond, at the clock that the firmware sets up. For times that are not
-/// derived from a clock in the models' registers.
+/// Processor cycles per microsecond at the clock that the firmware sets up. Used for durations that do not depend on a clock
+/// divider in the modelled registers.
 pub const CYCLES_PER_US: u64 = 170;
 
-/// A block of registers.
+/// A peripheral: a block of registers with its behaviour in time.
 pub trait Peripheral {
-    /// Reads the register at `offset`, a multiple of four.
+    /// Reads the register at byte `offset`, a multiple of four.
     fn read(&mut self, offset: u32, now: u64) -> u32;
-    /// Writes the register at `offset`.
+    /// Writes the register at byte `offset`.
     fn write(&mut self, offset: u32, value: u32, now: u64);
-    /// Time of the block's next event.
+    /// Time in processor cycles of the next event of the peripheral.
     fn next_event(&self) -> u64 {
         NEVER
     }
-    /// Carries out what is due.
+    /// Carries out the events of the peripheral that are due.
     fn advance(&mut self, _now: u64) {}
-    /// The interrupt lines that are active, as bits by interrupt number.
+    /// Active interrupt lines of the peripheral: bit n stands for interrupt number n.
     fn lines(&self) -> u128 {
         0
     }
 }
 
-/// Bits of a register, changed as `(old & !clear) | set`.
+/// Clears and sets bits of a register: `(old & !clear) | set`.
 pub(crate) fn change(register: &mut u32, set: u32, clear: u32) {
     *register = (*register & !clear) | set;
 }

@@ -1,17 +1,18 @@
-//! Registers that keep what is written and do nothing: SYSCFG, DBGMCU, COMP, OPAMP, DMA, VREFBUF and all that is not modelled.
+//! Registers that keep the written value and have no further effect: SYSCFG, DBGMCU, COMP, OPAMP, DMA, VREFBUF and all peripherals
+//! that the emulator does not model.
 
 use std::collections::BTreeMap;
 
 use super::Peripheral;
 
-/// A block of registers has 1 KiB.
+/// Number of 32-bit registers in a block of 1 KiB.
 const WORDS: usize = 256;
 
-/// A block of plain registers.
+/// A block of registers that keep the written value.
 #[derive(Debug, Clone)]
 pub struct Plain {
     words: Box<[u32; WORDS]>,
-    /// Registers of the processor and of blocks that are not modelled, whose addresses lie further apart.
+    /// Values of registers at offsets outside the block of 1 KiB: those of the processor and of peripherals that are not modelled.
     others: BTreeMap<u32, u32>,
 }
 
@@ -25,7 +26,7 @@ impl Default for Plain {
 }
 
 impl Plain {
-    /// The value of a register.
+    /// Value of the register at `offset`.
     #[must_use]
     #[inline]
     pub fn get(&self, offset: u32) -> u32 {
@@ -35,7 +36,7 @@ impl Plain {
         }
     }
 
-    /// Sets a register.
+    /// Sets the register at `offset`.
     pub fn set(&mut self, offset: u32, value: u32) {
         match self.words.get_mut(offset as usize / 4) {
             Some(word) => *word = value,
@@ -45,7 +46,7 @@ impl Plain {
         }
     }
 
-    /// Starts with a value other than 0.
+    /// Sets the value after reset of the register at `offset`, for a register whose value is not 0.
     #[must_use]
     pub fn with(mut self, offset: u32, value: u32) -> Self {
         self.set(offset, value);

@@ -1,11 +1,11 @@
-//! Clocks and power: registers with ready bits that follow their enable bits after a while, the clock tree up to SYSCLK, and
-//! why the chip was reset.
+//! Clock control (RCC) and power control (PWR): ready bits that follow their enable bits after a delay, the clock tree up to
+//! SYSCLK, and the cause of the last reset.
 
 use std::collections::BTreeMap;
 
 use super::{CYCLES_PER_US, NEVER, Peripheral};
 
-/// A bit that follows another.
+/// A ready bit that follows an enable bit of the same register after a delay.
 struct Ready {
     register: u32,
     on: u32,
@@ -22,7 +22,7 @@ const fn ready(register: u32, on: u32, ready: u32, after_us: u64) -> Ready {
     }
 }
 
-/// RM0440 7.4; times of the data sheet DS12288, typical.
+/// Enable and ready bits of the oscillators and the PLL (RM0440, 7.4). The delays are typical values of the data sheet DS12288.
 const RCC: &[Ready] = &[
     ready(0x00, 8, 10, 2),
     ready(0x00, 16, 17, 2_000),
@@ -38,28 +38,28 @@ const PLLCFGR: u32 = 0x0c;
 const CSR: u32 = 0x94;
 const APB1ENR1: u32 = 0x58;
 const RMVF: u32 = 1 << 23;
-/// All reset flags.
+/// Mask of all reset flags in RCC_CSR.
 const RESETS: u32 = 0xfe00_0000;
 
-/// Why the chip starts.
+/// Cause of a reset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ResetCause {
-    /// Power came on, or came back.
+    /// The power was switched on, or came back.
     PowerOn,
     /// The supply fell below the brown-out level.
     BrownOut,
-    /// The pin NRST.
+    /// The reset pin NRST was pulled low.
     Pin,
-    /// SYSRESETREQ.
+    /// The program requested the reset through SYSRESETREQ.
     Software,
-    /// The independent watchdog.
+    /// The independent watchdog reset the chip.
     Watchdog,
-    /// The window watchdog.
+    /// The window watchdog reset the chip.
     WindowWatchdog,
 }
 
 impl ResetCause {
-    /// The cause's flags in RCC_CSR: every reset pulls the pin as well.
+    /// Flags that this cause sets in RCC_CSR. Each includes the flag of the reset pin, because every reset pulls the pin low.
     fn flags(self) -> u32 {
         const PIN: u32 = 1 << 26;
         PIN | match self {
@@ -72,17 +72,17 @@ impl ResetCause {
     }
 }
 
-/// RCC.
+/// The reset and clock control, RCC.
 #[derive(Debug, Clone)]
 pub struct Rcc {
     registers: BTreeMap<u32, u32>,
-    /// The bits that will rise: (time, register, bit).
+    /// Ready bits that will be set: (time in processor cycles, register, bit).
     coming: Vec<(u64, u32, u32)>,
     flags: u32,
 }
 
 impl Rcc {
-    /// The state after a reset; flags of earlier resets stay until the program clears them.
+    /// RCC after a reset. The reset flags of `before` stay set until the program clears them.
     #[must_use]
     pub fn new(cause: ResetCause, before: Option<&Self>) -> Self {
         let kept = match (cause, before) {
@@ -90,7 +90,7 @@ impl Rcc {
             (_, Some(before)) => before.flags,
         };
         Self {
-            // HSI16 is on and the system's clock.
+            // HSI16 is on, and is the system clock.
             registers: BTreeMap::from([
                 (CR, 0x0000_0500),
                 (CFGR, 0x0000_0005),
@@ -105,13 +105,13 @@ impl Rcc {
         self.registers.get(&offset).copied().unwrap_or(0)
     }
 
-    /// Whether a bit of an enable register is set.
+    /// Whether this bit of this enable register is set, that is, whether the peripheral is clocked.
     #[must_use]
     pub fn gives(&self, register: u32, bit: u32) -> bool {
         self.get(register) >> bit & 1 != 0
     }
 
-    /// SYSCLK, Hz.
+    /// Frequency of SYSCLK, Hz.
     #[must_use]
     pub fn sysclk_hz(&self) -> u64 {
         const HSI: u64 = 16_000_000;
@@ -121,7 +121,8 @@ impl Rcc {
                 let m = u64::from(pll >> 4 & 15) + 1;
                 let n = u64::from(pll >> 8 & 127);
                 let r = 2 * (u64::from(pll >> 25 & 3) + 1);
-                // 3 is HSE, which no board here has but with 24 MHz or 8 MHz; not modelled apart.
+                // The model assumes HSI16 as the PLL's source.
+                // The crystal HSE (PLLSRC 3; 24 or 8 MHz on the boards) is not modelled.
                 HSI * n / m / r
             }
             _ => HSI,
@@ -130,7 +131,7 @@ impl Rcc {
 }
 
 impl Rcc {
-    /// PCLK1, Hz: SYSCLK through HPRE and PPRE1.
+    /// Frequency of PCLK1 in hertz: SYSCLK divided by the prescalers HPRE and PPRE1.
     fn pclk1_hz(&self) -> u64 {
         let cfgr = self.get(CFGR);
         let hpre = match cfgr >> 4 & 15 {
@@ -146,7 +147,7 @@ impl Rcc {
         self.sysclk_hz() >> hpre >> ppre1
     }
 
-    /// The window watchdog's clock, Hz; 0 if it is not switched on.
+    /// Clock frequency of the window watchdog's bus in hertz; 0 while that clock is switched off.
     #[must_use]
     pub fn wwdg_hz(&self) -> u64 {
         match self.get(APB1ENR1) >> 11 & 1 {
@@ -189,7 +190,7 @@ impl Peripheral for Rcc {
             }
         }
         if offset == CFGR {
-            // The switch is done when SWS says so: a few cycles of the slower clock.
+            // The clock switch is complete when SWS shows it, after a few cycles of the slower clock.
             value = (value & !0xc) | (before & 0xc);
             self.coming.retain(|(_, register, _)| *register != CFGR);
             self.coming.push((now + 20, CFGR, (value & 3) << 2));
@@ -218,19 +219,19 @@ impl Peripheral for Rcc {
     }
 }
 
-/// PWR: the voltage scaling's ready flags and the voltage detector's output.
+/// The power control, PWR: the ready flags of the voltage scaling, and the output of the voltage detector.
 #[derive(Debug, Clone, Default)]
 pub struct Pwr {
     registers: BTreeMap<u32, u32>,
-    /// Supply of the chip, V.
+    /// Supply voltage of the chip, V.
     pub supply_v: f64,
 }
 
 impl Pwr {
-    /// Levels of the detector, V, falling (DS12288).
+    /// Thresholds of the voltage detector in volts for a falling supply (DS12288).
     const LEVELS: [f64; 7] = [2.0, 2.2, 2.36, 2.47, 2.6, 2.73, 2.86];
 
-    /// A unit at this supply voltage.
+    /// Power control of a chip with this supply voltage.
     #[must_use]
     pub fn new(supply_v: f64) -> Self {
         Self {
@@ -239,7 +240,7 @@ impl Pwr {
         }
     }
 
-    /// The detector's output: the supply is below its level.
+    /// Output of the voltage detector: whether the supply is below the threshold that the program has set.
     #[must_use]
     pub fn is_low(&self) -> bool {
         let cr2 = self.registers.get(&0x04).copied().unwrap_or(0);

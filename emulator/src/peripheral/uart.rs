@@ -1,4 +1,4 @@
-//! A serial port with its FIFOs: a byte takes as long as the baud rate that is set says.
+//! A serial port with its FIFOs. A byte takes the time that follows from the configured baud rate.
 
 use std::collections::VecDeque;
 
@@ -25,7 +25,7 @@ const FIFO_ENABLED: u32 = 1 << 29;
 
 const DEPTH: usize = 8;
 
-/// USART or LPUART.
+/// A serial port of the chip: USART or LPUART.
 #[derive(Debug, Clone)]
 pub struct Uart {
     interrupt: u32,
@@ -35,18 +35,19 @@ pub struct Uart {
     sending: Option<(u64, u8)>,
     send: VecDeque<u8>,
     receive: VecDeque<u8>,
-    /// Bytes that the other side sends next, and when the next one is complete.
+    /// Bytes that the other side of the line has still to send, each with whether it has a framing error.
     line: VecDeque<(u8, bool)>,
     arrives: u64,
     idle_at: u64,
-    /// Bytes that the program has sent, in order, each with the time at which it was complete.
+    /// All bytes that the program has sent, in order.
     pub sent: Vec<u8>,
-    /// Bytes that were lost because the program did not fetch them in time.
+    /// Number of received bytes that were lost because the program did not read them in time.
     pub overruns: u64,
 }
 
 impl Uart {
-    /// A port with this interrupt; LPUART's baud register counts in 256ths of a cycle.
+    /// A serial port with this interrupt number. `low_power` selects an LPUART, whose baud-rate register counts in 256ths of a
+    /// clock cycle.
     #[must_use]
     pub fn new(interrupt: u32, low_power: bool) -> Self {
         Self {
@@ -65,7 +66,7 @@ impl Uart {
         }
     }
 
-    /// Cycles of a byte: start, eight bits, stop.
+    /// Processor cycles per byte on the line: start bit, eight data bits and stop bit.
     #[must_use]
     pub fn byte_time(&self) -> u64 {
         const DIVIDERS: [u64; 12] = [1, 2, 4, 6, 8, 10, 12, 16, 32, 64, 128, 256];
@@ -90,12 +91,13 @@ impl Uart {
         }
     }
 
-    /// The other side sends bytes, one after the other, after what it already sends.
+    /// Lets the other side of the line send bytes, after those that it is already sending.
     pub fn put(&mut self, bytes: &[u8], now: u64) {
         self.put_with_errors(bytes, false, now);
     }
 
-    /// As `put`, each byte with a framing error: the other side's baud rate is wrong, or the line is disturbed.
+    /// Does the same as `put`, with a framing error in each byte if `framing_error` is set. The cause may be a wrong baud rate or a
+    /// disturbed line.
     pub fn put_with_errors(&mut self, bytes: &[u8], framing_error: bool, now: u64) {
         self.line
             .extend(bytes.iter().map(|byte| (*byte, framing_error)));
@@ -105,7 +107,7 @@ impl Uart {
         }
     }
 
-    /// How many bytes the other side has still to send.
+    /// Number of bytes that the other side of the line has still to send.
     #[must_use]
     pub fn on_the_line(&self) -> usize {
         self.line.len()
@@ -202,7 +204,7 @@ impl Peripheral for Uart {
 
     fn lines(&self) -> u128 {
         let (cr1, flags) = (self.registers.get(CR1), self.flags());
-        // IDLEIE, RXNEIE, TCIE and TXEIE have their flags' places; an overrun counts as received.
+        // IDLEIE, RXNEIE, TCIE and TXEIE are at the bit positions of their flags. An overrun raises the receive interrupt.
         let mut up = flags & cr1 & (IDLE | RXNE | TC | TXE) != 0;
         up |= cr1 & RXNE != 0 && flags & ORE != 0;
         // EIE.

@@ -1,5 +1,6 @@
-//! The window watchdog (RM0440, chapter 43): counts the bus clock divided by 4096 and by a power of two, which runs freely; resets
-//! the chip when its counter falls below 0x40, or is written while it is above the window.
+//! The window watchdog (RM0440, chapter 43). Its counter counts down at the bus clock divided by 4096 and by a power of two. The
+//! watchdog resets the chip when the counter falls below 0x40, or when the program writes the counter while it is above the window
+//! value.
 
 use super::{CORE_HZ, NEVER, Peripheral};
 
@@ -7,20 +8,20 @@ const CR: u32 = 0x00;
 const CFR: u32 = 0x04;
 const SR: u32 = 0x08;
 const WDGA: u32 = 1 << 7;
-/// The counter's bit that must stay set.
+/// Bit 6 of the counter. The chip is reset when this bit is cleared.
 const T6: u32 = 0x40;
 
-/// The watchdog.
+/// The window watchdog.
 #[derive(Debug, Clone)]
 pub struct Wwdg {
-    /// Clock of the watchdog's bus, Hz; 0 while the bus clock is off.
+    /// Clock frequency of the watchdog's bus in hertz; 0 while the bus clock is off.
     clock_hz: u64,
     configuration: u32,
     active: bool,
-    /// The counter, as it was at a number of counts of the divider.
+    /// Value of the counter when its clock divider had counted `at` counts.
     counter: u32,
     at: u64,
-    /// Written too early, or with a value that resets.
+    /// Whether the program wrote the counter too early, or with a value that resets the chip.
     refused: bool,
 }
 
@@ -38,7 +39,7 @@ impl Default for Wwdg {
 }
 
 impl Wwdg {
-    /// Cycles of the processor in a count.
+    /// Processor cycles per count of the watchdog; never, while the bus clock is off.
     fn count_cycles(&self) -> u64 {
         let share = 4_096 << (self.configuration >> 11 & 7);
         (share * CORE_HZ)
@@ -52,13 +53,13 @@ impl Wwdg {
             .saturating_sub(u32::try_from(counts).unwrap_or(u32::MAX))
     }
 
-    /// Keeps the counter over a change of what it counts.
+    /// Sets the counter at the time `now`.
     fn set(&mut self, counter: u32, now: u64) {
         self.counter = counter;
         self.at = now / self.count_cycles();
     }
 
-    /// The clock of its bus, Hz; 0 for none.
+    /// Sets the clock frequency of the watchdog's bus in hertz; 0 means off. The counter keeps its value.
     pub fn set_clock(&mut self, hz: u64, now: u64) {
         if hz != self.clock_hz {
             let counter = self.counter(now);
@@ -67,13 +68,13 @@ impl Wwdg {
         }
     }
 
-    /// Time at which the counter falls below 0x40.
+    /// Time in processor cycles at which the counter falls below 0x40.
     fn falls(&self) -> u64 {
         let counts = u64::from(self.counter.saturating_sub(T6 - 1));
         (self.at + counts).saturating_mul(self.count_cycles())
     }
 
-    /// Whether the reset is due.
+    /// Whether the watchdog resets the chip at the time `now`.
     #[must_use]
     pub fn bites(&self, now: u64) -> bool {
         self.refused || now >= self.next_event()
@@ -85,7 +86,7 @@ impl Peripheral for Wwdg {
         match offset {
             CR => self.counter(now) | u32::from(self.active) << 7,
             CFR => self.configuration,
-            // The early interrupt's flag.
+            // The flag of the early wake-up interrupt.
             SR => u32::from(self.counter(now) <= T6),
             _ => 0,
         }
@@ -93,12 +94,12 @@ impl Peripheral for Wwdg {
 
     fn write(&mut self, offset: u32, value: u32, now: u64) {
         match offset {
-            // Without its clock a register takes nothing.
+            // Without the bus clock a write has no effect.
             _ if self.clock_hz == 0 => {}
             CR => {
                 let early = self.counter(now) > self.configuration & 0x7f;
                 self.refused |= self.active && early;
-                // Only a reset clears it.
+                // Only a reset clears this bit.
                 self.active |= value & WDGA != 0;
                 self.refused |= self.active && value & T6 == 0;
                 self.set(value & 0x7f, now);
@@ -125,7 +126,8 @@ impl Peripheral for Wwdg {
 mod tests {
     use super::*;
 
-    /// A watchdog started with 10 counts, at the processor's clock.
+    /// A watchdog that is 10 counts above 0x40 and whose bus runs at the processor's clock. `share` is the code of the clock
+    /// divider in CFR.
     fn started(share: u32, now: u64) -> Wwdg {
         let mut dog = Wwdg::default();
         dog.set_clock(CORE_HZ, 0);
@@ -136,7 +138,7 @@ mod tests {
 
     #[test]
     fn bites_after_its_counts_unless_refreshed() {
-        // Half a count later than the divider's last.
+        // Started half a count after the last count of the divider.
         let mut dog = started(0, 2_048);
         let time = 11 * 4_096;
         assert_eq!(dog.next_event(), time);
@@ -144,7 +146,7 @@ mod tests {
         assert_eq!(dog.read(CR, time - 1), WDGA | T6);
         dog.write(CR, WDGA | T6 | 10, time - 1);
         assert!(!dog.bites(time) && dog.bites(time + 10 * 4_096));
-        // It cannot be stopped.
+        // The watchdog cannot be stopped.
         dog.write(CR, 0x7f, time);
         assert!(dog.bites(time + 64 * 4_096));
     }

@@ -1,38 +1,40 @@
-//! Faults of the sensors: an off-centre encoder magnet, noise of the encoder and of the converters. None by default.
+//! Errors of the simulated sensors: an off-centre encoder magnet, and noise of the encoder and of the analogue-to-digital
+//! converters. By default the sensors have no errors.
 
 use std::f64::consts::TAU;
 
-/// Error of the encoder's angle due to an off-centre magnet: `A sin(n θ + φ)`. A shaft off the axis gives one period a
-/// turn, a sensor off it two (TI's TIDUF97, table of the patterns of error; both together and a tilt: both).
+/// One sinusoidal error of the encoder's angle due to an off-centre magnet: `A sin(n θ + φ)`. A shaft off the axis causes one
+/// period per turn, a sensor off the axis two (TI's TIDUF97, table of the error patterns). A tilted magnet, or shaft and sensor off
+/// the axis, causes one and two periods at once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EncoderError {
-    /// `A`, rad.
+    /// Amplitude `A` of the error, rad.
     pub amplitude_rad: f64,
-    /// Periods in a turn: `n`.
+    /// Periods of the error per turn of the shaft: `n`.
     pub per_rev: f64,
-    /// `φ`, rad.
+    /// Phase `φ` of the error, rad.
     pub phase_rad: f64,
 }
 
-/// Root-mean-square values of white, nearly normal noise.
+/// Root-mean-square values of white, approximately normal noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
     /// Noise of the encoder's angle, rad.
     pub encoder_rad: f64,
-    /// Noise of each conversion, codes of 12 bits.
+    /// Noise of each conversion, in codes of the 12-bit analogue-to-digital converter.
     pub converter_codes: f64,
 }
 
 /// Errors and noise of the sensors.
 #[derive(Debug, Clone)]
 pub struct Sensors {
-    /// Errors of the encoder, by order.
+    /// Sinusoidal errors of the encoder, one entry per number of periods per turn.
     pub encoder_error: Vec<EncoderError>,
     /// Noise of the encoder and of the converters; `None` for no noise.
     pub noise: Option<Noise>,
-    /// xorshift64's state: the same numbers in each run.
+    /// State of the random-number generator xorshift64, whose fixed seed gives the same numbers in each run.
     state: u64,
-    /// Present noise of the encoder's angle, rad.
+    /// Noise of the encoder's angle for the current reading, rad.
     drawn_rad: f64,
 }
 
@@ -48,7 +50,7 @@ impl Default for Sensors {
 }
 
 impl Sensors {
-    /// An angle with the encoder's error, rad.
+    /// Adds the encoder's sinusoidal errors to the angle of the shaft, rad.
     #[must_use]
     pub fn with_error(&self, angle_rad: f64) -> f64 {
         self.encoder_error.iter().fold(angle_rad, |read, it| {
@@ -56,25 +58,26 @@ impl Sensors {
         })
     }
 
-    /// Draws new noise for a reading of the encoder.
+    /// Draws a new noise value for the next reading of the encoder.
     pub fn look(&mut self) {
         let noise = self.noise.map(|it| it.encoder_rad);
         self.drawn_rad = noise.map_or(0.0, |rms| rms * self.normal());
     }
 
-    /// Angle that the encoder reports, turns.
+    /// Angle that the encoder reports for an angle of the shaft, in turns, with errors and noise.
     #[must_use]
     pub fn shown_turns(&self, angle_rad: f64) -> f64 {
         (self.with_error(angle_rad) + self.drawn_rad) / TAU
     }
 
-    /// Random noise of one conversion, in codes of the converter.
+    /// Draws the noise of one conversion, in codes of the 12-bit analogue-to-digital converter.
     pub fn converter_codes(&mut self) -> f64 {
         let noise = self.noise.map(|it| it.converter_codes);
         noise.map_or(0.0, |rms| rms * self.normal())
     }
 
-    /// Mean 0, variance 1, at most 3.5: the sum of four that are evenly distributed.
+    /// Draws an approximately normal number with mean 0, variance 1 and magnitude of at most 3.5: the scaled sum of four uniformly
+    /// distributed numbers.
     fn normal(&mut self) -> f64 {
         let mut sum = 0.0;
         for _ in 0..4 {
@@ -91,7 +94,7 @@ impl Sensors {
 mod tests {
     use super::*;
 
-    /// Five standard deviations of the mean and of the variance of so many.
+    /// Mean and variance of 100,000 noise values must lie within five standard deviations of the configured ones.
     #[test]
     fn noise_has_its_effective_value_and_none_is_none() {
         let mut sensors = Sensors::default();

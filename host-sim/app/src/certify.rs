@@ -55,7 +55,7 @@ pub fn main(options: &Options) -> Result<()> {
         let mut value = serde_json::json!(certificate);
         value["feel"] = serde_json::json!(feel);
         value["feel"]["holds"] = feel.holds().into();
-        say!("{value:#}");
+        say!("{}", super::out::json_text(&value));
         return Ok(());
     }
     print(&certificate, &feel)

@@ -2,6 +2,7 @@
 
 use clap::error::{ContextKind, ContextValue, Error as UsageError, ErrorKind};
 use std::error::Error as _;
+use touchstone_sim::harmless::is_harmful;
 
 /// Longest word that is printed whole: a path may be long; a value that was pasted by mistake is longer.
 const WORD_MAX: usize = 200;
@@ -23,7 +24,7 @@ pub fn line(text: &str) -> String {
     let mut cut = String::new();
     push_cut(&mut cut, &short, LINE_MAX);
     cut.chars()
-        .map(|letter| if letter.is_control() { '?' } else { letter })
+        .map(|letter| if is_harmful(letter) { '?' } else { letter })
         .collect()
 }
 

@@ -3,9 +3,10 @@
 use super::board_page;
 use super::interrupt::noted;
 use super::out::{note, result, say, tell};
+use std::io::{BufRead as _, Read as _};
 use std::net::{SocketAddr, TcpListener};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, sync_channel};
 use touchstone_device::Address;
 use touchstone_knob::served_knob::{ServedKnob, serve};
 use touchstone_sim::error::{Error, Result};
@@ -30,6 +31,9 @@ pub struct Options {
     #[arg(long, conflicts_with = "port_only")]
     no_open: bool,
 }
+
+/// Longest line of standard input, bytes.
+const LINE_MAX: u64 = 1000;
 
 /// Text below the options in the help.
 const HAPPENS: &str = "\
@@ -89,12 +93,21 @@ pub fn main(options: &Options) -> Result<()> {
 
 /// The lines of standard input.
 fn lines() -> Receiver<String> {
-    let (sender, happens) = channel();
+    // Who writes faster than the knob takes it waits.
+    let (sender, happens) = sync_channel(16);
     std::thread::spawn(move || {
-        for line in std::io::stdin().lines().map_while(std::result::Result::ok) {
-            if sender.send(line).is_err() {
+        let mut input = std::io::stdin().lock();
+        let mut line = Vec::new();
+        while let Ok(1..) = (&mut input).take(LINE_MAX).read_until(b'\n', &mut line) {
+            if line.len() as u64 == LINE_MAX {
+                note!("note: standard input is no lines of words, and is not read any more");
                 break;
             }
+            let words = String::from_utf8_lossy(&line).trim_end().to_owned();
+            if sender.send(words).is_err() {
+                break;
+            }
+            line.clear();
         }
     });
     happens

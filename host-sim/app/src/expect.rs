@@ -44,14 +44,18 @@ pub struct Expectations {
 }
 
 impl Expectations {
-    /// Whether there is any demand.
-    pub fn any(&self) -> bool {
-        !self.expect.is_empty()
-            || self.max_penetration.is_some()
-            || self.min_stiffness.is_some()
-            || self.max_energy_out.is_some()
-            || self.baseline.is_some()
-            || self.junit.is_some()
+    /// The first option of a demand that is given.
+    pub fn first_given(&self) -> Option<&'static str> {
+        let given = [
+            ("--expect", !self.expect.is_empty()),
+            ("--max-penetration", self.max_penetration.is_some()),
+            ("--min-stiffness", self.min_stiffness.is_some()),
+            ("--max-energy-out", self.max_energy_out.is_some()),
+            ("--baseline", self.baseline.is_some()),
+            ("--junit", self.junit.is_some()),
+        ];
+        let first = given.into_iter().find(|(_, given)| *given);
+        first.map(|(option, _)| option)
     }
 }
 

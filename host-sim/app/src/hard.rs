@@ -67,7 +67,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         }
     })?;
     if json() {
-        say!("{:#}", serde_json::json!(found));
+        say!("{}", super::out::json_text(&serde_json::json!(found)));
     } else if quiet() {
         for outcome in found.cases.iter().filter(|outcome| !outcome.passed) {
             say!("{}", table::line(outcome));

@@ -91,7 +91,7 @@ pub fn main(options: &Options) -> Result<()> {
             "k_critical_n_m_per_rad": k_critical,
             "plant_damping_n_m_s_per_rad": found.plant,
         });
-        say!("{value:#}");
+        say!("{}", super::out::json_text(&value));
         return Ok(());
     }
     let line = |name: &str, found: Estimate, unit: &str| {

@@ -2,7 +2,7 @@
 
 use super::device::note_silence;
 use super::number;
-use super::out::{self, print, say, tell};
+use super::out::{self, print_over, say, tell};
 use super::port::PortOption;
 use super::stream::{self, Until};
 use super::whole::{Named, Overwrite};
@@ -142,8 +142,7 @@ fn watch(
             let line = line(record, counted.lost);
             // What changed stays on the screen; what is only newer is written over.
             match (live, changed) {
-                (true, false) => print(format_args!("\r{line}"))?,
-                (true, true) => print(format_args!("\r{line}\n"))?,
+                (true, ends) => print_over(&line, ends)?,
                 (false, _) => say!("{line}"),
             }
         }

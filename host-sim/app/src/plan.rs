@@ -2,8 +2,9 @@
 
 use super::SceneOptions;
 use super::out::{json, say};
+use super::progress;
 use super::report_options::program;
-use touchstone_lab::plan::{Asked, plan, table};
+use touchstone_lab::plan::{Asked, plan, steps, table};
 use touchstone_sim::error::{Error, Result};
 
 /// Options of `plan`.
@@ -40,9 +41,12 @@ pub fn main(options: &Options) -> Result<()> {
         times: !options.no_times,
         omitted: !options.no_omitted,
     };
-    let found = plan(&scene, asked, program())?;
+    let bar = progress::bar(steps(&scene, asked), "planning");
+    let found = plan(&scene, asked, program(), &mut || bar.inc(1));
+    bar.finish_and_clear();
+    let found = found?;
     match json() {
-        true => say!("{:#}", serde_json::json!(found)),
+        true => say!("{}", super::out::json_text(&serde_json::json!(found))),
         false => say!("{}", table::render(&found).trim_end()),
     }
     Ok(())

@@ -50,12 +50,12 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     let (scene, warnings) = options.changes.load(&options.scene)?;
     if options.print {
         match json() {
-            true => say!(
-                "{:#}",
-                serde_json::to_value(&scene).map_err(|error| {
+            true => {
+                let value = serde_json::to_value(&scene).map_err(|error| {
                     Error::device("JSON", error.to_string(), "report this as a bug")
-                })?
-            ),
+                })?;
+                say!("{}", super::out::json_text(&value))
+            }
             false => say!("{}", scene.to_toml().trim_end()),
         }
         return Ok(ExitCode::SUCCESS);

@@ -8,6 +8,7 @@ use clap::CommandFactory;
 use clap_complete::Shell;
 use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::harmless::is_harmful;
 
 /// The command line as a line that a shell reads back as the same; bytes that are no UTF-8 are shown as such.
 pub fn command_line() -> String {
@@ -27,7 +28,7 @@ pub fn word(text: &str) -> String {
     let shown: String = text
         .chars()
         .map(|letter| {
-            if letter.is_control() {
+            if is_harmful(letter) {
                 '\u{fffd}'
             } else {
                 letter

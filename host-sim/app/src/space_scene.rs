@@ -62,8 +62,7 @@ pub struct RunOfSpace<'a> {
 
 /// Runs the command.
 pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
-    let expect = asked.expectations.any().then_some("--expect");
-    if let Some(option) = asked.lost.or(expect) {
+    if let Some(option) = asked.lost.or(asked.expectations.first_given()) {
         return Err(Error::Option {
             option: option.to_owned(),
             problem: "has no meaning in a scene of three axes".to_owned(),

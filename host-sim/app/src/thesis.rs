@@ -170,7 +170,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         let mut results = expect::results(&report::json::render(&input), &checked);
         results["claims"] = claims.iter().map(claim).collect();
         results["report"] = written.page.display().to_string().into();
-        print(format_args!("{results:#}\n"))?;
+        print(format_args!("{}\n", super::out::json_text(&results)))?;
     }
     checked.conclude()
 }
@@ -180,9 +180,10 @@ fn space(options: &Options) -> Result<ExitCode> {
     let lost = [
         ("--set", !options.sets.is_empty()),
         ("--strict-passive", options.strict_passive),
-        ("--expect", options.expectations.any()),
     ];
-    if let Some((option, _)) = lost.into_iter().find(|(_, given)| *given) {
+    let lost = lost.into_iter().find(|(_, given)| *given);
+    let lost = lost.map(|(option, _)| option);
+    if let Some(option) = lost.or(options.expectations.first_given()) {
         return Err(Error::Option {
             option: option.to_owned(),
             problem: "has no meaning with --dof 3, whose settings are its own".to_owned(),

@@ -148,7 +148,7 @@ pub fn main(
     if json() {
         let mut results = page::results(&input);
         results["report"] = written.page.display().to_string().into();
-        print(format_args!("{results:#}\n"))?;
+        print(format_args!("{}\n", super::out::json_text(&results)))?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -107,7 +107,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     if json() {
         let mut value = value(&tuned, &card, &points);
         value["cause"] = serde_json::json!(cause);
-        out::print(format_args!("{value:#}\n"))?;
+        out::print(format_args!("{}\n", out::json_text(&value)))?;
     } else {
         print(&tuned, &card, &points)?;
         match &options.out {

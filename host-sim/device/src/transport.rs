@@ -3,7 +3,7 @@
 use super::Address;
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use touchstone_sim::error::{Error, Result};
 
 /// Rate of the serial port, baud. 115,200 is too slow for the telemetry.
@@ -86,11 +86,19 @@ fn tcp(socket: &str) -> Result<Box<dyn Transport>> {
         let fix = "start the emulator or the serial server, or give its HOST:PORT";
         Error::device(&*name, format!("cannot be reached: {error}"), fix)
     };
-    let place = socket.to_socket_addrs().map_err(refused)?.next();
-    let place = place.ok_or_else(|| refused(ErrorKind::NotFound.into()))?;
-    let stream = TcpStream::connect_timeout(&place, LIMIT).map_err(refused)?;
+    // A name may stand for several addresses, as localhost for ::1 and 127.0.0.1; all of them share one deadline.
+    let until = Instant::now() + LIMIT;
+    let mut stream = Err(ErrorKind::NotFound.into());
+    for place in socket.to_socket_addrs().map_err(refused)? {
+        let left = until.saturating_duration_since(Instant::now());
+        stream = TcpStream::connect_timeout(&place, left.max(PATIENCE));
+        if stream.is_ok() {
+            break;
+        }
+    }
+    let stream = stream.map_err(refused)?;
     stream.set_read_timeout(Some(PATIENCE)).map_err(refused)?;
-    stream.set_write_timeout(Some(LIMIT)).map_err(refused)?;
+    stream.set_write_timeout(Some(PATIENCE)).map_err(refused)?;
     // A request is one small frame that waits for its answer.
     stream.set_nodelay(true).map_err(refused)?;
     Ok(Box::new(Stream { stream, name }))
@@ -125,11 +133,24 @@ impl<S: Read + Write> Transport for Stream<S> {
     }
 
     fn send(&mut self, bytes: &[u8]) -> Result<()> {
-        let sent = self
-            .stream
-            .write_all(bytes)
-            .and_then(|()| self.stream.flush());
-        sent.map_err(|error| self.gone(error))
+        let until = Instant::now() + LIMIT;
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            match self.stream.write(rest) {
+                Ok(0) => return Err(self.gone("its other end closed it")),
+                Ok(count) => rest = rest.get(count..).unwrap_or_default(),
+                Err(error) => match error.kind() {
+                    ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted => {
+                        if Instant::now() >= until {
+                            return Err(self.gone("it takes nothing any more"));
+                        }
+                    }
+                    _ => return Err(self.gone(error)),
+                },
+            }
+        }
+        // Not flushed: nothing is kept on this side, and a serial port's flush waits without an end for a device that takes nothing.
+        Ok(())
     }
 }
 
@@ -137,6 +158,28 @@ impl<S: Read + Write> Transport for Stream<S> {
 mod tests {
     use super::*;
     use serialport::ErrorKind::{Io, NoDevice, Unknown};
+
+    #[test]
+    fn a_name_of_several_addresses_is_tried_at_each() {
+        let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+        let port = listener.local_addr().unwrap().port();
+        open(&Address::Tcp(format!("localhost:{port}"))).map_or_else(|e| panic!("{e}"), drop);
+    }
+
+    #[test]
+    fn an_end_that_takes_nothing_is_given_up_at_its_deadline() {
+        let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = Address::Tcp(listener.local_addr().unwrap().to_string());
+        let mut sender = open(&address).unwrap_or_else(|e| panic!("{e}"));
+        let _silent = listener.accept().unwrap();
+        let begun = Instant::now();
+        let error = sender.send(&vec![0; 100_000_000]).unwrap_err().to_string();
+        assert!(
+            error.contains("the connection is gone: it takes nothing any more; "),
+            "{error}"
+        );
+        assert!(begun.elapsed() < 2 * LIMIT, "{:?}", begun.elapsed());
+    }
 
     #[test]
     fn a_port_that_does_not_open_has_the_remedy_of_its_cause() {

@@ -140,6 +140,13 @@ fn what_cannot_be_used_is_said() {
     let service = Service::new("unknown", Wrong::Nothing, 0);
     let fault = Inverse3::connect(&service.address).expect_err("no version");
     assert!(fault.to_string().contains("says no version"), "{fault}");
+    for other in ["2.1.0", "4.0.0"] {
+        let service = Service::new(other, Wrong::Nothing, 0);
+        let fault = Inverse3::connect(&service.address).expect_err("another version");
+        let version = format!("has version {}, and only 3 is known", &other[..3]);
+        assert!(fault.to_string().contains(&version), "{fault}");
+        assert!(fault.fix().contains("of version 3"), "{fault}");
+    }
     // A port that was free a moment ago.
     let free = TcpListener::bind("127.0.0.1:0")
         .unwrap()

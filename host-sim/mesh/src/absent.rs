@@ -15,7 +15,7 @@ impl Mesh {
     ///
     /// # Errors
     /// Always: the error says how to build the program with the feature `geometry`.
-    pub fn read_stl(path: &Path, _unit_m: f64) -> Result<Self> {
+    pub fn read(path: &Path, _unit_m: f64) -> Result<Self> {
         Err(Error::Io {
             path: path.to_owned(),
             problem: "this program was built without meshes".to_owned(),
@@ -83,7 +83,7 @@ impl<N: Spatial + Reported> Surface<N> for MeshSurface<'_> {
 mod tests {
     #[test]
     fn who_asks_for_a_mesh_hears_how_to_build_the_program() {
-        let refused = super::Mesh::read_stl("a.stl".as_ref(), 1e-3).expect_err("no mesh");
+        let refused = super::Mesh::read("a.stl".as_ref(), 1e-3).expect_err("no mesh");
         let said = refused.to_string();
         assert!(
             said.contains("a.stl") && said.contains("--features mesh"),

@@ -1,7 +1,7 @@
 //! Triangle meshes as virtual objects, on the desktop.
 //!
-//! [`Mesh`] is the object, from vertices or an STL file. `Proxy` is a point that stays on the mesh's surface while the hand's point
-//! is inside (the god-object of Zilles and Salisbury, IROS 1995). [`MeshSurface`] makes mesh and proxy an object for
+//! [`Mesh`] is the object, from vertices or a file of STL, OBJ or PLY. `Proxy` is a point that stays on the mesh's surface while the
+//! hand's point is inside (the god-object of Zilles and Salisbury, IROS 1995). [`MeshSurface`] makes mesh and proxy an object for
 //! [`touchstone_control::space`].
 //!
 //! The crate needs the feature `geometry`. Without it no mesh can be made, and the error says how to build the program with it.
@@ -11,18 +11,30 @@
 #[cfg_attr(test, allow(dead_code))]
 mod absent;
 #[cfg(feature = "geometry")]
+mod file;
+#[cfg(feature = "geometry")]
 mod mesh;
 #[cfg(feature = "geometry")]
+mod obj;
+#[cfg(feature = "geometry")]
 mod odd;
+#[cfg(feature = "geometry")]
+mod ply;
 #[cfg(feature = "geometry")]
 mod proxy;
 #[cfg(feature = "geometry")]
 mod stl;
 #[cfg(feature = "geometry")]
 mod surface;
+#[cfg(feature = "geometry")]
+mod tree;
+#[cfg(feature = "geometry")]
+mod words;
 
 #[cfg(not(feature = "geometry"))]
 pub use absent::{Mesh, MeshSurface};
+#[cfg(feature = "geometry")]
+pub use file::MOST_TRIANGLES;
 #[cfg(feature = "geometry")]
 pub use mesh::{Mesh, MeshError};
 #[cfg(feature = "geometry")]

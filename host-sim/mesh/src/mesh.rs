@@ -1,8 +1,8 @@
 //! A triangle mesh: its triangles with their planes, in a tree of bounding boxes.
 
-use crate::stl;
+use crate::file::{self, Kind, MOST_TRIANGLES};
+use crate::tree::Tree;
 use parry3d_f64::math::Vector;
-use parry3d_f64::shape::TriMesh;
 use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 
@@ -16,6 +16,8 @@ pub enum MeshError {
         /// Number of the triangle, from 0.
         triangle: usize,
     },
+    /// There are more than [`MOST_TRIANGLES`].
+    TooMany,
 }
 
 impl std::fmt::Display for MeshError {
@@ -23,100 +25,120 @@ impl std::fmt::Display for MeshError {
         match self {
             Self::NoArea => f.write_str("no triangle has an area"),
             Self::Vertex { triangle } => {
-                write!(f, "triangle {triangle} has a vertex that is no number")
+                write!(
+                    f,
+                    "triangle {triangle} has a vertex that is not there or is no number"
+                )
             }
+            Self::TooMany => write!(f, "more than {MOST_TRIANGLES} triangles"),
         }
     }
 }
 
 impl std::error::Error for MeshError {}
 
-/// A triangle with its normal and the directions of its edges, as a proxy needs them.
+/// A triangle with its normal. It is made anew for each use: kept, a million of them would take as much memory as the tree.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Face {
     /// The corners, counter-clockwise from outside, m.
     pub corners: [Vector; 3],
     /// Normal of length 1 that points outwards.
     pub normal: Vector,
-    /// For each edge the direction of length 1 in the triangle's plane, across the edge and into the triangle.
-    pub inwards: [Vector; 3],
 }
 
 /// A triangle mesh. The side of a triangle from which its corners run counter-clockwise is outside. The mesh need not be closed.
 #[derive(Debug, Clone)]
 pub struct Mesh {
-    pub(crate) tree: TriMesh,
-    pub(crate) faces: Vec<Face>,
+    pub(crate) tree: Tree,
     size_m: f64,
     left_out: usize,
     solids: usize,
+    not_convex: usize,
 }
 
 impl Mesh {
     /// A mesh of vertices in metres and triangles of vertex numbers. Triangles without an area are left out.
     ///
     /// # Errors
-    /// No triangle is left, or a triangle uses a vertex that does not exist.
+    /// No triangle is left, one names a missing vertex, or there are more than [`MOST_TRIANGLES`].
     pub fn new(
         vertices: &[Vector],
         triangles: &[[u32; 3]],
     ) -> std::result::Result<Self, MeshError> {
-        let (mut faces, mut kept) = (Vec::new(), Vec::new());
-        for (number, triangle) in triangles.iter().enumerate() {
-            let mut corners = [Vector::ZERO; 3];
-            for (corner, &index) in corners.iter_mut().zip(triangle) {
-                *corner = vertices
-                    .get(index as usize)
-                    .copied()
-                    .filter(|vertex| vertex.is_finite())
-                    .ok_or(MeshError::Vertex { triangle: number })?;
-            }
-            if let Some(face) = Face::new(corners) {
-                faces.push(face);
-                kept.push(*triangle);
-            }
+        Self::of(vertices.to_vec(), triangles.to_vec())
+    }
+
+    fn of(
+        vertices: Vec<Vector>,
+        mut triangles: Vec<[u32; 3]>,
+    ) -> std::result::Result<Self, MeshError> {
+        let all = triangles.len();
+        if all > MOST_TRIANGLES {
+            return Err(MeshError::TooMany);
         }
-        let left_out = triangles.len() - faces.len();
-        let tree = TriMesh::new(vertices.to_vec(), kept).map_err(|_| MeshError::NoArea)?;
-        let size_m = tree.local_aabb().extents().length();
+        let is_vertex = |index: &u32| {
+            let vertex = vertices.get(*index as usize);
+            vertex.is_some_and(|vertex| vertex.is_finite())
+        };
+        if let Some(triangle) = triangles.iter().position(|t| !t.iter().all(is_vertex)) {
+            return Err(MeshError::Vertex { triangle });
+        }
+        triangles.retain(|t| Face::new(t.map(|index| vertices[index as usize])).is_some());
+        let left_out = all - triangles.len();
+        let tree = Tree::new(vertices, triangles).ok_or(MeshError::NoArea)?;
+        let size_m = tree.around().extents().length();
         Ok(Self {
             tree,
-            faces,
             size_m,
             left_out,
             solids: 1,
+            not_convex: 0,
         })
     }
 
-    /// Reads a mesh from an STL file, text or binary. STL has no unit: `unit_m` is the file's unit in metres, e.g. 0.001 for
-    /// millimetres.
+    /// Reads a mesh from a file of STL, OBJ or PLY, as its ending says; a file of any other ending is read as STL. None of these formats
+    /// has a unit: `unit_m` is the file's unit in metres, e.g. 0.001 for millimetres.
     ///
     /// # Errors
-    /// The file cannot be read or is too long, is no STL, or holds no triangle with an area.
-    pub fn read_stl(path: &Path, unit_m: f64) -> Result<Self> {
-        let bytes =
-            stl::bytes_of(path).map_err(|(problem, fix)| Self::wrong(path, problem, fix))?;
-        Self::parse_stl(&bytes, path, unit_m)
+    /// The file cannot be read or is too long, is not what its ending says, or holds no triangle with an area.
+    pub fn read(path: &Path, unit_m: f64) -> Result<Self> {
+        let kind = Kind::of(path);
+        let triangles = {
+            let bytes = file::bytes_of(path, kind)
+                .map_err(|(problem, fix)| Self::wrong(path, problem, &fix))?;
+            Self::triangles_of(&bytes, path, kind)?
+        };
+        Self::of_file(triangles, path, unit_m)
     }
 
-    /// Reads a mesh from the bytes of an STL file. `path` names the file in messages.
+    /// Reads a mesh from the bytes of a file. `path` names the file in messages, and its ending says the format.
     ///
     /// # Errors
-    /// Same as [`Mesh::read_stl`].
-    pub fn parse_stl(bytes: &[u8], path: &Path, unit_m: f64) -> Result<Self> {
-        let stl = stl::parse(bytes).map_err(|problem| {
-            Self::wrong(
-                path,
-                format!("no STL: {problem}"),
-                "export the object as STL",
-            )
-        })?;
-        let mesh = Self::new(&stl.vertices_m(unit_m), &stl.triangles);
-        let mut mesh = mesh.map_err(|error| {
+    /// Same as [`Mesh::read`].
+    pub fn parse(bytes: &[u8], path: &Path, unit_m: f64) -> Result<Self> {
+        Self::of_file(
+            Self::triangles_of(bytes, path, Kind::of(path))?,
+            path,
+            unit_m,
+        )
+    }
+
+    fn triangles_of(bytes: &[u8], path: &Path, kind: Kind) -> Result<file::Triangles> {
+        file::parse(bytes, kind).map_err(|refused| {
+            let (problem, fix) = refused.said(kind);
+            Self::wrong(path, problem, &fix)
+        })
+    }
+
+    fn of_file(mut read: file::Triangles, path: &Path, unit_m: f64) -> Result<Self> {
+        let vertices = read.vertices_m(unit_m);
+        read.vertices = Vec::new();
+        let mut mesh = Self::of(vertices, read.triangles).map_err(|error| {
             let fix = "export the object as a mesh of triangles";
             Self::wrong(path, error.to_string(), fix)
         })?;
-        mesh.solids = stl.solids;
+        mesh.solids = read.solids;
+        mesh.not_convex = read.not_convex;
         Ok(mesh)
     }
 
@@ -131,7 +153,7 @@ impl Mesh {
     /// Number of triangles with an area.
     #[must_use]
     pub fn triangles(&self) -> usize {
-        self.faces.len()
+        self.tree.triangles().len()
     }
 
     /// Number of triangles without an area, which were left out.
@@ -146,6 +168,12 @@ impl Mesh {
         self.solids
     }
 
+    /// Faces of its file with more than three corners that are not convex.
+    #[must_use]
+    pub const fn not_convex(&self) -> usize {
+        self.not_convex
+    }
+
     /// Diagonal of the mesh's bounding box, m.
     #[must_use]
     pub const fn size_m(&self) -> f64 {
@@ -155,7 +183,7 @@ impl Mesh {
 
 impl Face {
     /// A triangle with its normal and edges; `None` if the corners lie on a line, to rounding.
-    fn new(corners: [Vector; 3]) -> Option<Self> {
+    pub fn new(corners: [Vector; 3]) -> Option<Self> {
         let [a, b, c] = corners;
         let edges = [b - a, c - b, a - c];
         let across = edges[0].cross(edges[1]);
@@ -167,11 +195,9 @@ impl Face {
         if across.length() <= 1e-9 * longest {
             return None;
         }
-        let normal = across.normalize();
         Some(Self {
             corners,
-            normal,
-            inwards: edges.map(|edge| normal.cross(edge).normalize()),
+            normal: across.normalize(),
         })
     }
 
@@ -182,9 +208,12 @@ impl Face {
 
     /// Whether the point, projected on the triangle's plane, lies in the triangle or at most `beside_m` outside its edges.
     pub fn is_below(&self, point: Vector, beside_m: f64) -> bool {
-        self.corners
-            .iter()
-            .zip(&self.inwards)
-            .all(|(corner, inwards)| inwards.dot(point - *corner) >= -beside_m)
+        let [a, b, c] = self.corners;
+        [(a, b - a), (b, c - b), (c, a - c)]
+            .into_iter()
+            .all(|(corner, edge)| {
+                let inwards = self.normal.cross(edge).normalize();
+                inwards.dot(point - corner) >= -beside_m
+            })
     }
 }

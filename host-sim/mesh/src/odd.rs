@@ -42,53 +42,69 @@ impl Mesh {
     pub fn signed_volume_m3(&self) -> f64 {
         // Volumes are relative to a point of the mesh: relative to a far origin, rounding would cancel the result.
         let from = self
-            .faces
-            .first()
-            .map_or(Vector::ZERO, |face| face.corners[0]);
+            .tree
+            .corners()
+            .next()
+            .map_or(Vector::ZERO, |[first, ..]| first);
         let six = |corners: [Vector; 3]| {
             let [a, b, c] = corners.map(|corner| corner - from);
             a.dot(b.cross(c))
         };
-        self.faces.iter().map(|face| six(face.corners)).sum::<f64>() / 6.0
+        self.tree.corners().map(six).sum::<f64>() / 6.0
+    }
+
+    /// For each vertex the number of its place: vertices at the same place have the same number.
+    fn places(&self) -> Vec<u32> {
+        let vertices = self.tree.vertices();
+        // -0 is 0.
+        let key = |&vertex: &u32| {
+            let at = vertices[vertex as usize].to_array();
+            at.map(|value| (value + 0.0).to_bits())
+        };
+        let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
+        order.sort_unstable_by_key(key);
+        let mut places = vec![0; order.len()];
+        let mut place = 0;
+        for (at, vertex) in order.iter().enumerate() {
+            if at > 0 && key(vertex) != key(&order[at - 1]) {
+                place += 1;
+            }
+            places[*vertex as usize] = place;
+        }
+        places
     }
 
     /// Volume and bounding box of each part of the mesh. Different parts share no corner.
     fn parts(&self) -> Vec<Part> {
-        let mut numbers: HashMap<[u64; 3], usize> = HashMap::new();
-        // For each corner the number of an earlier corner of the same part, up to the first one (union–find).
-        let mut above: Vec<usize> = Vec::new();
-        let root = |above: &mut Vec<usize>, mut at: usize| {
-            while above[at] != at {
-                above[at] = above[above[at]];
-                at = above[at];
+        let places = self.places();
+        // Each place's way to the first one of its part.
+        let mut above: Vec<u32> = (0..places.len() as u32).collect();
+        let root = |above: &mut [u32], mut at: u32| {
+            while above[at as usize] != at {
+                above[at as usize] = above[above[at as usize] as usize];
+                at = above[at as usize];
             }
             at
         };
-        let mut first_corners = Vec::with_capacity(self.faces.len());
-        for face in &self.faces {
-            let corners = face.corners.map(|corner| {
-                let key = corner.to_array().map(|value| (value + 0.0).to_bits());
-                let number = *numbers.entry(key).or_insert(above.len());
-                if number == above.len() {
-                    above.push(number);
-                }
-                root(&mut above, number)
-            });
+        for triangle in self.tree.triangles() {
+            let corners = triangle.map(|corner| root(&mut above, places[corner as usize]));
             let least = corners.into_iter().min().unwrap_or(0);
-            corners.into_iter().for_each(|corner| above[corner] = least);
-            first_corners.push(least);
+            corners
+                .into_iter()
+                .for_each(|corner| above[corner as usize] = least);
         }
-        let mut parts: HashMap<usize, Part> = HashMap::new();
-        for (face, corner) in self.faces.iter().zip(first_corners) {
-            let part = parts.entry(root(&mut above, corner)).or_insert(Part {
-                from: face.corners[0],
+        let mut parts: HashMap<u32, Part> = HashMap::new();
+        for (triangle, corners) in self.tree.triangles().iter().zip(self.tree.corners()) {
+            let first = root(&mut above, places[triangle[0] as usize]);
+            let part = parts.entry(first).or_insert(Part {
+                from: corners[0],
                 volume_m3: 0.0,
-                least: face.corners[0],
-                most: face.corners[0],
+                least: corners[0],
+                most: corners[0],
             });
-            let [a, b, c] = face.corners.map(|corner| corner - part.from);
+            let [a, b, c] = corners.map(|corner| corner - part.from);
             part.volume_m3 += a.dot(b.cross(c)) / 6.0;
-            for corner in face.corners {
+            for corner in corners {
                 part.least = part.least.min(corner);
                 part.most = part.most.max(corner);
             }
@@ -113,34 +129,47 @@ impl Mesh {
     /// Counts the irregular edges and triangles of the mesh.
     #[must_use]
     pub fn edges(&self) -> Edges {
-        let key = |corner: Vector| corner.to_array().map(|value| (value + 0.0).to_bits());
-        let mut ways: HashMap<[[u64; 3]; 2], (u32, u32)> = HashMap::new();
-        let mut seen: HashMap<[[u64; 3]; 3], u32> = HashMap::new();
+        let places = self.places();
+        let triangles = self.tree.triangles();
+        let corners = |number: usize| triangles[number].map(|corner| places[corner as usize]);
         let mut found = Edges::default();
-        for face in &self.faces {
-            let corners = face.corners.map(key);
-            let mut sorted = corners;
-            sorted.sort_unstable();
-            let times = seen.entry(sorted).or_default();
-            *times += 1;
-            if *times > 1 {
-                found.doubled += 1;
-                continue;
-            }
-            for at in 0..3 {
-                let (from, to) = (corners[at], corners[(at + 1) % 3]);
-                let way = ways.entry([from.min(to), from.max(to)]).or_default();
-                match from < to {
-                    true => way.0 += 1,
-                    false => way.1 += 1,
-                }
-            }
+        // Sorted lists instead of tables: a million triangles would take hundreds of megabytes.
+        let mut sorted: Vec<([u32; 3], u32)> = (0..triangles.len())
+            .map(|number| {
+                let mut corners = corners(number);
+                corners.sort_unstable();
+                (corners, number as u32)
+            })
+            .collect();
+        sorted.sort_unstable();
+        let mut is_doubled = vec![false; triangles.len()];
+        for pair in sorted.windows(2) {
+            let is_same = pair[0].0 == pair[1].0;
+            is_doubled[pair[1].1 as usize] = is_same;
+            found.doubled += usize::from(is_same);
         }
-        for (there, back) in ways.into_values() {
-            found.open += usize::from(there + back == 1);
-            // If more than two triangles share an edge, as where solids touch, only the numbers of both directions must match.
+        drop(sorted);
+        // Both ends, the lesser first, and in the last bit which way the triangle runs. Places have below 31 bits.
+        let mut ways: Vec<u64> = Vec::with_capacity(3 * triangles.len());
+        for (number, _) in is_doubled
+            .iter()
+            .enumerate()
+            .filter(|(_, doubled)| !**doubled)
+        {
+            let corners = corners(number);
+            ways.extend((0..3).map(|at| {
+                let (from, to) = (corners[at], corners[(at + 1) % 3]);
+                u64::from(from.min(to)) << 33 | u64::from(from.max(to)) << 1 | u64::from(from < to)
+            }));
+        }
+        ways.sort_unstable();
+        for edge in ways.chunk_by(|one, other| one >> 1 == other >> 1) {
+            let there = edge.iter().filter(|way| **way & 1 == 1).count();
+            let back = edge.len() - there;
+            found.open += usize::from(edge.len() == 1);
+            // Of more than two triangles at an edge, as where solids touch, only the count must match.
             found.same_way +=
-                usize::from(there + back > 1 && there != back && (there + back) % 2 == 0);
+                usize::from(edge.len() > 1 && there != back && edge.len().is_multiple_of(2));
         }
         found
     }
@@ -148,7 +177,7 @@ impl Mesh {
     /// The mesh's bounding box, m: smallest and largest coordinates.
     #[must_use]
     pub fn bounds_m(&self) -> [[f64; 3]; 2] {
-        let around = self.tree.local_aabb();
+        let around = self.tree.around();
         [around.mins.to_array(), around.maxs.to_array()]
     }
 
@@ -162,6 +191,12 @@ impl Mesh {
             notes.push(format!(
                 "the file has {} solids; all are felt",
                 self.solids()
+            ));
+        }
+        if self.not_convex() > 0 {
+            notes.push(format!(
+                "{} of its faces are not convex, and the triangles made of one overlap: export the object as triangles",
+                self.not_convex()
             ));
         }
         if edges.doubled > 0 {
@@ -199,22 +234,22 @@ impl Mesh {
         let mm = |metres: [f64; 3]| metres.map(|value| format!("{:.1}", 1e3 * value)).join(", ");
         if self.size_m() < LEAST_M {
             notes.push(format!(
-                "it is {:.4} mm across: is --stl-unit-m its unit?",
+                "it is {:.4} mm across: is --mesh-unit-m its unit?",
                 1e3 * self.size_m()
             ));
         } else if (0..3).any(|axis| least[axis] > high[axis] || most[axis] < low[axis]) {
             notes.push(format!(
-                "its box from ({}) to ({}) mm does not meet the device's workspace from ({}) to ({}) mm: nothing is felt; move it, or give --stl-unit-m",
+                "its box from ({}) to ({}) mm does not meet the device's workspace from ({}) to ({}) mm: nothing is felt; move it, or give --mesh-unit-m",
                 mm(least), mm(most), mm(low), mm(high)
             ));
         } else if (0..3).all(|axis| least[axis] < low[axis] && most[axis] > high[axis]) {
             notes.push(format!(
-                "its box from ({}) to ({}) mm encloses the device's whole workspace: is --stl-unit-m its unit?",
+                "its box from ({}) to ({}) mm encloses the device's whole workspace: is --mesh-unit-m its unit?",
                 mm(least), mm(most)
             ));
         } else if self.size_m() > MOST_TIMES * reach_m {
             notes.push(format!(
-                "it is {:.0} m across, where the device reaches {reach_m:.3} m: is --stl-unit-m its unit?",
+                "it is {:.0} m across, where the device reaches {reach_m:.3} m: is --mesh-unit-m its unit?",
                 self.size_m()
             ));
         }

@@ -11,7 +11,6 @@
 use crate::mesh::{Face, Mesh};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
-use parry3d_f64::query::PointQuery as _;
 
 /// Largest number of rounds in a tick; each round begins without planes that stopped the proxy.
 const ROUNDS: usize = 6;
@@ -78,7 +77,7 @@ impl Proxy {
                 return;
             };
             self.at += share * (goal - self.at);
-            planes.push(self.plane(face));
+            planes.push(self.plane(&face));
             goal = closest(hand, &planes, self.gap_m).unwrap_or(self.at);
         }
     }
@@ -92,15 +91,12 @@ impl Proxy {
 
     /// The first triangle that is met from its front on the straight way to `goal`, without those of the planes `known`. Returns
     /// the fraction of the way up to the triangle too.
-    fn first<'m>(&self, mesh: &'m Mesh, goal: Vector, known: &[Plane]) -> Option<(f64, &'m Face)> {
+    fn first(&self, mesh: &Mesh, goal: Vector, known: &[Plane]) -> Option<(f64, Face)> {
         let gap = self.gap_m;
         let around = Vector::splat(2.0 * BESIDE_GAPS * gap);
         let way = Aabb::new(self.at.min(goal) - around, self.at.max(goal) + around);
-        let mut best: Option<(f64, &Face)> = None;
-        for number in mesh.tree.bvh().intersect_aabb(&way) {
-            let Some(face) = mesh.faces.get(number as usize) else {
-                continue;
-            };
+        let mut best: Option<(f64, Face)> = None;
+        for face in mesh.tree.near(&way).filter_map(Face::new) {
             let (here, there) = (face.height(self.at), face.height(goal));
             // Only a way from above the triangle (or just below by rounding) to below the distance that it keeps can meet it.
             if here < -gap || there >= gap * (1.0 - 1e-3) || there >= here {
@@ -110,7 +106,7 @@ impl Proxy {
             if best.is_some_and(|(least, _)| share >= least) {
                 continue;
             }
-            let plane = self.plane(face);
+            let plane = self.plane(&face);
             let again = known
                 .iter()
                 .any(|known| known.normal == plane.normal && known.least == plane.least);
@@ -123,7 +119,7 @@ impl Proxy {
 
     /// Distance of the proxy from the mesh, m. While the proxy is at the hand, this is the hand's distance from the surface.
     pub(crate) fn clearance(&self, mesh: &Mesh) -> f64 {
-        mesh.tree.distance_to_local_point(self.at, false).abs()
+        mesh.tree.distance(self.at)
     }
 }
 

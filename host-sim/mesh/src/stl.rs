@@ -1,101 +1,48 @@
 //! Reads STL files as programs write them: text in any letter case and spacing, with one or more solids; binary with a wrong count
 //! of triangles.
 
-use parry3d_f64::math::Vector;
-use std::collections::HashMap;
-use std::path::Path;
+use crate::file::{MOST_TRIANGLES, Refused, Triangles, Welded};
+use crate::words::Words;
 
-/// Size of the longest file that is read, bytes: five million triangles in binary.
-const MOST_BYTES: u64 = 250_000_084;
 /// Bytes of a binary file before its first triangle: header and number of triangles.
-const HEAD: usize = 84;
+pub(crate) const HEAD: usize = 84;
 /// Bytes of a triangle in a binary file.
 const RECORD: usize = 50;
 
-/// The triangles of a file. Vertices with the same coordinates become one vertex.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Triangles {
-    pub vertices: Vec<[f32; 3]>,
-    pub triangles: Vec<[u32; 3]>,
-    /// Number of solids that the file names; 1 for a binary file.
-    pub solids: usize,
-    known: HashMap<[u32; 3], u32>,
-}
-
-impl Triangles {
-    fn vertex(&mut self, at: [f32; 3]) -> u32 {
-        // -0 is 0.
-        let key = at.map(|value| (value + 0.0).to_bits());
-        let next = self.vertices.len() as u32;
-        let number = *self.known.entry(key).or_insert(next);
-        if number == next {
-            self.vertices.push(at);
-        }
-        number
-    }
-
-    fn triangle(&mut self, corners: [[f32; 3]; 3]) {
-        let numbers = corners.map(|corner| self.vertex(corner));
-        self.triangles.push(numbers);
-    }
-
-    /// The vertices in metres; `unit_m` is the file's unit in metres.
-    pub fn vertices_m(&self, unit_m: f64) -> Vec<Vector> {
-        self.vertices
-            .iter()
-            .map(|at| unit_m * Vector::from_array(at.map(f64::from)))
-            .collect()
-    }
-}
-
-/// Reads a file, also one whose size is unknown before, up to the largest size.
+/// Reads the bytes of a file. It is text if it begins with the word `solid` and then has a `facet` or an end;
+/// otherwise binary.
 ///
 /// # Errors
-/// What is wrong, and advice.
-pub(crate) fn bytes_of(path: &Path) -> Result<Vec<u8>, (String, &'static str)> {
-    touchstone_sim::input::bytes(path, MOST_BYTES).map_err(|error| match error.kind() {
-        std::io::ErrorKind::FileTooLarge => {
-            (error.to_string(), "export the object with fewer triangles")
-        }
-        _ => (error.to_string(), "give an STL file"),
-    })
-}
-
-/// Reads the triangles from the bytes of a file. The file is text if it begins with the word `solid` and then has a `facet` or an
-/// end; otherwise it is binary.
-///
-/// # Errors
-/// What is wrong with the file.
-pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, String> {
-    let told = bytes.get(80..HEAD).map_or(0, |count| {
-        count
-            .iter()
-            .rev()
-            .fold(0_usize, |sum, byte| sum << 8 | usize::from(*byte))
-    });
-    // A binary file's count of triangles that fits its length is the one sign that a text cannot have by chance.
-    if bytes.len() > HEAD && told.checked_mul(RECORD) == Some(bytes.len() - HEAD) {
-        return Ok(binary(&bytes[HEAD..]));
+/// The bytes are no STL, or hold more than [`MOST_TRIANGLES`].
+pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, Refused> {
+    // The count that fits is the one mark that a text cannot have by chance.
+    if let Some(count) = binary_count(bytes, bytes.len() as u64) {
+        return match count > MOST_TRIANGLES as u64 {
+            true => Err(Refused::TooMany { triangles: count }),
+            false => Ok(binary(&bytes[HEAD..])),
+        };
     }
+    let told = count(bytes);
     let plain = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     // Zeros at the end are padding.
     let last = plain.iter().rposition(|byte| *byte != 0);
     let plain = &plain[..last.map_or(0, |at| at + 1)];
     if bytes.is_empty() {
-        return Err("the file is empty".to_owned());
+        return Err("the file is empty".to_owned().into());
     }
     let mut words = Words::new(plain);
     if words.next().is_some_and(|word| word.is("solid")) && !plain.contains(&0) {
         return text(plain);
     }
     if let Some(kind) = other_format(plain) {
-        return Err(format!("it is {kind}"));
+        return Err(format!("it is {kind}").into());
     }
     if bytes.len() < HEAD {
         return Err(format!(
             "{} bytes without the word solid; a binary file has {HEAD} and more",
             bytes.len()
-        ));
+        )
+        .into());
     }
     let there = bytes.len() - HEAD;
     Err(format!(
@@ -106,7 +53,24 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, String> {
             0 => String::new(),
             rest => format!(" and {rest} bytes more"),
         }
-    ))
+    )
+    .into())
+}
+
+/// The number of triangles that the first bytes of a binary file state.
+fn count(head: &[u8]) -> u64 {
+    head.get(80..HEAD).map_or(0, |count| {
+        count
+            .iter()
+            .rev()
+            .fold(0, |sum, byte| sum << 8 | u64::from(*byte))
+    })
+}
+
+/// The number of triangles of a binary file, from its first [`HEAD`] bytes and its length in bytes; `None` where the two disagree.
+pub(crate) fn binary_count(head: &[u8], length: u64) -> Option<u64> {
+    let count = count(head);
+    (length > HEAD as u64 && count * RECORD as u64 == length - HEAD as u64).then_some(count)
 }
 
 /// Name of another format that is sometimes stored as `.stl`; `None` if the bytes begin like none of these.
@@ -128,10 +92,7 @@ fn other_format(bytes: &[u8]) -> Option<&'static str> {
 }
 
 fn binary(records: &[u8]) -> Triangles {
-    let mut found = Triangles {
-        solids: 1,
-        ..Triangles::default()
-    };
+    let mut found = Welded::default();
     for record in records.chunks_exact(RECORD) {
         let number = |at: usize| {
             let bytes: [u8; 4] = std::array::from_fn(|byte| record[4 * at + byte]);
@@ -140,131 +101,27 @@ fn binary(records: &[u8]) -> Triangles {
         // The first three numbers are the normal, which is not used: the order of the corners says which side is outside.
         found.triangle([3, 6, 9].map(|at| [number(at), number(at + 1), number(at + 2)]));
     }
-    found
+    found.finish(1)
 }
 
-/// Whether a byte is white space, including the vertical tab as in C.
-fn is_space(byte: &u8) -> bool {
-    byte.is_ascii_whitespace() || *byte == b'\x0b'
-}
-
-/// The words of a text with their line numbers. LF, CR or CRLF ends a line.
-struct Words<'a> {
-    bytes: &'a [u8],
-    at: usize,
-    line: usize,
-}
-
-#[derive(Clone, Copy)]
-struct Word<'a> {
-    bytes: &'a [u8],
-    line: usize,
-}
-
-impl<'a> Words<'a> {
-    fn new(bytes: &'a [u8]) -> Self {
-        Self {
-            bytes,
-            at: 0,
-            line: 1,
-        }
-    }
-
-    fn ends_line(&self) -> bool {
-        match self.bytes[self.at] {
-            b'\n' => true,
-            b'\r' => self.bytes.get(self.at + 1) != Some(&b'\n'),
-            _ => false,
-        }
-    }
-
-    /// Skips the rest of the line, which is a solid's name in any encoding.
-    fn skip_line(&mut self) {
-        while self.at < self.bytes.len() && !self.ends_line() {
-            self.at += 1;
-        }
-    }
-
-    fn wanted(&mut self, wanted: &str) -> Result<(), String> {
-        match self.next() {
-            Some(word) if word.is(wanted) => Ok(()),
-            Some(word) => Err(word.instead_of(wanted)),
-            None => Err(format!(
-                "the text ends at line {} where \"{wanted}\" must follow",
-                self.line
-            )),
-        }
-    }
-
-    fn number(&mut self) -> Result<f32, String> {
-        let Some(word) = self.next() else {
-            return Err(format!(
-                "the text ends at line {} where a number must follow",
-                self.line
-            ));
-        };
-        let number = std::str::from_utf8(word.bytes)
-            .ok()
-            .and_then(|text| text.parse::<f32>().ok());
-        number
-            .filter(|number| number.is_finite())
-            .ok_or_else(|| word.instead_of("a number"))
-    }
-
-    fn corner(&mut self) -> Result<[f32; 3], String> {
-        self.wanted("vertex")?;
-        Ok([self.number()?, self.number()?, self.number()?])
-    }
-}
-
-impl<'a> Iterator for Words<'a> {
-    type Item = Word<'a>;
-
-    fn next(&mut self) -> Option<Word<'a>> {
-        while is_space(self.bytes.get(self.at)?) {
-            self.line += usize::from(self.ends_line());
-            self.at += 1;
-        }
-        let rest = &self.bytes[self.at..];
-        let length = rest.iter().position(is_space).unwrap_or(rest.len());
-        self.at += length;
-        Some(Word {
-            bytes: &rest[..length],
-            line: self.line,
-        })
-    }
-}
-
-impl Word<'_> {
-    fn is(&self, wanted: &str) -> bool {
-        self.bytes.eq_ignore_ascii_case(wanted.as_bytes())
-    }
-
-    fn instead_of(&self, wanted: &str) -> String {
-        let text: String = String::from_utf8_lossy(self.bytes)
-            .chars()
-            .take(40)
-            .collect();
-        format!("line {}: \"{text}\" instead of {wanted}", self.line)
-    }
-}
-
-fn text(bytes: &[u8]) -> Result<Triangles, String> {
-    let mut found = Triangles::default();
+fn text(bytes: &[u8]) -> Result<Triangles, Refused> {
+    let mut found = Welded::default();
+    let mut solids = 0;
     let mut words = Words::new(bytes);
     while let Some(word) = words.next() {
         if !word.is("solid") {
-            return Err(word.instead_of("solid"));
+            return Err(word.instead_of("solid").into());
         }
         words.skip_line();
-        found.solids += 1;
+        solids += 1;
         loop {
             let Some(word) = words.next() else {
                 return Err(format!(
                     "the text ends at line {} without endsolid, after {} triangles",
                     words.line,
-                    found.triangles.len()
-                ));
+                    found.len()
+                )
+                .into());
             };
             if word.is("endsolid") {
                 words.skip_line();
@@ -276,14 +133,17 @@ fn text(bytes: &[u8]) -> Result<Triangles, String> {
                 break;
             }
             if !word.is("facet") {
-                return Err(word.instead_of("facet or endsolid"));
+                return Err(word.instead_of("facet or endsolid").into());
+            }
+            if found.len() == MOST_TRIANGLES {
+                return Err(Refused::MoreThanRead);
             }
             found.triangle(facet(&mut words)?);
         }
     }
-    match found.triangles.len() {
-        0 => Err("no facet is in it".to_owned()),
-        _ => Ok(found),
+    match found.len() {
+        0 => Err("no facet is in it".to_owned().into()),
+        _ => Ok(found.finish(solids)),
     }
 }
 
@@ -301,7 +161,7 @@ fn facet(words: &mut Words<'_>) -> Result<[[f32; 3]; 3], String> {
         Some(word) => return Err(word.instead_of("outer loop")),
         None => return Err("the text ends in a facet".to_owned()),
     }
-    let corners = [words.corner()?, words.corner()?, words.corner()?];
+    let corners = [corner(words)?, corner(words)?, corner(words)?];
     joined(words, "end", "loop")?;
     joined(words, "end", "facet")?;
     Ok(corners)
@@ -315,4 +175,9 @@ fn joined(words: &mut Words<'_>, first: &str, second: &str) -> Result<(), String
         Some(word) => Err(word.instead_of(&format!("{first}{second}"))),
         None => Err(format!("the text ends where {first}{second} must follow")),
     }
+}
+
+fn corner(words: &mut Words<'_>) -> Result<[f32; 3], String> {
+    words.wanted("vertex")?;
+    Ok([words.number()?, words.number()?, words.number()?])
 }

@@ -3,7 +3,7 @@
 use crate::mesh::Mesh;
 use crate::proxy::Proxy;
 use parry3d_f64::math::Vector as Place;
-use parry3d_f64::query::{Ray, RayCast as _};
+use parry3d_f64::query::Ray;
 use std::cell::Cell;
 use touchstone_control::space::{Direction, LengthUnit, Nearest, Spatial, Surface, Vector};
 use touchstone_control::{Position, Reported};
@@ -88,7 +88,7 @@ impl<N: Spatial + Reported> Surface<N> for MeshSurface<'_> {
         let ray = Ray::new(self.place(at), way);
         self.mesh
             .tree
-            .cast_local_ray(&ray, self.mesh.size_m(), false)
+            .hit(&ray, self.mesh.size_m())
             .map(|share| self.length(share * way.length()))
     }
 

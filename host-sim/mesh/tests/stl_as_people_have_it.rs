@@ -16,7 +16,7 @@ fn slab() -> Vec<[[f64; 3]; 3]> {
 }
 
 fn read(name: &str, bytes: &[u8]) -> Result<Mesh, String> {
-    Mesh::parse_stl(bytes, Path::new(name), 1e-3).map_err(|error| error.to_string())
+    Mesh::parse(bytes, Path::new(name), 1e-3).map_err(|error| error.to_string())
 }
 
 #[test]

@@ -83,11 +83,11 @@ fn stl_files_are_read_and_others_refused() {
         .map(facet)
         .concat();
     std::fs::write(&file, format!("solid t\n{facets}endsolid t\n")).unwrap();
-    let mesh = Mesh::read_stl(&file, 1e-3).unwrap();
+    let mesh = Mesh::read(&file, 1e-3).unwrap();
     assert_eq!((mesh.triangles(), mesh.left_out()), (4, 0));
     assert!((mesh.size_m() - mm(10.0, 10.0, 10.0).length()).abs() < 1e-9);
 
-    let missing = Mesh::read_stl(&folder.join("none.stl"), 1e-3)
+    let missing = Mesh::read(&folder.join("none.stl"), 1e-3)
         .unwrap_err()
         .to_string();
     assert!(
@@ -96,7 +96,7 @@ fn stl_files_are_read_and_others_refused() {
     );
     let words = folder.join("words.stl");
     std::fs::write(&words, "not a mesh").unwrap();
-    let refused = Mesh::read_stl(&words, 1e-3).unwrap_err().to_string();
+    let refused = Mesh::read(&words, 1e-3).unwrap_err().to_string();
     assert!(
         refused.contains("words.stl") && refused.contains("export the object"),
         "{refused}"

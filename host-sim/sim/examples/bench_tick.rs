@@ -1,8 +1,10 @@
-//! What a tick costs in time, and what accuracy costs: `cargo run --release --example bench_tick`.
+//! Measures the time per control period (tick), and the time that a more accurate number format costs: `cargo run --release
+//! --example bench_tick`.
 //!
-//! First whole ticks, plant to plant, as a run with logging off has them. Then the law alone in each number format, on the
-//! counts that a run of the thesis' knob gave, with the largest force difference to f64 beside its time. Least and median of
-//! several repeats, taken in turns so that a disturbance of the machine does not hit one row only; wall clock of one core.
+//! The first part times whole ticks of the simulation without logging. The second part times the control law alone in each number
+//! format, on encoder counts from a simulation of the thesis' knob. It prints the largest force difference to f64 beside each time.
+//! Times are minimum and median of several repeats, in wall-clock time of one core. The repeats alternate between the rows, so that
+//! a disturbance of the machine affects all rows.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -14,12 +16,12 @@ use touchstone_sim::scene::Scene;
 
 const REPEATS: usize = 100;
 
-/// Long enough for nearly all of the run to be in contact, short enough (a millisecond or two of this machine's time) for some
-/// repeats to go undisturbed.
+/// Duration of the hold in seconds of simulated time. Nearly the whole simulation is then in contact, yet takes only a millisecond
+/// or two, so that some repeats run undisturbed.
 const HOLD_S: &str = "operator.motion.hold_s=20";
 const DURATION_S: &str = "timing.duration_s=23";
 
-/// Ticks with a force, and the encoder's counts.
+/// Records the number of ticks with a force, and the measured position at each tick, from which the encoder counts follow.
 #[derive(Default)]
 struct Contact {
     ticks: u64,
@@ -56,7 +58,7 @@ impl Contact {
     }
 }
 
-/// Least and median, ns a tick.
+/// Minimum and median of the times, ns per tick.
 fn statistics(mut times: Vec<f64>) -> (f64, f64) {
     times.sort_by(f64::total_cmp);
     (times[0], times[times.len() / 2])
@@ -119,7 +121,7 @@ fn whole_ticks() -> Result<()> {
     Ok(())
 }
 
-/// One law in one format, ready to be fed with counts.
+/// A control law in one number format: takes encoder counts, one per tick, and returns the forces.
 type Law = Box<dyn FnMut(&[i64]) -> Vec<f64>>;
 
 fn law<N: Reported + 'static>(scene: &Scene) -> Law {

@@ -1,59 +1,59 @@
-//! The one error type of the desktop program.
+//! The error type of the desktop program.
 
 use std::path::PathBuf;
 
-/// A problem that the user can mend, on one line: place, problem, remedy. Exit code 1 where the outside world failed,
-/// 2 where the user's request cannot be carried out.
+/// A problem that the user can solve, printed on one line: place, problem, remedy. The exit code is 1 for a device and 2 for all
+/// other errors.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// An error in a file: scene or recording.
+    /// A problem at a line of a file, such as a scene or a recording.
     #[error("{}:{line}: {field}: {problem}; {fix}", file.display())]
     File {
-        /// The file as the user named it.
+        /// Path of the file as the user gave it.
         file: PathBuf,
-        /// Line, from 1.
+        /// Line number in the file, from 1.
         line: usize,
-        /// Field or column, as it stands in the file.
+        /// Name of the field or column, as the file writes it.
         field: String,
-        /// The problem.
+        /// What is wrong.
         problem: String,
-        /// How to mend it.
+        /// What the user can do about the problem.
         fix: String,
     },
-    /// An error on the command line: option or `--set` key.
+    /// A problem with an option or a key of `--set` on the command line.
     #[error("{option}: {problem}; {fix}")]
     Option {
         /// The option or key as the user wrote it.
         option: String,
-        /// The problem.
+        /// What is wrong.
         problem: String,
-        /// How to mend it.
+        /// What the user can do about the problem.
         fix: String,
     },
     /// A file or folder could not be read or written.
     #[error("{}: {problem}; {fix}", path.display())]
     Io {
-        /// The path.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// The system's message.
+        /// What went wrong, usually the operating system's message.
         problem: String,
-        /// How to mend it.
+        /// What the user can do about the problem.
         fix: String,
     },
-    /// A device, its port or a program that reaches it.
+    /// A problem with a device, its port, or a program that reaches the device.
     #[error("{place}: {problem}; {fix}")]
     Device {
-        /// The port, the device or the program.
+        /// Name of the port, device or program.
         place: String,
-        /// The problem.
+        /// What is wrong.
         problem: String,
-        /// How to mend it.
+        /// What the user can do about the problem.
         fix: String,
     },
 }
 
 impl Error {
-    /// For the shell: 1 failed, 2 wrong usage.
+    /// Exit code of the program for the error: 1 for a device, 2 for wrong input or a file.
     #[must_use]
     pub const fn exit_code(&self) -> u8 {
         match self {
@@ -62,7 +62,7 @@ impl Error {
         }
     }
 
-    /// A problem with a device, its port or a program that reaches it.
+    /// Makes the error for a device, its port, or a program that reaches the device.
     pub fn device(
         place: impl Into<String>,
         problem: impl Into<String>,
@@ -76,5 +76,5 @@ impl Error {
     }
 }
 
-/// Result with [`enum@Error`].
+/// Result whose error is [`enum@Error`].
 pub type Result<T> = std::result::Result<T, Error>;

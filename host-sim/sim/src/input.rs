@@ -1,5 +1,5 @@
-//! Reading a user's files: of any kind, none beyond its limit; a pipe is read once, however often its content is
-//! needed.
+//! Reads users' files of any type, up to a limit of length for each purpose. A pipe is read once, and its content is kept for
+//! further reads.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -7,19 +7,19 @@ use std::io::{Error, ErrorKind, Read, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// Longest scene, bytes: a hundred thousand keys, which takes a second to refuse.
+/// Largest size of a scene file, bytes. It holds about a hundred thousand keys, which take one second to refuse.
 pub const MOST_OF_SCENE: u64 = 1_000_000;
-/// Longest file of settings, survey, bytes.
+/// Largest size of a file of settings or of a survey, bytes.
 pub const MOST_OF_SETTINGS: u64 = 4_000_000;
-/// Longest file of results, program of a board, bytes.
+/// Largest size of a file of results or of a board's firmware, bytes.
 pub const MOST_OF_RESULTS: u64 = 64_000_000;
-/// Longest recording, bytes.
+/// Largest size of a recording, bytes.
 pub const MOST_OF_RECORDING: u64 = 200_000_000;
 
-/// Bytes that are read at a time; a text with a zero byte is refused at once.
+/// Number of bytes that are read at a time. A part with a zero byte ends the reading of a text.
 const PART: usize = 1 << 16;
 
-/// Contents of pipes, which can be read only once: a scene is read several times, and again for its report.
+/// Contents of the pipes read so far, by path. A pipe can be read only once, but a scene is read several times.
 static PIPES: Mutex<BTreeMap<PathBuf, Vec<u8>>> = Mutex::new(BTreeMap::new());
 
 fn too_long(most: u64) -> Error {
@@ -31,7 +31,7 @@ fn no_text() -> Error {
     Error::new(ErrorKind::InvalidData, "is not text in UTF-8")
 }
 
-/// Reads up to `most` bytes; with `text` no further than the first part that has a zero byte.
+/// Reads a file of up to `most` bytes. If `text` is true, reading stops with an error at the first part with a zero byte.
 fn read(path: &Path, most: u64, text: bool) -> Result<Vec<u8>> {
     let mut pipes = PIPES.lock().unwrap_or_else(|broken| broken.into_inner());
     if let Some(bytes) = pipes.get(path) {
@@ -39,7 +39,7 @@ fn read(path: &Path, most: u64, text: bool) -> Result<Vec<u8>> {
     }
     let mut file = File::open(path)?;
     let meta = file.metadata()?;
-    // Said before anything is read, where the length is known.
+    // A regular file's length is known, so a file that is too long is refused before reading.
     if meta.is_file() && meta.len() > most {
         return Err(too_long(most));
     }
@@ -66,18 +66,18 @@ fn read(path: &Path, most: u64, text: bool) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A file's bytes.
+/// Reads a file as bytes.
 ///
 /// # Errors
-/// The system's message; [`ErrorKind::FileTooLarge`] for more than `most` bytes.
+/// The system's error; [`ErrorKind::FileTooLarge`] for more than `most` bytes.
 pub fn bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
     read(path, most, false)
 }
 
-/// A file's text.
+/// Reads a file as UTF-8 text.
 ///
 /// # Errors
-/// Same as [`bytes`]; [`ErrorKind::InvalidData`] for a text that is not UTF-8 or has a zero byte.
+/// Same as [`bytes`]; [`ErrorKind::InvalidData`] for content that is not UTF-8 or has a zero byte.
 pub fn text(path: &Path, most: u64) -> Result<String> {
     String::from_utf8(read(path, most, true)?).map_err(|_| no_text())
 }
@@ -86,7 +86,7 @@ pub fn text(path: &Path, most: u64) -> Result<String> {
 mod tests {
     use super::*;
 
-    /// Tests an endless input, one that is no text, one that is too long, and one of exactly the allowed length.
+    /// Tests an endless input, an input that is not text, one that is too long, and one of exactly the allowed length.
     #[test]
     fn nothing_is_read_beyond_its_limit() {
         let said = |path: &str, most| text(Path::new(path), most).unwrap_err().to_string();
@@ -96,7 +96,7 @@ mod tests {
         assert_eq!(endless.kind(), ErrorKind::FileTooLarge);
 
         let file = std::env::temp_dir().join(format!("touchstone-input-{}", std::process::id()));
-        // Sparse: ten gigabytes that take no room, and no time to refuse.
+        // A sparse file of ten gigabytes takes no room, and is refused at once.
         File::create(&file)
             .unwrap()
             .set_len(10_000_000_000)

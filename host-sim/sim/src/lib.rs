@@ -1,13 +1,15 @@
-//! Scenes, and the runs that they describe: `scene -> plan -> loop -> record`.
+//! Simulations of haptic devices, each described by a scene: `scene -> plan -> loop -> record`.
 //!
-//! A scene is text with units in its names ([`scene`]); a run is what the loop of sensor, law, amplifier and plant leaves behind
-//! ([`run`]). [`error::Error`] says what a person can mend, and where.
+//! A scene is a TOML text whose field names contain the units ([`scene`]). Running it simulates the loop of sensor, control law,
+//! amplifier and device, and records the ticks ([`run`]). [`error::Error`] reports a problem that the user can solve, and its
+//! place.
 //!
-//! One scene leaves the same bits on every machine: transcendental functions are those of `libm`.
+//! The same scene gives the same bits on every machine, because all transcendental functions are those of `libm`.
 
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod error;
+pub mod harmless;
 pub mod input;
 pub mod output;
 pub mod run;

@@ -1,14 +1,16 @@
-//! Writing what people keep: a file whole or not at all, beside its place first, under a name that nobody else has, and then moved there.
-//! A link in its place is never followed, and an older file is replaced only where the caller says so.
+//! Writes users' files so that each is complete or absent. The content first goes to a temporary file in the same folder, which is
+//! then moved to its place. A link at that place is never followed, and an older file is replaced only if the caller says so.
+//! Exceptions are devices and pipes, and the files of [`begun`], which are written in place.
 
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{ErrorKind, Result, Write};
 use std::path::{Path, PathBuf};
 
-/// How the names begin under which a file is prepared; a process's number and the file's name follow.
+/// Beginning of a temporary file's name; the number of the writing process and the final file's name follow.
 const PREFIX: &str = ".touchstone-";
 
-/// Takes the file beside away again unless it was moved. It is locked meanwhile: what is not is of a process that was killed.
+/// A temporary file beside the final one, deleted on drop unless it was moved. It is locked while in use; an unlocked one was left
+/// by a killed process.
 struct Beside {
     path: PathBuf,
     file: File,
@@ -16,20 +18,20 @@ struct Beside {
 
 impl Drop for Beside {
     fn drop(&mut self) {
-        // After the move it is gone, which is what is wanted.
+        // After the move the temporary file no longer exists, and the error is ignored.
         let _ = std::fs::remove_file(&self.path);
     }
 }
 
-/// A device or a pipe, also behind a link of the system's own such as `/dev/stdout`: no file to replace.
+/// Whether the path is a device or a pipe, also through a link such as `/dev/stdout`. Such a path is written to, not replaced.
 fn is_special(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|meta| !meta.is_file() && !meta.is_dir())
 }
 
-/// Whether something is there that writing would lose: a file, or a link whatever it leads to.
+/// Checks that writing to the path would replace no file and no link. Devices and pipes count as free.
 ///
 /// # Errors
-/// [`ErrorKind::AlreadyExists`] where there is; [`ErrorKind::IsADirectory`].
+/// [`ErrorKind::AlreadyExists`] for a file or link, wherever the link leads; [`ErrorKind::IsADirectory`] for a folder.
 pub fn is_free(path: &Path) -> Result<()> {
     match std::fs::symlink_metadata(path) {
         Ok(meta) if meta.is_dir() => Err(ErrorKind::IsADirectory.into()),
@@ -38,18 +40,18 @@ pub fn is_free(path: &Path) -> Result<()> {
     }
 }
 
-/// Writes a file in the place of whatever file or link is there; to a device or a pipe as it is.
+/// Writes a file, and replaces an older file or link of the same path. A device or a pipe is written to directly.
 ///
 /// # Errors
-/// What the system said. Then the file is as it was before.
+/// The system's error. The older file is then unchanged.
 pub fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
     put(path, content.as_ref(), true)
 }
 
-/// The same where nothing is, not even since somebody looked.
+/// Writes a file only if the path is free, also if another process creates a file there meanwhile.
 ///
 /// # Errors
-/// As [`write`] and [`is_free`].
+/// Same as [`write`] and [`is_free`].
 pub fn write_new(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
     put(path, content.as_ref(), false)
 }
@@ -78,7 +80,7 @@ fn put(path: &Path, content: &[u8], replaces: bool) -> Result<()> {
         return std::fs::rename(&beside.path, path);
     }
     match std::fs::hard_link(&beside.path, path) {
-        // A file system without links; between the look and the move somebody may come.
+        // The file system has no hard links. Another process may still create the file between check and move.
         Err(error) if error.kind() != ErrorKind::AlreadyExists => {
             is_free(path)?;
             std::fs::rename(&beside.path, path)
@@ -87,7 +89,7 @@ fn put(path: &Path, content: &[u8], replaces: bool) -> Result<()> {
     }
 }
 
-/// Makes the file beside, and takes away what killed processes left of the same one.
+/// Creates the temporary file for `path`, and deletes temporary files that killed processes left for the same path.
 fn beside(path: &Path) -> Result<Beside> {
     let Some(name) = path.file_name() else {
         return Err(ErrorKind::InvalidFilename.into());
@@ -97,13 +99,13 @@ fn beside(path: &Path) -> Result<Beside> {
     let hidden = path.with_file_name(hidden);
     sweep(path, &hidden);
     let file = File::create_new(&hidden)?;
-    // On a file system without locks nothing is swept.
+    // On a file system without locks, temporary files of killed processes stay.
     let _ = file.try_lock();
     Ok(Beside { path: hidden, file })
 }
 
 fn sweep(path: &Path, own: &Path) {
-    // Of a process with this number that was killed.
+    // A killed process with the same number may have left the same name.
     let _ = std::fs::remove_file(own);
     let folder = path.parent().filter(|dir| !dir.as_os_str().is_empty());
     let entries = std::fs::read_dir(folder.unwrap_or(Path::new(".")));
@@ -121,10 +123,11 @@ fn sweep(path: &Path, own: &Path) {
     }
 }
 
-/// A file that is written while it is made, such as a record without an end. Of what is there already only what may go is removed.
+/// Creates a file that is written bit by bit, such as a record without a known end. With `replaces`, an older file or link of the
+/// same path is deleted first.
 ///
 /// # Errors
-/// What the system said; as [`is_free`] where nothing may go.
+/// The system's error; [`ErrorKind::AlreadyExists`] if the path is not free and `replaces` is false.
 pub fn begun(path: &Path, replaces: bool) -> Result<File> {
     if is_special(path) {
         return OpenOptions::new().write(true).open(path);
@@ -136,7 +139,7 @@ pub fn begun(path: &Path, replaces: bool) -> Result<File> {
     {
         return Err(ErrorKind::PermissionDenied.into());
     }
-    // A link goes, and not what it leads to.
+    // A link is deleted, not the file that it leads to.
     if replaces && place.is_ok_and(|meta| !meta.is_dir()) {
         std::fs::remove_file(path)?;
     }
@@ -178,7 +181,7 @@ mod tests {
         fs::remove_dir_all(folder).unwrap();
     }
 
-    /// Of one that was killed, but not of one that is at work, nor of another file.
+    /// Tests that the temporary file of a killed process is deleted, but not that of a running process or of another file.
     #[test]
     fn what_a_killed_process_left_goes_with_the_next_of_the_same_name() {
         let folder = folder("killed");
@@ -218,7 +221,7 @@ mod tests {
         write(&link, "new").unwrap();
         assert_eq!(fs::read(&other).unwrap(), b"mine");
         assert_eq!(fs::read(&link).unwrap(), b"new");
-        // One that leads nowhere, too.
+        // A link that leads nowhere is treated in the same way.
         let nowhere = folder.join("nowhere");
         std::os::unix::fs::symlink(folder.join("none"), &nowhere).unwrap();
         assert!(write_new(&nowhere, "x").is_err());
@@ -239,7 +242,7 @@ mod tests {
         fs::remove_dir_all(folder).unwrap();
     }
 
-    /// `/dev/full` is a full disk that every Linux has.
+    /// Tests the error for a full disk, which `/dev/full` imitates on Linux.
     #[cfg(target_os = "linux")]
     #[test]
     fn a_full_disk_is_said() {

@@ -1,4 +1,5 @@
-//! Every effect of the table in a whole run: what it does at its typical magnitude and at none, its numbers, its seed.
+//! Tests of every simulated effect in a whole simulation: its result at typical magnitude and at amplitude zero, its figures, its
+//! random seed.
 
 use touchstone_sim::run::effects::{EFFECTS, Effect, exclude_each_other};
 use touchstone_sim::run::live::Live;
@@ -6,7 +7,7 @@ use touchstone_sim::run::record::Trace;
 use touchstone_sim::run::{self, Recorder, Tick};
 use touchstone_sim::scene::{Preset, RestPath, Scene};
 
-/// A press by a linear law without sensor, friction or limits.
+/// Scene of a hand that presses on a wall with a linear law, without sensor errors, friction or limits.
 fn ideal() -> Scene {
     Scene::load("press-hold")
         .and_then(|scene| scene.with_preset(Preset::Thesis))
@@ -44,11 +45,11 @@ fn with(scene: &Scene, sets: &[&str]) -> Scene {
     scene.with_overrides(sets).unwrap()
 }
 
-/// A scene without a hand where the effect is the hand itself.
+/// Scene without the effect. If the effect is the hand itself, the knob has no hand and starts with a speed.
 fn without(effect: &Effect) -> Scene {
     let scene = ideal();
     match effect.name {
-        // A knob by itself, which turns.
+        // A knob without a hand that starts with a speed.
         "hand" => with(
             &scene.with(effect.remove).unwrap(),
             &["device.initial_velocity_rad_per_s=0.5"],
@@ -87,7 +88,7 @@ fn an_effect_of_no_amplitude_is_its_absence_to_the_bit() {
         let scene = ideal().with(silence).unwrap();
         assert!(bits(&scene) == plain, "{name}");
     }
-    // And where the effect is a part of another one.
+    // The same for an effect that is a part of another effect.
     let sticky = with(&ideal(), &["device.friction.kinetic_n_m=1e-3"]);
     for set in [
         "device.friction.asymmetry_n_m=0",
@@ -152,7 +153,7 @@ fn noise_has_the_variance_that_it_names_and_a_period_its_amplitude() {
     for (error, angle) in periodic.iter().zip(&trace.angle_rad) {
         assert!((error - 1e-3 * angle.sin()).abs() < 1e-15);
     }
-    // A second part of twice as many periods, alone and beside the first.
+    // A second part with twice as many periods, alone and together with the first part.
     for first in [0.0, 1e-3] {
         let asked = [
             &*format!("sensor.periodic.amplitude_rad={first}"),
@@ -168,7 +169,8 @@ fn noise_has_the_variance_that_it_names_and_a_period_its_amplitude() {
     }
 }
 
-/// Errors of the motor's torque, N·m, and in how many of the ticks with a motion the law got the last angle.
+/// Differences between the motor's torque and the commanded torque, N·m. It also counts the ticks in which the knob moved, and
+/// those in which the law got the previous angle again.
 #[derive(Default)]
 struct Torques {
     off: Vec<f64>,
@@ -233,7 +235,7 @@ fn the_same_seed_gives_the_same_bits_and_another_others() {
         );
         assert!(bits(&scene) != bits(&with(&scene, &["seed=2"])), "{set}");
     }
-    // A source of noise takes nothing from another: where the second does nothing, the first is as it was.
+    // Sources of noise are independent: if the second has amplitude zero, the first gives the same numbers as alone.
     let noisy = with(&ideal(), &["sensor.noise.rms_rad=1e-4"]);
     let both = with(
         &noisy,
@@ -265,7 +267,7 @@ fn late_commands_lie_between_the_least_and_the_greatest_delay() {
             .0
             .unwrap()
     };
-    // The share of the first tick in contact in which its command acted already.
+    // Fraction of the first tick in contact during which the command acted.
     let fixed = first_force(&["timing.computational_delay_s=2.5e-4"]);
     assert!((fixed - 0.75).abs() < 1e-12);
     let nearly = first_force(&[

@@ -1,4 +1,4 @@
-//! Walls on both sides, several walls, endstops and detents in whole runs.
+//! Tests of further walls, end stops and detents in whole simulations.
 
 use touchstone_sim::run::record::Trace;
 use touchstone_sim::run::{self, Recorder, Tick};
@@ -8,7 +8,7 @@ fn with(scene: &Scene, sets: &[&str]) -> Scene {
     scene.with_overrides(sets).unwrap()
 }
 
-/// A free knob between two ends.
+/// Scene of a knob without a hand that is thrown, at 5 rad/s, between two walls.
 fn thrown(sets: &[&str]) -> Scene {
     let scene = Scene::load("free-release").unwrap();
     with(
@@ -58,7 +58,7 @@ fn a_knob_thrown_either_way_does_the_mirror_image_to_the_bit() {
                 let mirrored = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| *a == -b);
                 assert!(mirrored(&there.angle_rad, &back.angle_rad), "{sets:?}");
                 assert!(mirrored(&there.force_n_m, &back.force_n_m), "{sets:?}");
-                // And it is no walk in the open: it meets the wall, and is thrown back to the other side.
+                // The knob reaches the wall at 0.3 rad and is thrown back.
                 let reached = |most: f64| there.angle_rad.iter().any(|x| *x > most);
                 assert!(reached(0.3) && there.angle_rad.iter().any(|x| *x < 0.25));
             }
@@ -77,10 +77,10 @@ fn an_environment_with_nothing_in_it_is_the_wall() {
         ] {
             assert!(plain == bits(&with(&scene, &[set])), "{name} {set}");
         }
-        // A wall that nobody comes to goes through the whole of it, and is not there either.
+        // A wall that the knob never reaches changes nothing.
         let far = ["environment.wall2.at_rad=-2"];
         assert!(plain == bits(&with(&scene, &far)), "{name}");
-        // Nor is the wall itself, where it is taken away: the knob goes through.
+        // Without the first wall the knob passes its place.
         let open = with(&scene, &["environment.first_wall=false"]);
         assert!(trace(&open).force_n_m.iter().all(|force| *force == 0.0));
     }
@@ -88,7 +88,7 @@ fn an_environment_with_nothing_in_it_is_the_wall() {
 
 #[test]
 fn each_of_several_walls_is_the_wall_of_its_own_scene() {
-    // One press into the second wall of three; the first, which lies before it, is gone.
+    // One press into the second of three walls; the first wall, which would come before it, is removed.
     let scene = Scene::load("press-hold").unwrap();
     let alone = bits(&scene);
     let among = with(
@@ -104,7 +104,7 @@ fn each_of_several_walls_is_the_wall_of_its_own_scene() {
     );
     assert_eq!(scene.wall.surface_rad, 0.5);
     assert!(alone == bits(&among));
-    // Without a stiffness of its own it has the first one's, by which the hand aims too.
+    // A further wall without a stiffness has that of the first wall, from which the hand's rest point is computed too.
     let two = "wall.k_desired_n_m_per_rad=2";
     let soft = bits(&with(&scene, &[two]));
     assert!(soft == bits(&with(&among, &[two])) && soft != alone);
@@ -113,7 +113,7 @@ fn each_of_several_walls_is_the_wall_of_its_own_scene() {
     assert!(soft != bits(&with(&among, &[two, &own("3")])));
 }
 
-/// A free knob with a little friction from the ridge side of a detent.
+/// Scene of a knob without a hand, with some damping, among 20 detents per turn.
 fn in_a_detent(sets: &[&str]) -> Scene {
     let scene = Scene::load("free-release").unwrap();
     with(
@@ -168,7 +168,8 @@ fn a_detent_holds_what_is_weaker_and_lets_go_of_what_is_stronger() {
     assert!(pushed(0.011) > 0.6 * pitch);
 }
 
-/// Energy account of a run: the motor's work, the device's loss, and its motion.
+/// Energy balance of a simulation, J: energy absorbed and passed by the motor, energy lost in the device; with the first and last
+/// squared speed.
 #[derive(Default)]
 struct Books {
     absorbed: f64,

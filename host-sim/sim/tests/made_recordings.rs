@@ -1,4 +1,4 @@
-//! Recordings made by a seed, as the fuzzer makes them by bytes.
+//! Tests with random recordings, generated from a seed. The fuzzer feeds the same generator with bytes.
 
 #[path = "../../../tests/made/choices.rs"]
 mod choices;
@@ -12,7 +12,7 @@ fn campaign(number: usize, seed: u64) {
     let mut seeded = Seeded(seed);
     let read = (0..number).filter(|_| is_read(&made(&mut seeded))).count();
     println!("{read} of {number} were read");
-    // Both ways are tried, or the generator is worth nothing.
+    // The generator must make both recordings that are read and recordings that are refused.
     assert!(
         read > number / 20 && read < number - number / 20,
         "{read} of {number} were read"
@@ -24,7 +24,7 @@ fn a_hundred_thousand_recordings_are_read_or_refused_in_a_line() {
     campaign(100_000, 51);
 }
 
-/// `cargo test -p touchstone-sim --test made_recordings -- --ignored`
+/// Tests a million recordings: `cargo test -p touchstone-sim --test made_recordings -- --ignored`.
 #[test]
 #[ignore = "a minute"]
 fn a_million_recordings() {

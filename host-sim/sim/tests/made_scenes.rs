@@ -1,4 +1,4 @@
-//! Scenes made from the schema by a seed, as the fuzzer makes them by bytes.
+//! Tests with random scenes, generated from a seed by the table of fields. The fuzzer feeds the same generator with bytes.
 
 #[path = "../../../tests/made/choices.rs"]
 mod choices;
@@ -51,11 +51,11 @@ fn campaign(number: usize, seed: u64) {
         wrong.len(),
         wrong.join("\n")
     );
-    // Both are tried, or the generator is worth nothing.
+    // The generator must make both scenes that run and scenes that are refused.
     assert!(runs > number / 10 && refused > number / 10 && long < number / 10);
 }
 
-/// Two findings of the campaign: a step of the plant without an end, and panics where a plant diverges.
+/// Tests scenes with extreme values. Such scenes once caused an endless step of the plant, or a panic when the plant diverged.
 #[test]
 fn scenes_beyond_all_numbers_end() {
     for (base, sets) in [
@@ -88,7 +88,7 @@ fn scenes_beyond_all_numbers_end() {
         ),
     ] {
         let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
-        // Whether it runs or is refused: neither panics, and neither takes long.
+        // The scene may run or be refused, but must neither panic nor take long.
         tried(base, &sets);
     }
 }
@@ -98,7 +98,8 @@ fn made_scenes_run_or_are_refused_in_a_line() {
     campaign(500, 51);
 }
 
-/// `cargo test --profile every -p touchstone-sim --test made_scenes -- --ignored --nocapture`; `TOUCHSTONE_MADE` says how many.
+/// Tests a hundred thousand scenes, or as many as `TOUCHSTONE_MADE` gives: `cargo test --profile every -p touchstone-sim --test
+/// made_scenes -- --ignored --nocapture`.
 #[test]
 #[ignore = "some twenty minutes"]
 fn a_hundred_thousand_scenes() {

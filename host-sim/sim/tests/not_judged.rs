@@ -1,11 +1,11 @@
-//! A moving hand is not mistaken for a wall that does not rest; what can be seen nevertheless is judged.
+//! Tests that the verdict does not mistake a moving hand for an unstable wall, and still reports faults that are visible under it.
 
 use std::path::PathBuf;
 use touchstone_sim::run;
 use touchstone_sim::run::record::{Summary, Verdict};
 use touchstone_sim::scene::{Preset, Scene};
 
-/// A recording at 1 kHz of this angle over time.
+/// Writes a recording at 1 kHz of a given angle over time, and returns its path.
 fn recording(name: &str, length_s: f64, angle: impl Fn(f64) -> f64) -> PathBuf {
     let file = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.csv"));
     let mut text = String::from("time_s,angle_rad\n");
@@ -24,7 +24,7 @@ fn of(scene: &str, sets: &[&str]) -> Summary {
     run::run(&scene, false).unwrap().summary
 }
 
-/// A recorded hand at the thesis' knob behind a spring.
+/// Simulates a recorded hand on the thesis' knob, with a spring of the stiffness `k_desired` in N·m/rad as the control law.
 fn played(file: &std::path::Path, length_s: f64, k_desired: f64, sets: &[&str]) -> Summary {
     let sets_of_motion = [
         "operator.motion.kind=\"recorded\"".to_owned(),
@@ -45,7 +45,7 @@ fn sine(hz: f64, time_s: f64) -> f64 {
     libm::sin(std::f64::consts::TAU * hz * time_s)
 }
 
-/// Half of the critical stiffness: such a wall holds under any hand.
+/// Tests a wall of half the critical stiffness, which stays stable under any hand.
 #[test]
 fn a_soft_wall_is_never_at_fault_for_a_hand_that_moves() {
     let mut unjudged = 0;
@@ -81,7 +81,7 @@ fn a_soft_wall_is_never_at_fault_for_a_hand_that_moves() {
     assert!(unjudged >= 24, "{unjudged} of 36");
 }
 
-/// A motion in, held from 1 to 3 s, then out and tapping outside.
+/// Hand angle in rad over time in s: moves in, holds from 1 to 3 s, then moves in and out at 1 Hz.
 fn held_and_then_not(time_s: f64) -> f64 {
     match time_s {
         t if t < 1.0 => 0.4 * (1.0 - libm::cos(std::f64::consts::PI * t)) / 2.0,
@@ -111,7 +111,7 @@ fn a_trembling_hand_is_not_the_walls_fault() {
     assert_eq!(trembling.verdict, Verdict::NotJudged, "{trembling:?}");
     let why = trembling.not_judged.unwrap();
     assert!(why.contains("moves by 100.00 mrad"), "{why}");
-    // The wall's own motion is seen beside a tremor that is small.
+    // The wall's oscillation is detected beside a small tremor.
     let own = of(
         "thesis-knob",
         &["law.kind=\"spring\"", "operator.tremor.amplitude_rad=0.001"],

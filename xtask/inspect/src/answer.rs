@@ -1,22 +1,23 @@
-//! How an inspection ends: one sentence, the last line of standard output, and an exit code. The launcher reads both.
+//! The result of an inspection: one sentence as the last line of standard output, and an exit code. The launcher `cargo xtask`
+//! reads them.
 
 use std::process::ExitCode;
 
-/// How an inspection ended.
+/// The result of an inspection, with its sentence.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answer {
-    /// Everything is right; exit code 0.
+    /// All checks passed; exit code 0.
     Right(String),
     /// A check failed; exit code 1.
     Wrong(String),
-    /// The check could not run, and why; exit code 77.
+    /// The check could not run, with the reason; exit code 77.
     NotRun(String),
-    /// The call was wrong, with the right usage; exit code 2.
+    /// The arguments were wrong; the text is the right usage. Exit code 2.
     Usage(String),
 }
 
 impl Answer {
-    /// Prints the sentence.
+    /// Prints the sentence and returns the exit code.
     pub fn end(self) -> ExitCode {
         let (sentence, code) = match self {
             Answer::Right(sentence) => (sentence, 0),

@@ -1,13 +1,14 @@
-//! The lists of wrong changes on purpose: `proofs/mutants.toml` and `emulator/sabotage.toml`.
+//! Reads the lists of deliberately wrong changes that proofs and tests must detect: `proofs/mutants.toml` and
+//! `emulator/sabotage.toml`.
 //!
-//! They are printed for the launcher as lines of a key, a tab and a text, in the order of the file. The key `next` begins an
-//! entry; its changes are its last keys, `file`, `find` and `replace` of each.
+//! The launcher `cargo xtask` gets a list as lines of key, tab and text, in the order of the file. The key `next` begins an entry.
+//! The last keys of an entry are `file`, `find` and `replace` for each of its changes.
 
 use serde::Deserialize;
 
 use crate::answer::Answer;
 
-/// One of the two lists.
+/// Content of one of the two files; each file fills one of the fields.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct List {
@@ -17,32 +18,32 @@ struct List {
     sabotage: Vec<Sabotage>,
 }
 
-/// A change that a proof or a test must find.
+/// A wrong change of the code that a proof or a test must detect.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Mutant {
     file: String,
     find: String,
     replace: String,
-    /// The harness that refutes it; may be missing where a test is named.
+    /// Name of the proof (harness) that must refute the change; may be empty if a test is named.
     #[serde(default)]
     harness: String,
-    /// The test that must fail with the change, `package name`; may be missing where a harness is named.
+    /// The test that must fail with the change, as `package name`; may be empty if a harness is named.
     #[serde(default)]
     test: String,
 }
 
-/// A change that takes one part of the firmware's safety out.
+/// A change that removes one safety function from the firmware.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Sabotage {
-    /// Name of the part that is taken out.
+    /// Name of the removed safety function.
     name: String,
     /// Name of the board whose firmware is changed.
     board: String,
-    /// What `fil --only` is given.
+    /// Text for `fil --only` that selects the check which must fail.
     only: String,
-    /// Text of the line that reports the problem.
+    /// Text that the line with the failed check must contain.
     says: String,
     change: Vec<Change>,
 }
@@ -55,7 +56,7 @@ struct Change {
     replace: String,
 }
 
-/// Lines of a printed entry.
+/// Keys and texts of an entry, in the order in which they are printed.
 type Lines<'l> = Vec<(&'static str, &'l str)>;
 
 impl Mutant {
@@ -87,7 +88,7 @@ impl Sabotage {
     }
 }
 
-/// Prints a list.
+/// Prints a list from the text of its TOML file. Errors: the text is no such list.
 pub fn print(text: &str) -> Result<Answer, String> {
     let list: List = toml::from_str(text).map_err(|why| why.to_string())?;
     let sabotages = list.sabotage.iter().map(Sabotage::lines);
@@ -127,7 +128,7 @@ mod tests {
         assert_ne!(find, replace);
     }
 
-    /// Each change applies, changes something, and names a harness that exists.
+    /// Checks that each change can be applied, changes something, and names an existing harness or a test.
     #[test]
     fn the_mutants_fit_the_sources() {
         let (mutants, locked) = (
@@ -144,7 +145,7 @@ mod tests {
         }
     }
 
-    /// Each sabotage is complete and fits the sources.
+    /// Checks that each sabotage has all fields and can be applied to the sources.
     #[test]
     fn the_sabotages_fit_the_sources() {
         let sabotages = list("emulator/sabotage.toml").sabotage;

@@ -1,21 +1,21 @@
-//! Checks of a board's program: it is small enough, and its interrupts have no panics, floats, critical sections or
-//! calls with an unknown goal.
+//! Checks a board's compiled firmware: it fits flash and memory, and its interrupts have no panics, floats, critical sections or
+//! calls to an unknown target.
 
 use std::path::Path;
 
 use crate::answer::Answer;
 use crate::cortex::{Depths, ProgramCode, is_panic, is_soft_float, word};
 
-/// The rooms of a board's chip.
+/// Sizes of flash and memory of a board's chip.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 struct Room {
-    /// Flash for the program, bytes, without the pages for settings.
+    /// Flash memory for the program in bytes, without the pages that store settings.
     flash: u32,
-    /// Memory with the stack, bytes, without the part that holds the interrupts' code.
+    /// RAM for variables and stack in bytes, without the part that holds the code of the interrupts.
     memory: u32,
 }
 
-/// Memory of each board's chip.
+/// Sizes of flash and RAM for each board.
 const ROOMS: [(&str, Room); 5] = [
     ("nucleo-g474re", room(240, 96)),
     ("nucleo-g474re-ihm16m1", room(240, 96)),
@@ -31,18 +31,18 @@ const fn room(flash_kib: u32, memory_kib: u32) -> Room {
     }
 }
 
-/// Bytes of the crash record, which ends the memory.
+/// Size in bytes of the crash record, which is at the end of RAM.
 const CRASH: u32 = 64;
-/// Where flash begins, and where memory does.
+/// Address of the first byte of flash memory.
 const FLASH_START: u32 = 0x0800_0000;
 const MEMORY_START: u32 = 0x2000_0000;
-/// An exception's frame with the float unit's registers, and its alignment, bytes.
+/// Bytes that an exception puts on the stack: frame with the registers of the float unit, and up to 4 bytes of alignment.
 const EXCEPTION_FRAME: u32 = 26 * 4 + 4;
 
-/// The interrupts that do the work, from the highest priority down: those of a row have the same.
+/// The firmware's own interrupt handlers, from the highest priority to the lowest; handlers in one inner list have equal priority.
 const PRIORITIES: [&[&str]; 3] = [&["ADC1_2"], &["TIM1_BRK_TIM15", "PVD_PVM"], &["LPTIM1"]];
 
-/// Names of an allocator's functions.
+/// Names of functions of a memory allocator, of which firmware must have none.
 const HEAP: [&str; 4] = [
     "__rust_alloc",
     "__rust_realloc",
@@ -50,27 +50,27 @@ const HEAP: [&str; 4] = [
     "alloc_error_handler",
 ];
 
-/// Findings on a program.
+/// Measured sizes and problems of a program.
 #[derive(Debug, Default)]
 struct Report {
-    /// Memory of the chip.
+    /// Available flash and RAM of the chip.
     room: Room,
     /// Bytes of code and constants.
     text: u32,
-    /// Bytes of variables with a value.
+    /// Bytes of variables with an initial value, which are in flash and RAM.
     data: u32,
-    /// Bytes of all other variables.
+    /// Bytes of variables without a stored initial value, which are in RAM only.
     bss: u32,
-    /// Bytes that the stack may need.
+    /// Largest size of the stack in bytes.
     stack: u32,
-    /// Bytes that the stack has.
+    /// Bytes of RAM reserved for the stack.
     stack_room: u32,
-    /// Problems.
+    /// Descriptions of the problems found.
     wrong: Vec<String>,
 }
 
 impl Report {
-    /// The findings in one line for people.
+    /// The sizes as one line of text.
     fn line(&self) -> String {
         let Self {
             text,
@@ -90,7 +90,7 @@ impl Report {
     }
 }
 
-/// Each board's program, as `BOARD=ELF`.
+/// Checks the program of each board, given as `BOARD=ELF`, and prints sizes and problems.
 pub fn inspect(programs: &[&str]) -> Result<Answer, String> {
     let (mut lines, mut wrong) = (Vec::new(), Vec::new());
     for named in programs {
@@ -102,7 +102,7 @@ pub fn inspect(programs: &[&str]) -> Result<Answer, String> {
         let program = ProgramCode::open(Path::new(path))?;
         println!("{board}:");
         let mut report = examine(&program, *room);
-        // By it `touchstone flash` refuses the program for another board.
+        // `touchstone flash` reads this symbol to refuse firmware of another board.
         let mark = format!("touchstone_board_{}", board.replace('-', "_"));
         if program.symbol(&mark).is_none() {
             report.wrong.push(format!("no symbol {mark} is in it"));
@@ -145,7 +145,7 @@ fn examine(program: &ProgramCode, room: Room) -> Report {
             .filter(|name| float(name))
             .map(|name| format!("a float: {name}")),
     );
-    // The drivers' handlers do hold interrupts off: a check that does not see it there would not see it in the others.
+    // The drivers' handlers do disable interrupts. If the check found none of that, it could not find it in other handlers.
     let mut masking = drivers(program).filter_map(|address| program.reach_from(address));
     if !masking.any(|reach| !reach.masks.is_empty()) {
         report
@@ -169,7 +169,7 @@ fn sizes(program: &ProgramCode, report: &mut Report) {
     report.stack_room = symbol("_stack_start").saturating_sub(symbol("_stack_end"));
     let Room { flash, memory } = report.room;
     let used = report.data + report.bss + report.stack_room;
-    // The linker keeps to the map that it is given: it must be this chip's, and all of it.
+    // The linker obeys its memory map, so the map must cover exactly this chip's memory.
     let settings = symbol("_settings_start");
     let crash = symbol("_crash_record");
     for (what, bytes, most) in [
@@ -196,7 +196,8 @@ fn sizes(program: &ProgramCode, report: &mut Report) {
     }
 }
 
-/// Follows an interrupt through all its calls.
+/// Searches an interrupt handler and all functions that it calls for panics, floats, critical sections, traps and calls to an
+/// unknown target. Adds each to `wrong`.
 fn interrupt(program: &ProgramCode, handler: &str, wrong: &mut Vec<String>) {
     let Some(reach) = program
         .address(handler)
@@ -237,19 +238,19 @@ fn interrupt(program: &ProgramCode, handler: &str, wrong: &mut Vec<String>) {
     list("a call to where?", reach.unknown.clone());
 }
 
-/// The function of the firmware that ends before the working interrupts are enabled.
+/// Part of the name of the firmware's start-up function, which returns before the firmware's own interrupts are enabled.
 const START: &str = "touchstone_firmware3run5start";
 
-/// The stack: the thread's, and on top of it one handler of each priority with an exception's frame. At the start only
-/// the drivers' interrupts come.
+/// Computes the largest size of the stack: the thread's part, and above it one handler per priority, each with an exception frame.
+/// During start-up only the drivers' interrupts can occur.
 fn stack(program: &ProgramCode, report: &mut Report) {
     let mut depths = Depths::new(program);
     let Some(reset) = program.address("Reset") else {
         report.wrong.push("the program has no `Reset`".into());
         return;
     };
-    // The executor calls a task, a task its wakers or a formatter: two calls through registers inside each other. A driver's
-    // handler calls a waker: one.
+    // Calls through registers: the executor calls a task, and a task calls its wakers or a formatter, so two are nested. A driver's
+    // handler calls a waker, so one.
     let starting = depths.nested(reset, 2);
     let starting_path = depths.path(reset, 2);
     depths.leave_out(START);
@@ -290,7 +291,8 @@ fn stack(program: &ProgramCode, report: &mut Report) {
     }
 }
 
-/// The handlers of the drivers, all of priority 6: those of the vector table that are neither the processor's nor the firmware's.
+/// Addresses of the drivers' handlers, all of priority 6: entries of the vector table that are neither the processor's nor the
+/// firmware's own.
 fn drivers(program: &ProgramCode) -> impl Iterator<Item = u32> {
     const PROCESSOR: [&str; 4] = ["DefaultHandler", "HardFault", "NonMaskableInt", "Reset"];
     let is_ours = |name: &str| PRIORITIES.iter().any(|row| row.contains(&name));
@@ -301,7 +303,7 @@ fn drivers(program: &ProgramCode) -> impl Iterator<Item = u32> {
     })
 }
 
-/// The handlers that the vector table names.
+/// Addresses of all handlers in the vector table, each once.
 fn handlers(program: &ProgramCode) -> Vec<u32> {
     let table = program
         .parts

@@ -1,8 +1,8 @@
-//! Reads what builds, emulators and the model checker leave behind, for the steps of `cargo xtask`.
+//! Reads files that builds, emulators and the model checker write, for the steps of `cargo xtask`.
 //!
-//! The launcher starts programs and reads none of their files; this reads files and starts no program. So only the steps that
-//! have something to read pay for building the crates that read it. Findings go to standard output; the last line there is the
-//! [`Answer`].
+//! The launcher `cargo xtask` starts programs and reads none of their files; this program reads files and starts no program. So the
+//! crates for reading are built only for steps that need them. Findings go to standard output, with the [`Answer`] as the last
+//! line.
 
 mod answer;
 #[allow(dead_code, reason = "each of its readers needs some")]
@@ -75,7 +75,7 @@ fn answer(words: &[&str]) -> Result<Answer, String> {
     }
 }
 
-/// Prints every function's address, size and path in the source.
+/// Prints the address, size in bytes and source path of every function in a program.
 fn functions(program: &ProgramCode) -> Answer {
     let mut count = 0;
     for (address, name, size) in program.all_functions() {

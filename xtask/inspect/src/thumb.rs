@@ -1,12 +1,13 @@
-//! Comparisons of `cargo xtask thumb`: the digests that two machines printed, and what a tick reaches in the program
-//! that one of them ran.
+//! Checks for `cargo xtask thumb`: compares the digests that this machine and the emulated microcontroller printed. Examines the
+//! code that a control period (tick) can reach in the microcontroller's program.
 
 use crate::answer::Answer;
 use crate::budgets::{ENHANCED, SPACE};
 use crate::cortex::{ProgramCode, is_panic, is_soft_float};
 use crate::vectors::Report;
 
-/// Compares what both machines printed and follows a tick through the program.
+/// Compares the lines that this machine (`desktop`) and the microcontroller printed, checks the cost of a tick, and examines its
+/// code.
 pub fn inspect(
     program: &ProgramCode,
     desktop: &str,
@@ -43,7 +44,7 @@ pub fn inspect(
     })
 }
 
-/// The cost of the worst tick, in words.
+/// Sentence on the cost of the worst tick in instructions.
 ///
 /// # Errors
 /// The cost exceeds the budget, or was not counted.
@@ -59,7 +60,7 @@ fn budget(what: &str, worst: u64, most: u64) -> Result<String, String> {
     }
 }
 
-/// Prints what a tick reaches; returns what should not be there.
+/// Prints the size of the code that each kind of tick can reach; returns the panics, floats and calls to an unknown target in it.
 fn examine(program: &ProgramCode) -> Vec<String> {
     let mut wrong = Vec::new();
     println!(
@@ -115,7 +116,7 @@ fn examine(program: &ProgramCode) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// Checks a count at the budget, above it, and a missing count.
+    /// Checks the result for a cost at the budget, for a cost above it, and for a missing count.
     #[test]
     fn a_budget_can_be_broken() {
         assert!(budget("tick", 700, 700).is_ok());

@@ -1,9 +1,10 @@
-//! Compares the output of the two machines.
+//! Compares the digests that this machine and the emulated microcontroller print for the test vectors, and collects instruction
+//! counts.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Instructions counted over many calls.
+/// Instructions counted over many calls of a function: number of calls, sum and worst.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 struct Cost {
     calls: u64,
@@ -12,7 +13,7 @@ struct Cost {
 }
 
 impl Cost {
-    /// Parses three words.
+    /// Parses the three words `calls sum worst`.
     fn parse(words: &[&str]) -> Option<Self> {
         let [calls, sum, worst] = words else {
             return None;
@@ -37,23 +38,23 @@ impl Cost {
     }
 }
 
-/// One law in one format.
+/// Results of one control law in one number format.
 #[derive(Debug, Default)]
 struct Row {
     name: String,
     format: String,
     cost: Cost,
-    /// The segment of the worst tick.
+    /// Name of the segment (part of the test vector) with the most expensive tick.
     worst_in: String,
-    /// The segment that first differs.
+    /// Name of the first segment whose digests differ; `None` if all are equal.
     differs_in: Option<String>,
     segments: usize,
 }
 
-/// Output of the two machines.
+/// Results read from the output of this machine (desktop) and of the microcontroller.
 #[derive(Debug, Default)]
 pub struct Report {
-    /// The desktop's values by `law format segment`; each is removed once the other machine names it.
+    /// Digests printed by the desktop, by `law format segment`. Each is removed once the microcontroller has printed the same key.
     desktop: BTreeMap<String, String>,
     rows: Vec<Row>,
     penetration: Vec<(String, Cost)>,
@@ -62,7 +63,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// A line of this machine.
+    /// Reads a line that the desktop printed.
     pub fn desktop(&mut self, line: &str) {
         let words: Vec<&str> = line.split_whitespace().collect();
         match words[..] {
@@ -74,7 +75,7 @@ impl Report {
         }
     }
 
-    /// A line of the microcontroller; those of the desktop must all have been read.
+    /// Reads a line that the microcontroller printed. All lines of the desktop must have been read before.
     pub fn microcontroller(&mut self, line: &str) {
         let words: Vec<&str> = line.split_whitespace().collect();
         match (&words[..], words.get(5..).and_then(Cost::parse)) {
@@ -113,19 +114,19 @@ impl Report {
         }
     }
 
-    /// How many digests are equal.
+    /// Number of segments with equal digests, over all laws and formats without a difference.
     pub fn equal(&self) -> usize {
         let equal = self.rows.iter().filter(|row| row.differs_in.is_none());
         equal.map(|row| row.segments).sum()
     }
 
-    /// The worst tick of all laws whose names start so, in either format.
+    /// Instructions of the most expensive tick among the laws whose names begin with `start`, in any format.
     pub fn worst_of(&self, start: &str) -> u64 {
         let rows = self.rows.iter().filter(|row| row.name.starts_with(start));
         rows.map(|row| row.cost.worst).max().unwrap_or(0)
     }
 
-    /// Everything that is not as it must be.
+    /// Descriptions of all faults: different or missing digests, unknown lines, an output without its end.
     pub fn differences(&self) -> Vec<String> {
         let mut wrong: Vec<String> = self.odd.clone();
         for row in &self.rows {
@@ -144,7 +145,7 @@ impl Report {
         wrong
     }
 
-    /// Law by format: equal or not, instructions per tick.
+    /// Table of the laws in each format: whether their digests are equal, and instructions per tick (mean and worst).
     pub fn table(&self) -> String {
         let mut text = format!(
             "{:<22}{:<9}{:<22}{:>8}{:>8}  {}\n",

@@ -1,4 +1,4 @@
-//! One run of the checker, with its report.
+//! Runs the model checker (Kani) once and collects its report.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -11,39 +11,39 @@ use super::{allocator, solvers};
 use crate::inspect;
 use crate::outcome::Outcome;
 
-/// Processor time that each process may take, by `ulimit -t`, s; an end by that is no answer. It is a little more than
-/// what the gate allows a harness altogether.
+/// Most processor time of each process in seconds, set with `ulimit -t`. A process that exceeds it gives no result. The limit is a
+/// little higher than the processor time that the gate in `inspect/` allows all processes of a harness together.
 const PROCESS_S: u32 = 150;
-/// Time by the clock after which the checker ends a harness, s. It only serves to come to an end: how much of a shared
-/// machine the checker gets is unknown.
+/// Wall-clock time in seconds after which the checker aborts a harness. The limit is long because other work may slow the checker
+/// down.
 const TIMEOUT_S: u32 = 2400;
-/// Each process that the checker starts, by `ulimit -v`; one that needs more fails.
+/// Most memory of each process that the checker starts, in KiB, set with `ulimit -v`. A process that needs more fails.
 pub const MEMORY_KIB: u64 = 8 << 20;
 
-/// Files of a finished run.
+/// Result files of a finished run of the checker.
 pub struct Left {
     pub report: PathBuf,
-    /// Memory and time of each harness' processes: name of its file, kibibytes, seconds.
+    /// File with one line per harness: name of the file that the tools worked on, memory in KiB, processor time in seconds.
     pub usage: PathBuf,
 }
 
-/// How a run is made.
+/// Settings of a run of the checker.
 #[derive(Debug, Clone, Copy)]
 pub struct How {
-    /// Harnesses at the same time.
+    /// Number of harnesses that run at the same time.
     pub jobs: u32,
-    /// Shows the progress on standard error.
+    /// Whether progress is printed to standard error.
     pub progress: bool,
 }
 
 impl How {
-    /// Runs without output, one harness after the other.
+    /// Runs one harness after the other without printing progress.
     pub const QUIET: Self = Self {
         jobs: 1,
         progress: false,
     };
 
-    /// The harnesses with their own solvers, with progress.
+    /// Runs `jobs` harnesses at the same time and prints progress.
     pub const fn jobs(jobs: u32) -> Self {
         Self {
             jobs,
@@ -52,31 +52,31 @@ impl How {
     }
 }
 
-/// The harnesses to run.
+/// Selects the harnesses to run.
 #[derive(Debug, Clone, Copy)]
 pub enum Which<'a> {
     All,
-    /// The harnesses whose name contains this.
+    /// The harnesses whose names contain this text.
     Containing(&'a str),
-    /// The one of this name.
+    /// The single harness with this name.
     Named(&'a str),
     /// The harnesses with these names.
     These(&'a [String]),
 }
 
-/// Runs harnesses of the workspace in `workspace`.
+/// Runs the checker on harnesses of the sources in `workspace`; it builds and reports in the folder `target`.
 pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Left, String> {
     std::fs::create_dir_all(target).map_err(|why| format!("{}: {why}", target.display()))?;
     let target = target
         .canonicalize()
         .map_err(|why| format!("{}: {why}", target.display()))?;
     let report = target.join("report.json");
-    // An old one must not be taken for this run's.
+    // Removes an old report, which must not be read as this run's.
     let _ = std::fs::remove_file(&report);
     let (jobs, seconds) = (how.jobs.to_string(), format!("{TIMEOUT_S}s"));
     let path = std::env::var_os("PATH").unwrap_or_default();
     let path = solvers::first(&target, path)?;
-    // The shell's limit is inherited by all that is started. A shell that cannot set it does not run the checker.
+    // All processes started by the shell inherit its limits. If the shell cannot set them, it does not start the checker.
     let mut command = Command::new("sh");
     command
         .current_dir(workspace)
@@ -94,7 +94,7 @@ pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Le
             "terse",
         ])
         .args(["-Z", "unstable-options", "--harness-timeout", &seconds])
-        // The properties' own assertions are covers as well, and the gate reads those; of the code's it does not ask it.
+        // The gate requires covers for the properties' own assertions; assertions in the code need no test of reachability.
         .arg("--no-assertion-reach-checks")
         .arg("--export-json")
         .arg(&report)
@@ -118,7 +118,7 @@ pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Le
     let watch = Watch::start(&target);
     let why = to_end(&mut command, how.progress)?;
     let taken = watch.finish();
-    // The exit code says nothing that the report does not: it is 0 for an empty proof and 1 for a refutation.
+    // The exit code adds nothing to the report: it is 0 also for an empty proof, and 1 for a refutation.
     if !report.is_file() {
         return Err(format!(
             "no report from the checker (Kani 0.67 or newer with --export-json): {why}"
@@ -137,7 +137,7 @@ pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Le
     Ok(Left { report, usage })
 }
 
-/// Runs the checker to its end; what it gives as the reason, should it leave no report.
+/// Runs the checker to its end. Returns the reason to show if the checker leaves no report.
 fn to_end(command: &mut Command, progress: bool) -> Result<String, String> {
     let mut child = command
         .spawn()
@@ -158,8 +158,8 @@ fn to_end(command: &mut Command, progress: bool) -> Result<String, String> {
     Ok(reason(&errors).unwrap_or_else(|| format!("it gave no reason; {status}")))
 }
 
-/// The line of its standard error that says why it ended: the first that names an error; failing that the last two that are
-/// neither cargo's progress nor advice.
+/// The lines of standard error that say why the checker ended: the first line with an error, else the last two lines that are
+/// neither progress nor advice.
 fn reason(errors: &[String]) -> Option<String> {
     let mut lines = errors.iter().map(|line| line.trim_end());
     let is_error = |line: &&str| line.to_lowercase().starts_with("error");
@@ -169,7 +169,7 @@ fn reason(errors: &[String]) -> Option<String> {
     if let Some(error) = lines.find(|line| line.to_lowercase().contains("error:")) {
         return Some(error.trim_start().to_owned());
     }
-    // Cargo's words of progress stand to the right of a column of spaces.
+    // Cargo indents its lines of progress with spaces.
     let is_other = |line: &&String| {
         let advice = ["note:", "help:", "warning:"];
         !line.trim().is_empty()
@@ -185,7 +185,8 @@ fn reason(errors: &[String]) -> Option<String> {
     (!last.is_empty()).then(|| last.join(" "))
 }
 
-/// The checker's own list of all harnesses, in the target's folder.
+/// File with the checker's list of all harnesses, written below the folder `target`. It is made anew if a source of the proofs is
+/// newer.
 pub fn list(target: &Path) -> Result<PathBuf, String> {
     std::fs::create_dir_all(target).map_err(|why| format!("{}: {why}", target.display()))?;
     let list = target.join("list.json");
@@ -194,16 +195,16 @@ pub fn list(target: &Path) -> Result<PathBuf, String> {
     let newest = newest
         .filter_map(|entry| changed(&entry.ok()?.path()))
         .max();
-    // Making it compiles everything once more.
+    // A new list is made only if sources changed, since it compiles everything once more.
     if changed(&list) > newest {
         return Ok(list);
     }
     let made = Path::new("kani-list.json");
     let _ = std::fs::remove_file(made);
     let mut command = Command::new("cargo");
-    // It knows neither packages nor a target, and takes the folder's package.
+    // `cargo kani list` has no options for package and target folder; it takes the package of the current folder.
     command
-        // It does not read the package's settings, where this stands for a run.
+        // `cargo kani list` does not read the package's settings for runs, so the option for stubs is given here.
         .args(["kani", "list", "--format", "json", "-Z", "stubbing"])
         .current_dir("proofs")
         .env("CARGO_TARGET_DIR", target)
@@ -220,8 +221,7 @@ pub fn list(target: &Path) -> Result<PathBuf, String> {
     Ok(list)
 }
 
-/// Whether one named harness refutes the code in a workspace. `Err`: the result is neither a proof nor a refutation by
-/// that harness.
+/// Whether the named harness refutes the code in a workspace. Errors: the harness gave neither a proof nor a refutation.
 pub fn refutes(workspace: &Path, target: &Path, harness: &str) -> Result<bool, String> {
     let left = run(workspace, target, Which::Named(harness), How::QUIET)?;
     let words = [
@@ -236,9 +236,9 @@ pub fn refutes(workspace: &Path, target: &Path, harness: &str) -> Result<bool, S
     }
 }
 
-/// A line for each harness as it ends. For the eyes only; the verdicts are the report's.
+/// Prints a line for each harness as it ends, to show the progress; the verdicts are later read from the report.
 fn show_progress(output: impl BufRead, show: bool) {
-    // Several harnesses run at a time; a line belongs to the thread that was named last.
+    // Several harnesses run at the same time; a line belongs to the thread that was named last.
     let mut thread = String::new();
     let mut current = BTreeMap::<String, String>::new();
     let mut count = 0;
@@ -275,7 +275,7 @@ fn show_progress(output: impl BufRead, show: bool) {
 mod tests {
     use super::*;
 
-    /// Message of a checker that ends without a report.
+    /// The reason that [`to_end`] returns for a shell script that stands in for the checker and leaves no report.
     fn said(script: &str) -> String {
         let mut command = Command::new("sh");
         command

@@ -1,8 +1,9 @@
-//! The theorems over traces, `proofs/coq/`: compiled by Coq, what they assume counted, and the specification that they are about
-//! run beside the shipped code.
+//! Compiles the theorems over traces in `proofs/coq/` with Coq, checks that they assume nothing, and compares their specification
+//! with the shipped code.
 //!
-//! Coq ends with 0 also for a proof that was admitted or rests on an axiom, and for one of less than was claimed. So every claim is in
-//! `Theorems.v`, which asks what each says and what all of them assume: that must be nothing, and all that is said must be what `claims.txt` says.
+//! Coq also exits with 0 if a proof was admitted, rests on an axiom, or proves less than intended. So `Theorems.v` lists every
+//! theorem, and makes Coq print its statement and all assumptions. There must be no assumptions, and the statements must equal
+//! those in `claims.txt`.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -12,7 +13,7 @@ use crate::changes;
 use crate::outcome::Outcome;
 use crate::shell;
 
-/// The files, each after those that it needs.
+/// Names of the Coq files without ending, in the order of compilation: each comes after the files that it imports.
 const FILES: [&str; 22] = [
     "Quotient",
     "Root",
@@ -37,21 +38,21 @@ const FILES: [&str; 22] = [
     "Theorems",
     "Extract",
 ];
-/// The file with the theorems' statements.
+/// File that lists the theorems and makes Coq print their statements.
 const CLAIMS: &str = "Theorems.v";
-/// Coq's printed statements; committed, so that none can vanish or weaken unseen.
+/// Committed file with the statements as Coq prints them, so that no theorem can be removed or weakened without notice.
 const SAID: &str = "claims.txt";
-/// The definition that joins all theorems.
+/// Start of the Coq definition that combines all theorems, so that one command prints the assumptions of all.
 const TOGETHER: &str = "Definition claims :=";
 const ASKED: &str = "Print Assumptions claims.";
-/// The answer where nothing is assumed.
+/// Line that Coq prints if the theorems assume nothing.
 const CLOSED: &str = "Closed under the global context";
 const SOURCES: &str = "proofs/coq";
 const MUTANTS: &str = "proofs/coq/mutants.toml";
 const INSTALL: &str = "Coq, or OCaml's Zarith, is not installed; install with `apt-get install --no-install-recommends coq libzarith-ocaml-dev` (1 GB on disk)";
-/// Ticks of the shipped code that the extracted specification repeats.
+/// Number of control periods (ticks) that the shipped code and the extracted specification both compute for comparison.
 const TICKS: &str = "600000";
-/// Words with which a file would claim what it does not prove.
+/// Words of Coq that accept a statement without a proof; no file may contain them.
 const UNPROVED: [&str; 8] = [
     "Admitted",
     "admit.",
@@ -63,10 +64,10 @@ const UNPROVED: [&str; 8] = [
     "Unset Universe Checking",
 ];
 
-/// Why a folder of theorems is not to be believed.
+/// The reason why the theorems cannot be trusted.
 #[derive(Debug, PartialEq)]
 struct Broken {
-    /// Name of the file, such as `Guard.v`.
+    /// Name of the faulty file, such as `Guard.v`.
     file: String,
     why: String,
 }
@@ -75,8 +76,8 @@ pub fn is_there() -> bool {
     shell::capture(Command::new("coqc").arg("--version")).is_some() && integers().is_some()
 }
 
-/// Version of the integer library of the extracted specification, where it can be built with; Coq itself only needs to
-/// run with it.
+/// Version of Zarith, the OCaml library for integers with which the extracted specification is compiled; `None` if its files for
+/// compiling are missing. Coq alone needs only the files for running.
 pub fn integers() -> Option<String> {
     let mut query = Command::new("ocamlfind");
     let said = shell::capture(query.args(["query", "-format", "%d %v", "zarith"]))?;
@@ -85,7 +86,7 @@ pub fn integers() -> Option<String> {
     is_whole.then(|| version.to_owned())
 }
 
-/// Compiles the theorems, prints their assumptions, and runs the specification on the code's ticks.
+/// Compiles the theorems, checks their assumptions, and compares the specification with the shipped code.
 pub fn run() -> Outcome {
     if !is_there() {
         return Outcome::NotRun(INSTALL.into());
@@ -112,7 +113,7 @@ fn broken(file: &str, why: impl ToString) -> Broken {
     }
 }
 
-/// A folder with the sources and no build results.
+/// Fills a folder with a new copy of the Coq sources, without build results. Errors: a Coq file is not in [`FILES`].
 fn fresh(folder: &Path) -> Result<(), Broken> {
     let said = |why: std::io::Error| broken("", format!("{}: {why}", folder.display()));
     if folder.exists() {
@@ -127,14 +128,15 @@ fn fresh(folder: &Path) -> Result<(), Broken> {
         std::fs::copy(&path, folder.join(&name)).map_err(said)?;
         found.extend(name.to_string_lossy().strip_suffix(".v").map(str::to_owned));
     }
-    // A file that nobody compiles would look like a proof.
+    // A file that is not compiled would look like a proof.
     match found.iter().find(|file| !FILES.contains(&file.as_str())) {
         Some(file) => Err(broken(file, "is not in the list of files to compile")),
         None => Ok(()),
     }
 }
 
-/// Compiles all; how many claims there are, each of which assumes nothing.
+/// Compiles all files; returns the number of theorems. Errors: a file does not compile, or a theorem rests on an assumption or is
+/// not the committed one.
 fn proved(folder: &Path, show: bool) -> Result<usize, Broken> {
     let mut claims = 0;
     for name in FILES {
@@ -166,7 +168,7 @@ fn proved(folder: &Path, show: bool) -> Result<usize, Broken> {
     Ok(claims)
 }
 
-/// The claims in the file: each is printed, and the assumptions of all of them together.
+/// The theorems whose statements the file prints. Errors: they are not the theorems whose assumptions it prints.
 fn all_asked(text: &str) -> Result<Vec<&str>, String> {
     let said: Vec<&str> = text
         .lines()
@@ -188,9 +190,9 @@ fn all_asked(text: &str) -> Result<Vec<&str>, String> {
     Ok(said)
 }
 
-/// Checks that an answer has no assumption.
+/// Checks that Coq's answers name no assumption.
 fn nothing_assumed(answers: &str) -> Result<(), String> {
-    // What is assumed follows this word.
+    // Coq prints the assumptions after this word.
     if let Some(at) = answers.find("Axioms:") {
         let assumed = answers[at..].lines().nth(1).unwrap_or_default();
         return Err(format!("a theorem rests on more: {assumed}"));
@@ -203,14 +205,14 @@ fn nothing_assumed(answers: &str) -> Result<(), String> {
     }
 }
 
-/// Checks that Coq's answers are the committed ones, apart from line breaks.
+/// Checks that Coq's answers equal the committed ones, apart from line breaks and spaces.
 fn as_claimed(folder: &Path, answers: &str) -> Result<(), Broken> {
     let claims = std::fs::read_to_string(folder.join(SAID)).map_err(|why| broken(SAID, why))?;
     let (claimed, said) = (claims.split_whitespace(), answers.split_whitespace());
     if claimed.eq(said) {
         return Ok(());
     }
-    // For who wants to read what is different, and to commit it.
+    // Writes the new answers to a file, to be compared and committed.
     let now = folder.join("claims.now.txt");
     std::fs::write(&now, answers).map_err(|why| broken(SAID, why))?;
     let line = claims
@@ -228,7 +230,7 @@ fn as_claimed(folder: &Path, answers: &str) -> Result<(), Broken> {
     ))
 }
 
-/// The extracted specification beside ticks of the code.
+/// Runs the shipped code and the extracted specification on the same control periods; returns the comparison's message.
 fn compared(folder: &Path) -> Result<String, String> {
     let mut build = Command::new("ocamlfind");
     let sources = ["specified.mli", "specified.ml", "compare.ml"];
@@ -241,12 +243,12 @@ fn compared(folder: &Path) -> Result<String, String> {
         return Err(String::from_utf8_lossy(&built.stderr).trim().to_owned());
     }
     let mut trace = shell::cargo_locked("run");
-    // As the trials of all inputs are built, so that the code is compiled once for both.
+    // Uses the same build profile as `cargo xtask prove --every`, so that the code is compiled only once.
     trace.args(["--profile", "every", "-q", "-p", "touchstone-proofs"]);
     trace.args(["--example", "trace", "--", TICKS]);
     let (output, input) = std::io::pipe().map_err(|why| why.to_string())?;
     let mut writes = trace.stdout(input).spawn().map_err(|why| why.to_string())?;
-    // The command holds the end that is written to: without it, the reading ends when the program has.
+    // `trace` holds the writing end of the pipe. Dropped here, the pipe ends when the program ends.
     drop(trace);
     let reads = Command::new(folder.join("compare")).stdin(output).output();
     let reads = reads.map_err(|why| why.to_string())?;
@@ -263,8 +265,8 @@ fn compared(folder: &Path) -> Result<String, String> {
     }
 }
 
-/// Wrong changes of the specification and of the claims: of each, the file that it names must no longer be proved, and all before it
-/// must. A change that breaks its own file by not being a sentence of Coq is no catch.
+/// Mutation test of the Coq files: makes wrong changes of specification and theorems one by one. A change is caught if the file
+/// named for it no longer compiles while all files before it do. A syntax error in the changed file is not a catch.
 pub fn mutants() -> Outcome {
     if !is_there() {
         return Outcome::NotRun(INSTALL.into());
@@ -358,7 +360,7 @@ mod tests {
         }
     }
 
-    /// Each claim's statement and assumptions are printed, and are in the committed answers.
+    /// Checks that each theorem's statement and assumptions are printed, and that the statement is among the committed answers.
     #[test]
     fn every_claim_is_in_the_committed_answers() {
         let read = |file| {

@@ -1,5 +1,5 @@
-//! `cargo xtask prove --elf [--mutants] [--board BOARD] [NAME]`: functions of a board's program equal their
-//! specification, according to their machine code (`proofs/elf/`).
+//! `cargo xtask prove --elf [--mutants] [--board BOARD] [NAME]`: proves from the machine code of a board's firmware that functions
+//! equal their specification (`proofs/elf/`).
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -7,12 +7,13 @@ use std::time::Instant;
 use crate::outcome::Outcome;
 use crate::{firmware, inspect, shell};
 
-/// The default board.
+/// The board whose firmware is proved if the command names none.
 pub const BOARD: &str = "nucleo-g474re";
-/// Ticks of the Rust code that the checker's specification repeats.
+/// Number of control periods (ticks) computed by the Rust code, on which the specification is compared with the Rust code.
 const TICKS: &str = "20000";
 
-/// Proves all ticks, or those whose name contains a part.
+/// Proves the control period (tick) functions in a board's machine code whose names contain `part`; with an empty `part`, all of
+/// them.
 pub fn run(board: &str, part: &str) -> Outcome {
     let begun = Instant::now();
     match checked(board, &["--only", part]) {
@@ -24,10 +25,10 @@ pub fn run(board: &str, part: &str) -> Outcome {
     }
 }
 
-/// Runs all ticks on samples, without a proof, to see that the checker, its specification and the program still fit
-/// together.
+/// Runs the tick functions in the machine code on sample inputs, without a proof. It shows that checker, specification and program
+/// still fit together.
 pub fn readings() -> Outcome {
-    // Whether a program can be built is what `cargo xtask firmware` says.
+    // A failed build is not reported as an error here: `cargo xtask firmware` does that.
     if firmware::build(BOARD).is_err() {
         return Outcome::NotRun(format!("the program of {BOARD} is not built here"));
     }
@@ -37,7 +38,7 @@ pub fn readings() -> Outcome {
     }
 }
 
-/// Wrong changes of the program's bytes.
+/// Mutation test: changes bytes of the program, which the proof must refute.
 pub fn mutants(board: &str, part: &str) -> Outcome {
     match checked(board, &["--mutants", "--only", part]) {
         Ok(Outcome::Ok(_)) => Outcome::Ok(format!(
@@ -47,7 +48,7 @@ pub fn mutants(board: &str, part: &str) -> Outcome {
     }
 }
 
-/// The checker's own outcome; what it needs is made before.
+/// Prepares what the checker of machine code needs, runs the checker, and returns its outcome.
 fn checked(board: &str, options: &[&str]) -> Result<Outcome, Outcome> {
     if !firmware::BOARDS.contains(&board) {
         return Err(Outcome::Usage(format!(
@@ -67,7 +68,8 @@ fn checked(board: &str, options: &[&str]) -> Result<Outcome, Outcome> {
     Ok(shell::run(&mut check))
 }
 
-/// Writes a file of the program's functions by their paths in the source: each compiler mangles names in its own way.
+/// Writes a file that lists the program's functions by their paths in the source, since each compiler mangles names differently.
+/// Returns the file's path.
 fn functions(program: &Path) -> Result<PathBuf, Outcome> {
     let (lines, outcome) = inspect::ask(["functions".as_ref(), program.as_os_str()]);
     outcome.went_well()?;
@@ -77,7 +79,7 @@ fn functions(program: &Path) -> Result<PathBuf, Outcome> {
     Ok(path)
 }
 
-/// The specification that a program is compared with, beside the Rust code: it needs no program, and only z3 of all wheels.
+/// Compares the specification of the tick functions with the Rust code. It needs no firmware, and of the Python wheels only z3.
 pub fn read(python: &Path) -> Outcome {
     match traced() {
         Ok(trace) => {
@@ -88,10 +90,10 @@ pub fn read(python: &Path) -> Outcome {
     }
 }
 
-/// Ticks of the Rust code, in a file.
+/// Records ticks of the Rust code in a file and returns the file's path.
 fn traced() -> Result<PathBuf, Outcome> {
     let mut command = shell::cargo_locked("run");
-    // As the trials of all inputs are built, so that the code is compiled once for both.
+    // Uses the same build profile as `cargo xtask prove --every`, so that the code is compiled only once.
     command.args(["--profile", "every", "-q", "-p", "touchstone-proofs"]);
     command.args(["--example", "trace", "--", TICKS]);
     let path = shell::target("elf-trace.txt");

@@ -1,21 +1,21 @@
-//! `cargo xtask prove --every [NAME]`: the properties of which all inputs are tried (`proofs/examples/every.rs`).
+//! `cargo xtask prove --every [NAME]`: checks properties with few enough inputs by trying all of them (`proofs/examples/every.rs`).
 
 use std::process::Command;
 
 use crate::outcome::Outcome;
 use crate::shell;
 
-/// The message when all of them hold.
+/// Message of the outcome if all properties hold for all inputs.
 pub const HOLD: &str = "all inputs of the properties that have few enough hold";
-/// A property that takes a second: it runs where the checker is missing.
+/// A property that takes a second to check; it runs where the model checker is not installed.
 pub const SAMPLE: &str = "space::w8::p4_unit";
 
-/// Tries the properties whose name contains `part`.
+/// Tries all inputs of the properties whose names contain `part`.
 pub fn run(part: &str) -> Outcome {
     asked(trials(part), part)
 }
 
-/// Tries all properties, at low priority.
+/// Tries all inputs of all properties, at low process priority.
 pub fn run_beside() -> Outcome {
     asked(shell::behind(&trials("")), "")
 }

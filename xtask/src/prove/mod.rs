@@ -1,11 +1,13 @@
-//! `cargo xtask prove`: runs the proofs and believes only what it sees.
+//! `cargo xtask prove`: runs the proofs and checks that each one really proved its statement.
 //!
-//! The checker ends with 0 also when there was nothing to prove, when an assumption was impossible and when a cover was never
-//! reached. So the gate in `inspect/` reads its report: every harness of the committed list ran, no other did, each succeeded,
-//! each cover was reached, and each assertion of a property can be. Without the checker the sampled form runs, and the answer is
-//! "not run". The theorems over traces ([`coq`]) need no checker, but Coq; the integer obligations, on which some harnesses rest, two
-//! solvers; properties with few inputs ([`every`]) neither. What a board's machine code does ([`elf`]) is proved by itself, and read on samples
-//! where the checker is not.
+//! The model checker also exits with 0 if there was nothing to prove, an assumption was impossible, or a cover was never reached.
+//! So the crate `inspect/` reads the checker's report. Every harness of the committed list must have run and succeeded, no other
+//! may have run, and every cover and every assertion of a property must be reachable. If the checker is not installed, tests on
+//! samples run instead and the outcome is "not run".
+//!
+//! The theorems over traces ([`coq`]) need Coq instead of the model checker. The integer obligations, on which some harnesses rest,
+//! need two solvers. Properties with few inputs ([`every`]) need neither. The machine code of a board ([`elf`]) has its own
+//! command; without the model checker it is run on samples.
 
 pub mod allocator;
 pub mod checker;
@@ -28,17 +30,17 @@ use checker::{How, Left, MEMORY_KIB, Which};
 
 const INSTALL: &str = "Kani is not installed; install with `cargo install --locked kani-verifier && cargo kani setup`";
 const USAGE: &str = "cargo xtask prove [--harness NAME] [--bless] [--resume] [--jobs N] | --theorems | --every [NAME] | --elf [--mutants] [--board BOARD] [NAME] | --mutants [--tests] [--shard I/N] | --mutants --theorems";
-/// The crates that the proofs use; no other has to build.
+/// The crates that the proofs use; only these are copied and built for mutation tests.
 pub const PARTS: [&str; 4] = ["control", "protocol", "drive", "proofs"];
 const LOCK: &str = "proofs/harnesses.lock";
-/// File of the earlier results, beside the report.
+/// File with the results of earlier runs, in the folder of the report.
 const MEMO: &str = "proved.tsv";
-/// Harnesses of a part of a run that is taken up again.
+/// Number of harnesses after which a resumed run stores its results.
 const AT_A_TIME: usize = 52;
-/// Harnesses that run at the same time, where `--jobs` does not say.
+/// Number of harnesses that run at the same time if `--jobs` is not given.
 const JOBS: u32 = 2;
 
-/// The command. Run from anywhere in the workspace.
+/// Runs `cargo xtask prove` with these arguments, from any folder of the workspace.
 pub fn run(args: &[String]) -> Outcome {
     let mut words: Vec<&str> = args.iter().map(String::as_str).collect();
     if let Err(why) = std::env::set_current_dir(shell::root()) {
@@ -53,7 +55,7 @@ pub fn run(args: &[String]) -> Outcome {
         ["--every"] => return every::run(""),
         ["--every", part] => return every::run(part),
         ["--mutants", "--theorems"] | ["--theorems", "--mutants"] => return coq::mutants(),
-        // Tests need no checker.
+        // The tests need no model checker.
         ["--mutants", "--tests", rest @ ..] => {
             return part(rest).map_or_else(usage, mutants::by_tests);
         }
@@ -91,13 +93,13 @@ pub fn run(args: &[String]) -> Outcome {
         ["--harness", part] => some(part, jobs),
         _ => {
             let (bless, resume) = (words.contains(&"--bless"), words.contains(&"--resume"));
-            // The checker's compiler has one core to do with for minutes: integer obligations and Coq have the other. The trials of all
-            // inputs have what is left over, at the end too, when the last harness has one core.
+            // The checker's compiler uses one core for minutes, so the integer obligations and Coq run on another. The trials of
+            // all inputs have low priority and use what is left.
             let (tell, told) = mpsc::channel();
             let beside = std::thread::spawn(move || {
                 let obligations = obligations();
                 println!("integer obligations: {obligations}");
-                // Nobody waits for it where the checker did not start.
+                // Nobody receives the message if the checker did not start.
                 let _ = tell.send(obligations.is_failure());
                 inspect::build();
                 let theorems = coq::run();
@@ -105,7 +107,7 @@ pub fn run(args: &[String]) -> Outcome {
                 println!("all inputs: {every}");
                 (obligations, theorems, every)
             });
-            // Nothing is blessed that rests on what does not hold.
+            // The lock is not updated if the integer obligations, on which harnesses rest, have failed.
             let bless = || bless && !told.recv().unwrap_or(true);
             let harnesses = whole(bless, resume, jobs);
             println!("harnesses: {harnesses}");
@@ -120,7 +122,7 @@ pub fn run(args: &[String]) -> Outcome {
     }
 }
 
-/// `[--board BOARD] [NAME]`: of which board's program, and which of its ticks.
+/// Parses `[--board BOARD] [NAME]` and calls `asked` with the board and with the part of the names of the functions to prove.
 fn of_program(words: &[&str], asked: fn(&str, &str) -> Outcome) -> Outcome {
     match words {
         [] => asked(elf::BOARD, ""),
@@ -131,7 +133,7 @@ fn of_program(words: &[&str], asked: fn(&str, &str) -> Outcome) -> Outcome {
     }
 }
 
-/// `--shard I/N`, or nothing: all.
+/// Parses `--shard I/N`; without arguments the result is the whole list.
 fn part(words: &[&str]) -> Option<Shard> {
     match words {
         [] => Some(Shard::ALL),
@@ -148,13 +150,14 @@ fn has_checker() -> bool {
     shell::capture(&mut kani_version()).is_some()
 }
 
-/// Joins the outcomes of harnesses and of exhaustive properties: a failure first, else the harnesses' outcome.
+/// Combines the outcomes of the harnesses and of the properties with all inputs tried: a failure of the latter, else the harnesses'
+/// outcome.
 fn with_every(every: Outcome, harnesses: Outcome) -> Outcome {
     if every.is_failure() { every } else { harnesses }
 }
 
-/// Joins the outcomes of harnesses and of the arithmetic that some of them need: a failure first, then what did not
-/// run, else the harnesses' outcome.
+/// Combines the outcomes of the harnesses and of the integer obligations that some harnesses need. A failure counts first, then
+/// "not run", else the harnesses' outcome.
 fn with_obligations(obligations: Outcome, harnesses: Outcome) -> Outcome {
     let said = format!("{}; integer obligations", harnesses.reason());
     match obligations {
@@ -169,7 +172,8 @@ fn with_obligations(obligations: Outcome, harnesses: Outcome) -> Outcome {
     }
 }
 
-/// Harnesses with theorems: what failed, else what did not run, else both.
+/// Combines the outcomes of harnesses and Coq theorems: a failure counts first, then "not run", else the result names both
+/// successes.
 fn with_theorems(theorems: Outcome, harnesses: Outcome) -> Outcome {
     let both = format!("{}; {}", theorems.reason(), harnesses.reason());
     if theorems.is_failure() || harnesses.is_failure() {
@@ -187,7 +191,7 @@ fn kani_version() -> Command {
     command
 }
 
-/// Versions of the checker, of its compiler and of its solvers.
+/// Text with the versions of the checker, its compiler and its solvers.
 fn versions() -> String {
     let mut kani = kani_version();
     kani.arg("--verbose");
@@ -208,7 +212,7 @@ fn target() -> std::path::PathBuf {
     shell::target("kani-gate")
 }
 
-/// Runs the harnesses whose name contains `part`; the others and the lock are not checked.
+/// Runs the harnesses whose names contain `part`, without a comparison with the committed list.
 fn some(part: &str, jobs: u32) -> Outcome {
     let which = Which::Containing(part);
     match checker::run(Path::new("."), &target(), which, How::jobs(jobs)) {
@@ -217,14 +221,15 @@ fn some(part: &str, jobs: u32) -> Outcome {
     }
 }
 
-/// Runs all harnesses, checks them against the lock, and writes the table. Resumed: only those that were not yet
-/// proved for the present code and statements.
+/// Runs all harnesses, checks them against the committed list (lock), and writes the table of results. With `resume`, it runs only
+/// the harnesses that are not yet proved for the present code and statements. `bless` returns whether to write new lines into the
+/// lock.
 fn whole(bless: impl FnOnce() -> bool, resume: bool, jobs: u32) -> Outcome {
     let (machine, begun) = (machine(load()), Instant::now());
     let left = if resume {
         remaining(jobs)
     } else {
-        // What an older run proved does not count in a whole one.
+        // A whole run does not count the results of earlier runs.
         let _ = std::fs::remove_file(target().join(MEMO));
         checker::run(Path::new("."), &target(), Which::All, How::jobs(jobs))
             .map(|left| (left, None))
@@ -253,8 +258,8 @@ fn whole(bless: impl FnOnce() -> bool, resume: bool, jobs: u32) -> Outcome {
     gate(&left, &words)
 }
 
-/// Runs the harnesses that are not yet proved, some at a time, so that an interruption loses little; returns the last
-/// run, and the list.
+/// Runs the harnesses that are not yet proved, [`AT_A_TIME`] at a time, so that an interruption loses little. Returns the last run
+/// and the file with the list of all harnesses.
 fn remaining(jobs: u32) -> Result<(Left, Option<PathBuf>), String> {
     let list = checker::list(&target())?;
     let memo = target().join(MEMO);
@@ -273,7 +278,7 @@ fn remaining(jobs: u32) -> Result<(Left, Option<PathBuf>), String> {
         println!("{outcome}");
         last = Some(left);
     }
-    // Nothing was left to run: a run of one, for the gate to read.
+    // If no harness was left to run, one short harness runs, so that the gate has a report to read.
     let left = match last {
         Some(left) => left,
         None => checker::run(
@@ -297,13 +302,13 @@ fn gate(left: &Left, more: &[&str]) -> Outcome {
     inspect::call(words.into_iter().chain(more.iter().map(OsStr::new)))
 }
 
-/// The processes that others keep running, as the kernel's load of the last minute; before the run.
+/// The kernel's average number of running processes in the last minute; `None` if it is unknown.
 fn load() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/loadavg").ok()?;
     text.split_whitespace().next()?.parse().ok()
 }
 
-/// What there is to say of the machine that a whole run had.
+/// Sentence for the table of results that says how busy the machine was before the run.
 fn machine(load: Option<f64>) -> String {
     match load {
         Some(load) if load > 0.5 => {
@@ -314,7 +319,7 @@ fn machine(load: Option<f64>) -> String {
     }
 }
 
-/// Runs the tests that need no checker; they do not replace it.
+/// Runs the theorems and tests that need no model checker. They do not replace its proofs.
 fn without_checker() -> Outcome {
     let theorems = coq::run();
     println!("theorems over traces: {theorems}");
@@ -322,7 +327,7 @@ fn without_checker() -> Outcome {
 }
 
 fn without_harnesses() -> Outcome {
-    // `cargo xtask test` has run them before, among all others.
+    // In `cargo xtask test` these tests have already run among all others.
     if !unit::all_passed() {
         let mut tests = shell::cargo_locked("test");
         let sampled = shell::run(tests.args(["--quiet", "-p", "touchstone-proofs"]));
@@ -352,8 +357,8 @@ fn without_harnesses() -> Outcome {
     }
 }
 
-/// Runs the integer obligations in two solvers' Python wheels, and the part of the machine code's checker that needs
-/// no machine code.
+/// Proves the integer obligations with the Python packages of two solvers. Then compares the specification of the machine code with
+/// the Rust code.
 fn obligations() -> Outcome {
     let python = match with_wheels("obligations-venv", "proofs/obligations/requirements.txt") {
         Ok(python) => python,
@@ -366,12 +371,13 @@ fn obligations() -> Outcome {
     elf::read(&python)
 }
 
-/// A Python that has the wheels of a list, in a folder below `target/`.
+/// Creates a Python environment below `target/` with the wheels that the file `list` names, unless it exists; returns the path of
+/// its Python.
 fn with_wheels(folder: &str, list: &str) -> Result<PathBuf, Outcome> {
     let folder = shell::target(folder);
     let (python, made_of) = (folder.join("bin/python"), folder.join("made-of.txt"));
     let wanted = std::fs::read_to_string(list).ok();
-    // One that was broken off, or made of another list, is made anew.
+    // An environment that is incomplete, or was made from another list, is made again.
     if wanted.is_none() || std::fs::read_to_string(&made_of).ok() != wanted {
         let _ = std::fs::remove_dir_all(&folder);
         let mut venv = shell::program("python3");
@@ -380,7 +386,7 @@ fn with_wheels(folder: &str, list: &str) -> Result<PathBuf, Outcome> {
         if shell::run(venv.args(["-m", "venv"]).arg(&folder)).is_failure()
             || shell::run(&mut install).is_failure()
         {
-            // Half a folder must not count as a whole one the next time.
+            // Removes an incomplete environment, so that the next run does not use it.
             let _ = std::fs::remove_dir_all(&folder);
             return Err(Outcome::NotRun(
                 "no Python with the solvers' wheels; `apt-get install python3-venv`, network"

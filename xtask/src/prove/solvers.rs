@@ -1,21 +1,22 @@
-//! The solvers that the checker starts, in front of which stands what makes them fit for these proofs.
+//! Shell scripts that run instead of the solvers, with options that suit these proofs.
 //!
-//! The checker starts whichever program of a solver's name comes first in the search path, so that a script can stand before it. Without
-//! the solver there is no script, and the harnesses that name it end without an answer, by themselves.
+//! The checker starts the first program with a solver's name in the search path, so a script earlier in the path is started
+//! instead. For a solver that is not installed there is no script; harnesses that need it end without a result.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// How often CaDiCaL may be wrong about a decision before kissat takes over: a second or two. By conflicts and not by time, so that who
-/// answers is the same on every machine.
+/// Number of conflicts after which the script stops CaDiCaL and starts kissat; CaDiCaL takes a second or two for them. A limit by
+/// conflicts and not by time makes the same solver answer on every machine.
 const CONFLICTS: u32 = 10_000;
-/// Below this many variables kissat is run at once: for such small problems it finds models as fast. Which models are
-/// found decides how the last question looks. With CaDiCaL first, kissat took 28 s instead of 4 for one of two tried
-/// harnesses, and 11 instead of 8 for the other. That is chance, and may differ for a new harness.
+/// Number of variables below which kissat runs at once, without CaDiCaL: it solves such small problems as fast.
+///
+/// The models found first change the harness's last problem. With CaDiCaL first, kissat took 28 s instead of 4 s for one of two
+/// tried harnesses, and 11 s instead of 8 s for the other. Such changes are chance and may differ for other harnesses.
 const FEW_VARIABLES: u32 = 40_000;
 
-/// A search path in which scripts stand before cvc5 and kissat, where these are there.
+/// Search path in which scripts come before cvc5 and kissat, if these solvers are installed.
 pub fn first(target: &Path, path: OsString) -> Result<OsString, String> {
     let found = |name: &str| {
         std::env::split_paths(&path)
@@ -51,7 +52,7 @@ pub fn first(target: &Path, path: OsString) -> Result<OsString, String> {
     before(&folder, &path)
 }
 
-/// Machine words as integers, which products and quotients at full width need.
+/// Script that makes cvc5 translate bit vectors into integers, which multiplication and division at full width need.
 fn with_integers(cvc5: &Path) -> String {
     format!(
         "#!/bin/sh\nexec '{}' --solve-bv-as-int=sum \"$@\"\n",
@@ -59,9 +60,10 @@ fn with_integers(cvc5: &Path) -> String {
     )
 }
 
-/// For a harness the checker runs kissat once for each cover and each assertion that must be reached, and once for
-/// whether anything fails. The former are easy, and CaDiCaL needs a quarter of kissat's time for them; the latter
-/// needs kissat.
+/// Script that tries CaDiCaL before kissat.
+///
+/// For each harness the checker runs the solver once per cover and per assertion that must be reachable, and once for whether any
+/// check fails. The former problems are easy, and CaDiCaL needs a quarter of kissat's time for them. The last problem needs kissat.
 fn with_a_first_look(cadical: &Path, kissat: &Path) -> String {
     let (cadical, kissat) = (cadical.display(), kissat.display());
     format!(
@@ -74,7 +76,7 @@ fn with_a_first_look(cadical: &Path, kissat: &Path) -> String {
     )
 }
 
-/// A search path with a folder before all others.
+/// Search path with `folder` placed before all others.
 pub fn before(folder: &Path, path: &OsString) -> Result<OsString, String> {
     let all = std::iter::once(PathBuf::from(folder)).chain(std::env::split_paths(path));
     std::env::join_paths(all).map_err(|why| why.to_string())
@@ -84,7 +86,7 @@ pub fn before(folder: &Path, path: &OsString) -> Result<OsString, String> {
 mod tests {
     use super::*;
 
-    /// A folder with programs of these names and texts.
+    /// Creates a folder with shell scripts of these names and texts.
     fn programs(folder: &Path, all: &[(&str, &str)]) -> PathBuf {
         let there = folder.join("there");
         let _ = std::fs::remove_dir_all(&there);
@@ -98,7 +100,7 @@ mod tests {
         there
     }
 
-    /// Output and exit code of a command with a search path of these programs.
+    /// Output and exit code of a shell command whose search path has these stand-in programs, with the solver scripts before them.
     fn said(name: &str, all: &[(&str, &str)], command: &str) -> (String, Option<i32>) {
         let folder = crate::shell::target(name);
         let there = programs(&folder, all);

@@ -1,9 +1,9 @@
-//! Memory and processor time of each harness: what the kernel counts for the checker and for the solvers that it starts.
+//! Measures memory and processor time of each harness, with the kernel's counts for the checker's tools and the solvers that they
+//! start.
 //!
-//! The checker's tools get the harness's file as an argument, so a process tells which harness it is for; a solver is known
-//! by its parent. While they run, the kernel's own counts are read ten times a second: the highest memory so far (`VmHWM`)
-//! and the processor time, of those that have ended as well. Both only grow, so that no more than what is added in the last
-//! tenth of a second is missed. Without `/proc` nothing is measured.
+//! The checker's tools have the harness's file as an argument, which tells the harness of a process; a solver is recognised by its
+//! parent process. Ten times a second the highest memory so far (`VmHWM`) and the processor time, including ended child processes,
+//! are read. Both only grow, so at most the last tenth of a second is missed. Without `/proc` nothing is measured.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -15,16 +15,17 @@ use std::time::Duration;
 /// Memory and time of one harness.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Usage {
-    /// Highest memory of all its processes together.
+    /// Highest total memory of all processes that ran for the harness at the same time, in KiB.
     pub memory_kib: u64,
-    /// Processor time of all its processes together.
+    /// Processor time of all processes of the harness together, in seconds.
     pub processor_s: f64,
 }
 
-/// Use of one process that was started for a harness, with all that it started.
+/// Memory and time of each process that was started for a harness, including the processes that it started; by harness file and
+/// process id.
 type Seen = HashMap<(String, u32), Usage>;
 
-/// Watches the processes that have files in one folder as arguments.
+/// A thread that measures all processes with a file below one folder among their arguments.
 pub struct Watch {
     stop: Arc<AtomicBool>,
     thread: JoinHandle<Seen>,
@@ -43,7 +44,7 @@ impl Watch {
                     if stop.load(Ordering::Relaxed) {
                         break;
                     }
-                    // A number is given again.
+                    // The kernel may give an old id to a new process, so the known ids are forgotten after 50 readings.
                     if looks % 50 == 0 {
                         kernels.clear();
                     }
@@ -56,12 +57,12 @@ impl Watch {
         Self { stop, thread }
     }
 
-    /// The use of memory and time by the name of the harness's file, without its endings.
+    /// Stops measuring; returns memory and time by the name of the harness's file, without its endings.
     pub fn finish(self) -> HashMap<String, Usage> {
         self.stop.store(true, Ordering::Relaxed);
         let mut sums = HashMap::<String, Usage>::new();
         for ((harness, _), usage) in self.thread.join().unwrap_or_default() {
-            // The tools run one after the other.
+            // The tools of a harness run one after the other: the highest memory counts, and the times are added.
             let sum = sums.entry(harness).or_default();
             sum.memory_kib = sum.memory_kib.max(usage.memory_kib);
             sum.processor_s += usage.processor_s;
@@ -70,18 +71,19 @@ impl Watch {
     }
 }
 
-/// A process at one look.
+/// What one reading of `/proc` says about a process: id of the parent process, and processor time in seconds.
 struct Process {
     parent: u32,
     processor_s: f64,
 }
 
-/// Reads one; `None` if it is gone, or the kernel's own, which has no memory.
+/// Reads a process from its folder in `/proc`; `None` if the process has ended, or is one of the kernel's own, which have no
+/// memory.
 fn process(folder: &Path) -> Option<Process> {
     let stat = std::fs::read(folder.join("stat")).ok()?;
     let stat = String::from_utf8_lossy(&stat);
-    // The second field is a name in brackets and may hold anything. Parent, field 4; user and system time, own and of ended children,
-    // are fields 14 to 17, in hundredths of a second on every Linux; memory, field 23.
+    // Field 2 is a name in brackets and may contain anything. Field 4 is the parent. Fields 14 to 17 are user and system time of
+    // the process and of its ended children, in hundredths of a second on every Linux. Field 23 is the memory.
     let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
     let of = |field: usize| fields.get(field - 3)?.parse::<u64>().ok();
     let ticks: u64 = (14..=17).filter_map(of).sum();
@@ -92,7 +94,7 @@ fn process(folder: &Path) -> Option<Process> {
     })
 }
 
-/// A process' highest memory so far, KiB.
+/// Highest memory of a process so far, in KiB.
 fn memory_kib(folder: &Path) -> Option<u64> {
     let status = std::fs::read(folder.join("status")).ok()?;
     let status = String::from_utf8_lossy(&status);
@@ -100,8 +102,8 @@ fn memory_kib(folder: &Path) -> Option<u64> {
     line.split_whitespace().next()?.parse().ok()
 }
 
-/// Reads all processes once: those of a harness, together with all that they started. The kernel's own processes have
-/// no memory, and are most of what there is to read, so each is read only once.
+/// Reads all processes once and updates the values of each harness's process together with its descendants. Ids of the kernel's own
+/// processes are kept in `kernels`, so that these many processes are not read again.
 fn look(folder: &str, seen: &mut Seen, kernels: &mut HashSet<u32>) {
     let mut all = HashMap::new();
     let mut of_harness = Vec::new();
@@ -126,7 +128,7 @@ fn look(folder: &str, seen: &mut Seen, kernels: &mut HashSet<u32>) {
     for (id, harness) in of_harness {
         let below = |process: &u32| {
             let mut process = *process;
-            // A chain of parents, cut off should the ids have been reused in a ring meanwhile.
+            // Follows the parents, at most 16, in case reused ids form a ring.
             for _ in 0..16 {
                 if process == id {
                     return true;
@@ -149,7 +151,8 @@ fn look(folder: &str, seen: &mut Seen, kernels: &mut HashSet<u32>) {
     }
 }
 
-/// The harness's file among the arguments, without folder and endings. Only files of harnesses have a mangled name in theirs.
+/// Name of the harness's file among a process's arguments, without folder and endings. Only files of harnesses have a mangled name
+/// (`__R`).
 fn harness(arguments: &[u8], folder: &str) -> Option<String> {
     let arguments = String::from_utf8_lossy(arguments).into_owned();
     let file = arguments.split('\0').find(|argument| {
@@ -177,7 +180,8 @@ mod tests {
         );
     }
 
-    /// A child with such an argument is of a harness, and so is what it starts: half a second of work and some memory.
+    /// Checks that a process with a harness's file among its arguments is measured together with its child, which works for a
+    /// while.
     #[test]
     #[cfg(target_os = "linux")]
     fn a_running_process_is_measured() {

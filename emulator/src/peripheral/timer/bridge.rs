@@ -1,5 +1,5 @@
-//! TIM1: the counter that goes up and down, the compare values of the bridge, the break that switches it off, and the trigger
-//! of the converters.
+//! TIM1: the centre-aligned counter, the compare values of the bridge, the break that switches the bridge off, and the trigger of
+//! the analogue-to-digital converters.
 
 use super::super::plain::Plain;
 use super::super::{NEVER, Peripheral};
@@ -14,21 +14,25 @@ const BKP: u32 = 1 << 13;
 const BKE: u32 = 1 << 12;
 const OSSR: u32 = 1 << 11;
 const OSSI: u32 = 1 << 10;
-/// What LOCK level 1 protects: dead time, break, its polarity and filter, AOE; and the idle levels in CR2.
+/// Bits of BDTR that LOCK level 1 protects: dead time, break enable, break polarity, break filter, AOE. The level also protects the
+/// idle levels in CR2.
 const LOCKED: u32 = 0xff | BKE | BKP | AOE | 0xf << 16;
 const IDLE_LEVELS: u32 = 0x3f << 8;
-/// What level 2 protects beyond: what idle outputs do, and the outputs' polarity in CCER.
+/// Further bits of BDTR that LOCK level 2 protects: the behaviour of idle outputs. The level also protects the output polarities in
+/// CCER.
 const LOCKED_2: u32 = OSSI | OSSR;
 const POLARITY: u32 = 0xaaa;
 const BIF: u32 = 1 << 7;
-/// The system's break has pulled. It "must be reset to re-start PWM operation" (RM0440, TIM1_SR).
+/// Flag that the system break has occurred. It "must be reset to re-start PWM operation" (RM0440, TIM1_SR).
 const SBIF: u32 = 1 << 13;
 const UIF: u32 = 1;
 
-/// How long the break input must be active without a gap, cycles of the timer's clock: BDTR.BKF is a number of samples and the rate at which
-/// they are taken, of the clock itself or of that of the dead time, CR1.CKD (RM0440 Rev 4, p. 1209). 0: at once, without a clock.
+/// Cycles of the timer's clock for which the break input must be active without a gap before it acts. BDTR.BKF gives a number of
+/// samples and their rate: the timer's clock or the dead-time clock set by CR1.CKD (RM0440 Rev 4, p. 1209). 0 means at once,
+/// without a clock.
 ///
-/// `tim_brk` is the pin and the comparators together; that the filter is behind both is from memory of the manual's figure.
+/// The break input `tim_brk` combines the pin and the comparators. That the filter acts on the combined signal is taken from memory
+/// of a figure in the manual.
 fn filter_cycles(bdtr: u32, cr1: u32) -> u64 {
     const BY_CODE: [(u64, u64); 16] = [
         (1, 0),
@@ -54,44 +58,45 @@ fn filter_cycles(bdtr: u32, cr1: u32) -> u64 {
     every * samples * division
 }
 
-/// What happens in a period, at a time.
+/// An event within a PWM period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Edge {
-    /// The counter is at its top.
+    /// The counter reaches its top.
     Top,
-    /// The counter is at 0.
+    /// The counter reaches 0.
     Bottom,
     /// The trigger TRGO2 rises.
     Trigger,
 }
 
-/// TIM1.
+/// The timer TIM1, which drives the motor bridge.
 #[derive(Debug, Clone)]
 pub struct BridgeTimer {
     registers: Plain,
-    /// Compare values and auto-reload in use: those written count from the next update on.
+    /// Compare values in use. Values written by the program take effect at the next update event; the same holds for the
+    /// auto-reload value.
     compare: [u32; 6],
     reload: u64,
     prescaler: u64,
     repetition: u32,
     status: u32,
     main_output: bool,
-    /// Time at which the counter was last at 0.
+    /// Time in processor cycles at which the counter was last at 0.
     bottom: u64,
-    /// Cycles into the period up to which edges have been handed out.
+    /// Cycles since the start of the PWM period up to which [`BridgeTimer::next_edge`] has returned the edges.
     done: u64,
     break_pin: bool,
     comparators: u32,
-    /// Since when the break input has been active without a gap.
+    /// Time in processor cycles since which the break input has been active without a gap; `None` while it is inactive.
     active_since: Option<u64>,
-    /// A source inside of the chip holds the system's break: supply, lockup, an error in flash.
+    /// Whether a source inside the chip holds the system break: low supply, processor lockup, or an error in flash.
     system: bool,
-    /// The drivers behind the outputs.
+    /// The gate drivers that the timer's outputs control.
     pub gates: GateDriver,
-    /// The drivers have switched themselves off, whatever their inputs say.
+    /// Whether the gate drivers have switched themselves off, independently of their inputs.
     stage_off: bool,
     is_on: bool,
-    /// Each change of [`BridgeTimer::is_on`]: when, and whether on.
+    /// Each change of [`BridgeTimer::is_on`]: the time in processor cycles, and whether the bridge is on from that time.
     pub changes: Vec<(u64, bool)>,
 }
 
@@ -121,13 +126,14 @@ impl Default for BridgeTimer {
 }
 
 impl BridgeTimer {
-    /// Whether any phase is driven: not whether MOE is set, but whether a transistor conducts.
+    /// Whether any phase is driven, that is, whether a transistor conducts. The bit MOE alone does not decide this.
     #[must_use]
     pub fn is_on(&self) -> bool {
         self.is_on
     }
 
-    /// Share of the time at the bus of the three phases, 0 to 1, as it counts now; `None` where the phase is not driven.
+    /// Present duty cycle of each phase: fraction of the time (0 to 1) for which it is connected to the bus voltage. `None` where
+    /// the phase is not driven.
     #[must_use]
     pub fn duty(&self) -> [Option<f64>; 3] {
         [0, 1, 2].map(|phase| {
@@ -142,7 +148,8 @@ impl BridgeTimer {
         })
     }
 
-    /// Levels of a phase's two inputs at the driver.
+    /// Levels at the two driver inputs of a phase while its PWM reference is high or low; `None` where the timer does not drive the
+    /// pins.
     fn wired(&self, phase: usize, reference: bool) -> Option<(bool, bool)> {
         let (first, second) = self.levels(phase, reference)?;
         match self.gates {
@@ -151,12 +158,12 @@ impl BridgeTimer {
         }
     }
 
-    /// Levels of a phase's two outputs while its reference is high or low (reference manual RM0440, table 265); `None` where the
-    /// timer does not drive both pins.
+    /// Levels of the two timer outputs of a phase while its PWM reference is high or low (RM0440, table 265). `None` where the
+    /// timer does not drive both outputs.
     fn levels(&self, phase: usize, reference: bool) -> Option<(bool, bool)> {
         let outputs = self.registers.get(CCER) >> (4 * phase);
         let bdtr = self.registers.get(BDTR);
-        // What an output is while it is not active: its polarity's bit.
+        // Level of an inactive output: the bit of its polarity.
         let inactive = (outputs & 2 != 0, outputs & 8 != 0);
         if self.main_output {
             match outputs & 5 {
@@ -173,7 +180,7 @@ impl BridgeTimer {
         }
     }
 
-    /// Cycles of a period: up and down.
+    /// Processor cycles per PWM period: counting up and down.
     #[must_use]
     pub fn period(&self) -> u64 {
         2 * self.reload.max(1) * self.prescaler
@@ -183,21 +190,21 @@ impl BridgeTimer {
         self.registers.get(CR1) & CEN != 0
     }
 
-    /// Level of the pin BKIN, and the levels of the comparators' outputs as a mask.
+    /// Sets the level of the break pin BKIN and the output levels of the comparators, one bit per comparator.
     pub fn set_break(&mut self, pin: bool, comparators: u32, now: u64) {
         self.break_pin = pin;
         self.comparators = comparators;
         self.look_at_break(now);
     }
 
-    /// Whether the drivers have switched themselves off.
+    /// Sets whether the gate drivers have switched themselves off.
     pub fn set_stage_off(&mut self, off: bool, now: u64) {
         self.stage_off = off;
         self.note(now);
     }
 
-    /// Whether a source inside of the chip holds the system's break, those that SYSCFG_CFGR2 lets through: it needs no BKE and
-    /// knows no polarity (RM0440, "Using the break function").
+    /// Sets whether a source inside the chip holds the system break, as enabled in SYSCFG_CFGR2. The system break depends neither
+    /// on the enable bit BKE nor on a polarity (RM0440, "Using the break function").
     pub fn set_system_break(&mut self, active: bool, now: u64) {
         self.system = active;
         self.look_at_break(now);
@@ -209,19 +216,19 @@ impl BridgeTimer {
         let active_high = bdtr & BKP != 0;
         let inverted = sources >> 9 & 1 != 0;
         let pin = sources & 1 != 0 && self.break_pin == (active_high != inverted);
-        // BKCMP1P to BKCMP4P turn a comparator's level over.
+        // BKCMP1P to BKCMP4P invert the level of a comparator.
         let levels = self.comparators ^ (sources >> 10 & 15);
         let active = if active_high { levels } else { !levels };
         bdtr & BKE != 0 && (pin || active & (sources >> 1 & 15) != 0)
     }
 
-    /// Time at which the active break input passes its filter.
+    /// Time in processor cycles at which the active break input passes the break filter; `None` while the input is inactive.
     fn passes_at(&self) -> Option<u64> {
         let filter = filter_cycles(self.registers.get(BDTR), self.registers.get(CR1));
         Some(self.active_since? + filter)
     }
 
-    /// Lets time pass: an input that stayed active may now be through the filter. Returns whether that switched the
+    /// Checks at the time `now` whether the break input has passed its filter. Returns whether the break has just switched the
     /// outputs off.
     pub fn pass(&mut self, now: u64) -> bool {
         let was_on = self.main_output;
@@ -242,7 +249,7 @@ impl BridgeTimer {
         }
     }
 
-    /// Whether the timer takes MOE.
+    /// Whether the timer accepts a write of 1 to MOE (main output enable): no break is active and SBIF is clear.
     fn may_start(&self, now: u64) -> bool {
         let is_pulled = self.passes_at().is_some_and(|at| at <= now);
         !is_pulled && !self.system && self.status & SBIF == 0
@@ -253,7 +260,7 @@ impl BridgeTimer {
         self.note(now);
     }
 
-    /// Keeps when the bridge went on or off.
+    /// Records the time if the bridge has gone on or off.
     fn note(&mut self, now: u64) {
         let on = self.duty().iter().any(Option::is_some);
         if on != self.is_on {
@@ -262,7 +269,7 @@ impl BridgeTimer {
         }
     }
 
-    /// The value that a write gives a partly locked register.
+    /// The value that a register gets by a write of `value`, given the bits that the LOCK level protects.
     fn unlocked(&self, offset: u32, value: u32) -> u32 {
         let level = self.registers.get(BDTR) >> 8 & 3;
         let kept = match (offset, level) {
@@ -296,14 +303,14 @@ impl BridgeTimer {
         true
     }
 
-    /// Mode of a channel, 0 to 15.
+    /// Output compare mode (OCxM) of a channel, 0 to 15.
     fn mode(&self, channel: u32) -> u32 {
         let register = self.registers.get(if channel < 2 { CCMR1 } else { CCMR2 });
         let field = register >> (8 * (channel % 2));
         (field >> 4 & 7) | (field >> 13 & 8)
     }
 
-    /// Cycles into the period at which TRGO2 rises, where that is not the update.
+    /// Cycles since the start of the PWM period at which TRGO2 rises; `None` where the update event raises it.
     fn trigger_at(&self) -> Option<u64> {
         // OC1REF to OC4REF.
         let channel = match self.registers.get(CR2) >> 20 & 15 {
@@ -332,7 +339,8 @@ impl BridgeTimer {
         edges
     }
 
-    /// The next edge that is due, with its time. At an edge that is an update and triggers, [`Edge::Trigger`] follows.
+    /// Returns the next edge that is due by `now`, with its time in processor cycles. After an edge with an update event that
+    /// raises TRGO2, [`Edge::Trigger`] follows.
     pub fn next_edge(&mut self, now: u64) -> Option<(u64, Edge)> {
         if !self.runs() {
             return None;
@@ -360,7 +368,7 @@ impl BridgeTimer {
         Some((time, edge))
     }
 
-    /// Cycles from the last bottom.
+    /// Processor cycles since the counter was last at 0.
     fn position(&self, now: u64) -> u64 {
         if self.runs() {
             (now - self.bottom) % self.period()
@@ -417,7 +425,7 @@ impl Peripheral for BridgeTimer {
             _ => {
                 let value = self.unlocked(offset, value);
                 self.registers.write(offset, value, now);
-                // Without preload a compare value counts at once.
+                // Without preload a compare value takes effect at once.
                 let channel = offset.wrapping_sub(CCR1) / 4;
                 if channel < 4 {
                     let register = self.registers.get(if channel < 2 { CCMR1 } else { CCMR2 });
@@ -454,18 +462,18 @@ impl Peripheral for BridgeTimer {
 }
 
 impl BridgeTimer {
-    /// Whether a break raises an interrupt: one enable bit for the flags BIF, B2IF and SBIF.
+    /// Whether a break raises an interrupt. One enable bit serves the flags BIF, B2IF and SBIF.
     fn breaks_interrupt(&self) -> bool {
         self.registers.get(DIER) & BIF != 0 && self.status & (BIF | 0x100 | SBIF) != 0
     }
 
-    /// Whether an update raises TRGO2.
+    /// Whether the update event raises TRGO2.
     #[must_use]
     pub fn triggers_on_update(&self) -> bool {
         self.registers.get(CR2) >> 20 & 15 == 2
     }
 
-    /// Whether the last edge at the top or bottom was an update: the repetition counter was reloaded by it.
+    /// Whether the last edge at the top or bottom was an update event, at which the repetition counter is reloaded.
     #[must_use]
     pub fn was_update(&self) -> bool {
         self.repetition == self.registers.get(RCR)

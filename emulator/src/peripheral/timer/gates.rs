@@ -1,8 +1,9 @@
-//! From the levels of TIM1's outputs to transistors: the gate drivers on a board.
+//! The gate drivers on a board: they turn the levels of TIM1's outputs into the states of the transistors.
 //!
-//! Deliberately not taken from the program: a level that the program thinks is "off" and the driver does not must show.
+//! This module does not use the program's own idea of "off". If a level that the program takes for off does not switch the driver
+//! off, the tests must show it.
 
-/// State of a transistor pair.
+/// State of the upper and lower transistor of a phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Leg {
     /// Neither transistor conducts.
@@ -13,24 +14,25 @@ pub enum Leg {
     Lower,
 }
 
-/// The drivers of the three pairs. An input that nothing drives is pulled to its off level.
+/// The gate drivers of the three phases, by type. A driver input that is not driven is pulled to its off level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GateDriver {
-    /// HIN and LIN switch on when high; both high is refused.
+    /// HIN switches the upper transistor on when high, LIN the lower one when high. With HIN and LIN active at once, neither
+    /// transistor conducts.
     L6387,
-    /// HIN switches on when high, LIN when low; both at once is refused.
+    /// HIN switches the upper transistor on when high, LIN the lower one when low. With HIN and LIN active at once, neither
+    /// transistor conducts.
     L6398,
-    /// An input and an enable a phase: while the enable is high, the input chooses between the two. Both transistors are off while it is
-    /// low, and all six while the line EN\FAULT is.
+    /// Each phase has an input and an enable. While the enable is high, the input selects the upper or the lower transistor. While
+    /// the enable is low, neither conducts. While the line EN\FAULT is low, none of the six transistors conducts.
     Stspin830,
-    /// One input a channel and one enable for all three, which is wired to the first of the timer's complementary
-    /// outputs. A fault that the driver finds switches all three off until it is gone; over-current, until the supply
-    /// is off.
+    /// One input per phase, and one enable for all three, which is wired to the first complementary output of the timer. A fault
+    /// that the driver detects switches all phases off until the fault is gone; an over-current, until the supply is switched off.
     Drv8313,
 }
 
 impl GateDriver {
-    /// State of a pair for the levels of its two inputs, upper and lower; `None` where the pin is not driven.
+    /// State of a phase's transistors for the levels of its two inputs, upper and lower; `None` where the pins are not driven.
     #[must_use]
     pub fn leg(self, levels: Option<(bool, bool)>) -> Leg {
         let Some((upper, second)) = levels else {
@@ -54,8 +56,8 @@ impl GateDriver {
         }
     }
 
-    /// The share of the time at the bus of a pair that switches between two states, by the share of the first; `None` where it does
-    /// not drive its phase, or only part of the time, which is not modelled.
+    /// Fraction of the time for which a phase is connected to the bus voltage. The phase is in state `first` for the fraction `share`, and
+    /// in state `second` for the rest. `None` where a state is open; a phase that is driven for part of the time is not modelled.
     #[must_use]
     pub fn share(first: Leg, second: Leg, share: f64) -> Option<f64> {
         match (first, second) {

@@ -1,27 +1,27 @@
-//! TIM2 to TIM5: an up-counter with four compare channels, or a counter that follows an encoder.
+//! TIM2 to TIM5: an up-counter with four compare channels, or a counter that follows a quadrature encoder.
 
 use super::super::plain::Plain;
 use super::super::{NEVER, Peripheral};
 use super::{ARR, CCR1, CCR4, CEN, CNT, CR1, DIER, EGR, PSC, SMCR, SR};
 
-/// A timer.
+/// A general-purpose timer, TIM2 to TIM5.
 #[derive(Debug, Clone)]
 pub struct Timer {
     interrupt: u32,
     mask: u32,
     registers: Plain,
-    /// The prescaler in use: the register counts from the next update on.
+    /// Clock divider in use. A value written to PSC takes effect at the next update event.
     prescaler: u64,
     count: u64,
-    /// Time at which the counter had this count.
+    /// Time in processor cycles at which the counter had the value `count`.
     since: u64,
     status: u32,
-    /// The encoder's count, and the counter's difference from it.
+    /// Last count of the encoder. The counter follows its changes.
     encoder: i64,
 }
 
 impl Timer {
-    /// A timer with this interrupt and this width in bits.
+    /// A timer with this interrupt number, whose counter has this width in bits.
     #[must_use]
     pub fn new(interrupt: u32, bits: u32) -> Self {
         let mask = (u64::MAX >> (64 - bits)) as u32;
@@ -49,7 +49,7 @@ impl Timer {
         u64::from(self.registers.get(ARR) & self.mask) + 1
     }
 
-    /// The encoder moved to this count.
+    /// Takes over a new encoder count; the counter moves by the difference if it follows the encoder.
     pub fn set_encoder(&mut self, count: i64) {
         let moved = count - self.encoder;
         self.encoder = count;
@@ -59,7 +59,7 @@ impl Timer {
         }
     }
 
-    /// Ticks from the count to a value, at least 1.
+    /// Number of timer ticks until the counter reaches `value`, at least 1.
     fn ticks_to(&self, value: u64) -> u64 {
         let period = self.period();
         let value = value % period;
@@ -103,7 +103,7 @@ impl Peripheral for Timer {
     fn write(&mut self, offset: u32, value: u32, now: u64) {
         self.sync(now);
         match offset {
-            // A zero clears, a one leaves alone.
+            // A written zero clears the flag, a one leaves it.
             SR => self.status &= value,
             CNT => {
                 self.count = u64::from(value & self.mask);
@@ -113,7 +113,7 @@ impl Peripheral for Timer {
                 self.count = 0;
                 self.since = now;
                 self.prescaler = u64::from(self.registers.get(PSC) & 0xffff) + 1;
-                // Not with URS: then only an overflow sets the flag.
+                // With URS set, only an overflow sets the flag.
                 if self.registers.get(CR1) & 4 == 0 {
                     self.status |= 1;
                 }

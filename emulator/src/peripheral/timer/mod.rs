@@ -1,4 +1,4 @@
-//! Timers: [`general`] counts upwards or follows an encoder, [`bridge`] is TIM1.
+//! Timers of the chip: [`general`] counts upwards or follows an encoder; [`bridge`] is TIM1, which drives the motor bridge.
 
 pub mod bridge;
 pub mod gates;

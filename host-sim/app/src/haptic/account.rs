@@ -148,7 +148,7 @@ impl Account<'_> {
     pub fn tell(&self) -> Result<()> {
         let report = self.report;
         if json() {
-            return print(format_args!("{:#}\n", self.value()));
+            return print(format_args!("{}\n", crate::out::json_text(&self.value())));
         }
         tell!(
             "ticks     {}, {} missed, {} with an old position, {} saturated, {} outside the workspace",

@@ -32,8 +32,11 @@ enum Scenery {
     /// A floor or a slope through the centre, or a ball of 30 mm around it.
     Known(&'static str, Object),
     /// A mesh around the centre, from a file.
-    Stl(PathBuf),
+    Mesh(PathBuf),
 }
+
+/// Endings of the files that a mesh is read from.
+const MESHES: [&str; 3] = ["stl", "obj", "ply"];
 
 const KNOWN: [(&str, Object); 3] = [
     ("plane", Object::Horizontal),
@@ -50,12 +53,14 @@ impl FromStr for Scenery {
         }
         let path = PathBuf::from(word);
         let ending = path.extension().and_then(|ending| ending.to_str());
-        match ending.is_some_and(|ending| ending.eq_ignore_ascii_case("stl")) {
-            true => Ok(Self::Stl(path)),
+        match ending.is_some_and(|own| MESHES.iter().any(|ending| own.eq_ignore_ascii_case(ending)))
+        {
+            true => Ok(Self::Mesh(path)),
             false => Err(format!(
                 "\"{word}\" is no object; {}",
                 touchstone_sim::scene::nearest(word, &KNOWN.map(|(name, _)| name)).map_or_else(
-                    || "give plane, inclined, sphere or a file that ends in .stl".to_owned(),
+                    || "give plane, inclined, sphere or a file that ends in .stl, .obj or .ply"
+                        .to_owned(),
                     |near| format!("did you mean {near}?")
                 )
             )),
@@ -66,12 +71,12 @@ impl FromStr for Scenery {
 /// Options of `device run`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// plane (a floor through the centre), inclined (a slope in none of the axes), sphere (30 mm around the centre), or an STL file.
+    /// plane (a floor through the centre), inclined (a slope in none of the axes), sphere (30 mm around the centre), or a mesh: a file of STL, OBJ or PLY.
     #[arg(value_name = "OBJECT")]
     object: Scenery,
-    /// Metres that 1 stands for in an STL file, which says none.
-    #[arg(long, value_name = "M", default_value_t = 1e-3, allow_negative_numbers = true, value_parser = number::up_to(1e3, "in m"))]
-    stl_unit_m: f64,
+    /// Metres that 1 stands for in the mesh's file, which says none.
+    #[arg(long, alias = "stl-unit-m", value_name = "M", default_value_t = 1e-3, allow_negative_numbers = true, value_parser = number::up_to(1e3, "in m"))]
+    mesh_unit_m: f64,
     #[command(flatten)]
     which: WhichDevice,
     #[command(flatten)]
@@ -97,14 +102,14 @@ impl Scenery {
     fn object(&self) -> Object {
         match self {
             Self::Known(_, object) => *object,
-            Self::Stl(_) => Object::Horizontal,
+            Self::Mesh(_) => Object::Horizontal,
         }
     }
 
     fn mesh(&self, unit_m: f64) -> Result<Option<Mesh>> {
         match self {
             Self::Known(..) => Ok(None),
-            Self::Stl(path) => Mesh::read_stl(path, unit_m).map(Some),
+            Self::Mesh(path) => Mesh::read(path, unit_m).map(Some),
         }
     }
 }
@@ -113,7 +118,7 @@ impl fmt::Display for Scenery {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Known(name, _) => f.write_str(name),
-            Self::Stl(path) => write!(f, "{}", path.display()),
+            Self::Mesh(path) => write!(f, "{}", path.display()),
         }
     }
 }
@@ -140,7 +145,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     if let Some(folder) = &options.scored.out {
         report::check_folder(folder, &command, options.scored.force)?;
     }
-    let mesh = options.object.mesh(options.stl_unit_m)?;
+    let mesh = options.object.mesh(options.mesh_unit_m)?;
     let object = options.object.object();
     // Before the motors are on: from here on Ctrl-C ends the loop and nothing else.
     let stop = interrupt::noted()?;

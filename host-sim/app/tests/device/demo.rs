@@ -7,15 +7,20 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_touchstone");
 
 /// `touchstone demo --port-only`, ended with the test.
 pub struct Demo {
-    process: Child,
+    pub process: Child,
     address: String,
 }
 
 impl Demo {
     pub fn new() -> Self {
+        Self::with_input(Stdio::piped())
+    }
+
+    /// The same, with another standard input.
+    pub fn with_input(input: Stdio) -> Self {
         let mut process = Command::new(PROGRAM)
             .args(["--quiet", "demo", "--port-only", "--listen", "127.0.0.1:0"])
-            .stdin(Stdio::piped())
+            .stdin(input)
             .stdout(Stdio::piped())
             .spawn()
             .unwrap();

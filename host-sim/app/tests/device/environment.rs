@@ -70,6 +70,30 @@ fn a_scene_is_sent_shown_changed_saved_and_taken_back() {
     assert_eq!(ask(&[]).done(), alone.replace("0.5 N·m/s", "0.25 N·m/s"));
 }
 
+/// What a simulated knob gets can be tried under a hand, so that every shipped feel must fit into one.
+#[cfg(unix)]
+#[test]
+fn a_demo_knob_takes_every_shipped_feel() {
+    let demo = crate::demo::Demo::new();
+    let feels = touchstone_sim::scene::feels();
+    assert_eq!(feels.len(), 14);
+    for name in feels {
+        let said = demo.run(&["config", "environment", name]);
+        assert!(said.contains("from the next "), "{name}: {said}");
+        let shown = demo.run(&["config", "environment"]);
+        let part = said.lines().take(shown.lines().count()).collect::<Vec<_>>();
+        assert_eq!(part, shown.lines().collect::<Vec<_>>(), "{name}");
+        let scene = touchstone_sim::scene::Scene::load(name).unwrap();
+        let around = scene.environment.unwrap();
+        for (is_there, part) in [
+            (around.detents.is_some(), "[environment.detents]"),
+            (around.endstops.is_some(), "[environment.endstops]"),
+        ] {
+            assert_eq!(shown.contains(part), is_there, "{name}: {shown}");
+        }
+    }
+}
+
 #[test]
 fn an_armed_device_takes_it_at_once() {
     let device = Fake::new();

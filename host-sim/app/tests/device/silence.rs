@@ -49,6 +49,23 @@ fn a_device_whose_desktop_is_gone_switches_itself_off() {
     }
 }
 
+/// An endless input without lines, as of a service whose standard input is nothing in particular.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_knob_whose_input_never_ends_a_line_goes_on_without_it() {
+    let zeros = std::fs::File::open("/dev/zero").unwrap();
+    let demo = Demo::with_input(zeros.into());
+    std::thread::sleep(Duration::from_millis(500));
+    let file = format!("/proc/{}/status", demo.process.id());
+    let status = std::fs::read_to_string(file).unwrap();
+    let peak = status.lines().find(|line| line.starts_with("VmHWM:"));
+    let peak = peak
+        .and_then(|line| line.split_whitespace().nth(1))
+        .unwrap();
+    assert!(peak.parse::<u64>().unwrap() < 100_000, "{peak} kB");
+    assert_eq!(demo.run(&["device", "fault"]), "no fault\n");
+}
+
 #[test]
 fn a_command_that_arms_and_ends_says_what_comes_and_it_comes() {
     let demo = Demo::new();

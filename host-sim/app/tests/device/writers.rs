@@ -13,7 +13,7 @@ use touchstone_protocol::FaultCode;
 /// replaced unasked.
 struct Output(&'static str, &'static str, bool, bool);
 
-const FILES: [Output; 8] = [
+const FILES: [Output; 9] = [
     Output(
         "run --junit",
         "run tap -q --expect active --expect passive --junit OUT",
@@ -45,6 +45,12 @@ const FILES: [Output; 8] = [
         false,
     ),
     Output(
+        "device identify --scene",
+        "device identify --device simulated --fast --axis-s 2 -q --scene OUT",
+        false,
+        false,
+    ),
+    Output(
         "monitor --csv",
         "monitor --seconds 0.3 -q --csv OUT",
         true,
@@ -55,7 +61,7 @@ const FILES: [Output; 8] = [
 ];
 
 /// Reports, which one piece of code writes for all commands, and pages of the manual.
-const FOLDERS: [Output; 4] = [
+const FOLDERS: [Output; 6] = [
     Output("run --out", "run tap -q --out OUT", false, true),
     Output(
         "sweep --out",
@@ -69,7 +75,38 @@ const FOLDERS: [Output; 4] = [
         false,
         true,
     ),
+    Output(
+        "scorecard --out",
+        "scorecard thesis-knob --grip light --law spring -q --out OUT",
+        false,
+        true,
+    ),
+    Output(
+        "boundary --out",
+        "boundary press-hold --columns 2 --rows 2 --delays 0 --ticks 1000 -q --out OUT",
+        false,
+        true,
+    ),
     Output("man", "man OUT", false, true),
+];
+
+/// What takes long before it writes, by the same code as the others: that the place may be taken is seen before.
+const SLOW: [Output; 5] = [
+    Output("tune --out", "tune thesis-knob -q --out OUT", false, true),
+    Output(
+        "tune --report",
+        "tune thesis-knob -q --report OUT",
+        false,
+        true,
+    ),
+    Output("thesis --out", "thesis -q --out OUT", false, true),
+    Output("accuracy --out", "accuracy -q --out OUT", false, true),
+    Output(
+        "compare --out",
+        "compare none.csv thesis-knob -q --out OUT",
+        false,
+        true,
+    ),
 ];
 
 impl Output {
@@ -227,6 +264,42 @@ fn in_a_folder_no_foreign_file_is_lost_and_no_link_is_followed() {
     }
 }
 
+#[test]
+fn what_takes_long_refuses_a_taken_place_before_it_begins() {
+    let board = board();
+    for output in &SLOW {
+        let here = fresh("slow", output);
+        std::fs::write(here.join("mine"), "mine").unwrap();
+        let begun = std::time::Instant::now();
+        if output.0 == "tune --out" {
+            std::fs::write(here.join("out"), "mine").unwrap();
+            output.fails(&output.run(&here, &board), "is there");
+            std::fs::remove_file(here.join("out")).unwrap();
+            symlink("mine", here.join("out")).unwrap();
+            output.fails(&output.run(&here, &board), "is there");
+            assert_eq!(names(&here), ["mine", "out"], "{}", output.0);
+        } else {
+            std::fs::create_dir(here.join("out")).unwrap();
+            symlink("../mine", here.join("out/index.html")).unwrap();
+            std::fs::write(here.join("out/results.json"), "mine").unwrap();
+            output.fails(&output.run(&here, &board), "another folder");
+            assert_eq!(
+                names(&here.join("out")),
+                ["index.html", "results.json"],
+                "{}",
+                output.0
+            );
+        }
+        assert_eq!(
+            std::fs::read(here.join("mine")).unwrap(),
+            b"mine",
+            "{}",
+            output.0
+        );
+        assert!(begun.elapsed() < Duration::from_secs(5), "{}", output.0);
+    }
+}
+
 /// A disk of its own that is full, in a name space of its own.
 #[test]
 fn a_full_disk_is_said_and_nothing_is_left() {
@@ -263,7 +336,10 @@ fn a_full_disk_is_said_and_nothing_is_left() {
         output.fails(&said, "No space left on device");
         let left = read("left");
         // A record that is written while it is made has its place; a sweep its folder.
-        let begun = matches!(output.0, "monitor --csv" | "sweep --out" | "man");
+        let begun = matches!(
+            output.0,
+            "monitor --csv" | "sweep --out" | "boundary --out" | "man"
+        );
         assert!(
             left == "filler\n" || begun && left == "filler\nout\n",
             "{}: {left}",

@@ -253,7 +253,7 @@ fn feels_are_listed_and_run() {
         .iter()
         .map(|it| it["name"].as_str().unwrap())
         .collect();
-    assert_eq!(names.len(), 10);
+    assert_eq!(names.len(), 14);
     assert!(names.contains(&"on-off"));
     let listed = run(&["feels"]).ended(0).out;
     assert!(
@@ -273,4 +273,55 @@ fn feels_are_listed_and_run() {
             .err
             .contains("it is a scene: touchstone run on-off")
     );
+}
+
+/// A log of CI obeys lines that begin as its commands do, and a terminal control characters, of whatever file they come from.
+#[test]
+fn no_name_of_a_scene_reaches_a_log_as_a_command() {
+    let here = folder("name-as-command");
+    let name = r"a\n::error::b\r::warning::\u001b[31m\u007f\u009bc\u202e\u2028";
+    let scene = include_str!("../../../../scenes/tap.toml");
+    let rest: String = scene
+        .lines()
+        .filter(|line| !line.starts_with("name") && !line.starts_with("description"))
+        .map(|line| format!("{line}\n"))
+        .collect();
+    let text = format!("name = \"{name}\"\ndescription = \"{name}\"\n{rest}");
+    std::fs::write(here.join("scene.toml"), text).unwrap();
+    let harmful = |text: &str| {
+        let is_harmful =
+            |letter: char| letter != '\n' && touchstone_sim::harmless::is_harmful(letter);
+        text.lines().any(|line| line.starts_with("::")) || text.contains(is_harmful)
+    };
+    for words in [
+        &["run", "scene.toml"][..],
+        &["run", "scene.toml", "--json"],
+        &["run", "scene.toml", "--print"],
+        &["run", "scene.toml", "--print", "--json"],
+        &["run", "scene.toml", "--expect", "unstable"],
+        &["run", "scene.toml", "--out", "report"],
+        &["plan", "scene.toml", "--no-times", "--no-omitted"],
+        &["certify", "scene.toml"],
+        &["certify", "scene.toml", "--json"],
+        &["live", "scene.toml", "--no-open", "--out", "page.html"],
+    ] {
+        let said = run_in(&here, words);
+        assert!(matches!(said.code, Some(0 | 3)), "{words:?}: {}", said.err);
+        assert!(
+            !harmful(&said.out) && !harmful(&said.err),
+            "{words:?}: {:?}",
+            said.out
+        );
+        if words.contains(&"--json") {
+            said.json();
+        }
+    }
+}
+
+#[test]
+fn a_demand_that_three_axes_do_not_have_is_refused_by_its_name() {
+    for option in ["--max-penetration", "--min-stiffness", "--max-energy-out"] {
+        run(&["run", "delta-ball", option, "0.01"]).refused(&[option, "three axes"]);
+    }
+    run(&["run", "delta-ball", "--junit", "tests.xml"]).refused(&["--junit", "three axes"]);
 }

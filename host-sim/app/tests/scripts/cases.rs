@@ -32,7 +32,7 @@ fn right(case: &str, file: &str) -> Option<Right> {
             Said(&["does not meet the device's workspace"])
         }
         ("12-stl-far", "metres.stl" | "micron.stl") => {
-            Said(&["mm across: is --stl-unit-m its unit?"])
+            Said(&["mm across: is --mesh-unit-m its unit?"])
         }
         ("12-stl-far", _) => Quiet,
         ("23-csv-time", "gap.csv") => Said(&["a gap of 3.000 s after 2.250 s"]),

@@ -13,18 +13,25 @@ pub enum Generation {
 }
 
 impl Generation {
-    /// The generation for a service's version text. Uses the first number with a point in the text; `None` if there is none.
-    #[must_use]
-    pub fn of(version: &str) -> Option<Self> {
+    /// Parses a version's text: the first number with a point in it.
+    ///
+    /// # Errors
+    /// There is no such number, or it is not that of a version 3, whose messages are the only ones that are known.
+    pub fn of(version: &str) -> Result<Self, String> {
+        let (major, minor) = Self::numbers(version).ok_or("says no version")?;
+        match (major, minor) {
+            (3, ..5) => Ok(Self::Values),
+            (3, _) => Ok(Self::Vector),
+            _ => Err(format!("has version {major}.{minor}, and only 3 is known")),
+        }
+    }
+
+    fn numbers(version: &str) -> Option<(u32, u32)> {
         let mut words = version.split(|letter: char| !letter.is_ascii_digit() && letter != '.');
         let numbers = words
             .find(|word| word.contains('.') && word.starts_with(|c: char| c.is_ascii_digit()))?;
         let mut parts = numbers.split('.').map(str::parse::<u32>);
-        let (major, minor) = (parts.next()?.ok()?, parts.next()?.ok()?);
-        Some(match (major, minor) >= (3, 5) {
-            true => Self::Vector,
-            false => Self::Values,
-        })
+        Some((parts.next()?.ok()?, parts.next()?.ok()?))
     }
 
     /// The message that commands a force, N.
@@ -96,11 +103,13 @@ mod tests {
     #[test]
     fn generations_follow_the_version() {
         for (text, generation) in [
-            ("3.1.4", Some(Generation::Values)),
-            (r#"{"version":"3.5.0","x":1}"#, Some(Generation::Vector)),
-            ("v3.10", Some(Generation::Vector)),
-            ("4.0", Some(Generation::Vector)),
-            ("no number", None),
+            ("3.1.4", Ok(Generation::Values)),
+            (r#"{"version":"3.5.0","x":1}"#, Ok(Generation::Vector)),
+            ("v3.10", Ok(Generation::Vector)),
+            ("4.0", Err("has version 4.0, and only 3 is known".into())),
+            ("2.0.1", Err("has version 2.0, and only 3 is known".into())),
+            ("no number", Err("says no version".into())),
+            ("3.99999999999", Err("says no version".into())),
         ] {
             assert_eq!(Generation::of(text), generation, "{text}");
         }

@@ -17,6 +17,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 use timed::Timed;
+use touchstone_sim::harmless::one_line;
 use tungstenite::{Message, WebSocket, client::client};
 
 /// Default TCP address of the maker's service.
@@ -93,12 +94,12 @@ impl Inverse3 {
     /// No service, no device, or a device that is not calibrated.
     pub fn connect(service: &str) -> Result<Self, HapticFault> {
         let version = version(service)?;
-        let Some(generation) = Generation::of(&version) else {
-            return Err(HapticFault::Unusable(
-                format!("the service at {service} says no version: {version:?}"),
+        let generation = Generation::of(&version).map_err(|why| {
+            HapticFault::Unusable(
+                format!("the service at {service} {why}: {version:?}"),
                 "install a service of version 3, or report it".into(),
-            ));
-        };
+            )
+        })?;
         let stream = connected(service)?;
         let (socket, _) = client(format!("ws://{service}/"), stream)
             .map_err(|why| lost("opening the WebSocket")(why.to_string()))?;
@@ -140,7 +141,7 @@ impl Inverse3 {
         let first = self.state()?;
         if !first.standing.calibrated {
             return Err(HapticFault::Unusable(
-                format!("Inverse3 {} is not calibrated", first.device),
+                format!("Inverse3 {} is not calibrated", one_line(&first.device)),
                 "calibrate it by its maker's instructions".into(),
             ));
         }
@@ -156,7 +157,7 @@ impl Inverse3 {
         self.sheet.rates_hz = (rate_hz, rate_hz);
         self.sheet.delay_s = 1.0 / rate;
         let version = version.trim_matches(|c: char| !c.is_ascii_digit());
-        self.sheet.name = format!("Inverse3 {} (service {version})", self.device);
+        self.sheet.name = format!("Inverse3 {} (service {version})", one_line(&self.device));
         Ok(())
     }
 

@@ -13,7 +13,7 @@ use crate::accuracy::clock::{Spread, Work, race};
 /// Instruction counts, written by `cargo xtask bench --ladder --write`.
 const COUNTED: &str = include_str!("ladder.txt");
 /// How often each simulated run is timed.
-const REPEATS: u32 = 15;
+pub(super) const REPEATS: u32 = 15;
 
 /// Counted instructions per tick for each configuration: the bare loop, and the loop with one law, effect or pair of effects.
 pub struct Ladder {
@@ -76,7 +76,11 @@ impl Ladder {
 ///
 /// # Errors
 /// The scene cannot be run.
-pub fn times(scene: &Scene, named: &[&Effect]) -> Result<(Spread, Vec<Option<f64>>)> {
+pub fn times(
+    scene: &Scene,
+    named: &[&Effect],
+    step: &mut dyn FnMut(),
+) -> Result<(Spread, Vec<Option<f64>>)> {
     run::simulate(scene, None)?;
     let without: Vec<Option<Scene>> = named
         .iter()
@@ -94,7 +98,7 @@ pub fn times(scene: &Scene, named: &[&Effect]) -> Result<(Spread, Vec<Option<f64
             Box::new(move || f64::from(u8::from(run::simulate(scene, None).is_ok())))
         })
         .collect();
-    let mut spreads = race(&mut work, ticks, REPEATS, || {}).into_iter();
+    let mut spreads = race(&mut work, ticks, REPEATS, step).into_iter();
     let whole = spreads.next().unwrap_or(Spread {
         least_ns: f64::NAN,
         lower_quartile_ns: f64::NAN,

@@ -89,12 +89,32 @@ pub struct Planned {
     pub tolerance: f64,
 }
 
-/// Describes how the simulator runs a scene, with the measurements that the options request.
+/// How often [`plan`] calls its `step`.
+#[must_use]
+pub fn steps(scene: &Scene, asked: Asked) -> u64 {
+    let rounds = if asked.times {
+        u64::from(cost::REPEATS)
+    } else {
+        0
+    };
+    let tried = match asked.omitted {
+        true => omitted::untried(scene).count() as u64,
+        false => 0,
+    };
+    rounds + tried
+}
+
+/// Describes how the simulator runs a scene, with the measurements that the options request. `step` is called after each round of timing and for each effect that is tried.
 ///
 /// # Errors
-/// The scene cannot be run.
-pub fn plan(scene: &Scene, asked: Asked, program: ProgramVersion) -> Result<Planned> {
-    // A scene that could not be run is refused here.
+/// A scene that cannot be run.
+pub fn plan(
+    scene: &Scene,
+    asked: Asked,
+    program: ProgramVersion,
+    step: &mut dyn FnMut(),
+) -> Result<Planned> {
+    // What a run would be refused for is refused here.
     Plan::of(scene)?;
     let (tier, substeps, reasons) = tier(scene);
     let named: Vec<_> = EFFECTS
@@ -103,7 +123,7 @@ pub fn plan(scene: &Scene, asked: Asked, program: ProgramVersion) -> Result<Plan
         .collect();
     let ladder = cost::Ladder::known();
     let (measured, ns) = if asked.times {
-        let (whole, without) = cost::times(scene, &named)?;
+        let (whole, without) = cost::times(scene, &named, step)?;
         (Some(whole), without)
     } else {
         (None, vec![None; named.len()])
@@ -132,7 +152,7 @@ pub fn plan(scene: &Scene, asked: Asked, program: ProgramVersion) -> Result<Plan
         predicted_instructions: ladder.predicted(scene, &names),
         measured,
         omitted: if asked.omitted {
-            omitted::all(scene, asked.tolerance)?
+            omitted::all(scene, asked.tolerance, step)?
         } else {
             Vec::new()
         },

@@ -103,11 +103,21 @@ const OUTPUTS: &[Output] = &[
 /// Change of the start angle with which the loop's own sensitivity is measured, rad.
 const NUDGE_RAD: f64 = 1e-9;
 
-/// Simulates the scene with each effect that it does not have, one at a time. Effects that exclude one of the scene's are left out.
+/// The effects that a scene could name and does not.
+pub fn untried(scene: &Scene) -> impl Iterator<Item = &'static Effect> {
+    let named = |effect: &Effect| (effect.is_named)(scene);
+    EFFECTS.iter().filter(move |effect| {
+        let excluded = |other: &Effect| named(other) && exclude_each_other(effect, other);
+        !named(effect) && !EFFECTS.iter().any(excluded)
+    })
+}
+
+/// Simulates the scene with each effect that it does not have, one at a time, and calls `step` for each. Effects that exclude one of the
+/// scene's are left out.
 ///
 /// # Errors
-/// The scene cannot be run.
-pub fn all(scene: &Scene, tolerance: f64) -> Result<Vec<Omitted>> {
+/// A scene that cannot be run.
+pub fn all(scene: &Scene, tolerance: f64, step: &mut dyn FnMut()) -> Result<Vec<Omitted>> {
     let plain = run::run(scene, false)?.summary;
     let nudged = scene.with(|scene| {
         if let Some(angle) = &mut scene.device.initial_angle_rad {
@@ -123,15 +133,9 @@ pub fn all(scene: &Scene, tolerance: f64) -> Result<Vec<Omitted>> {
         .map_or(std::f64::consts::TAU / 40_000.0, |encoder| {
             encoder.step_rad()
         });
-    let named = |effect: &Effect| (effect.is_named)(scene);
-    Ok(EFFECTS
-        .iter()
-        .filter(|effect| !named(effect))
-        .filter(|effect| {
-            let excluded = |other: &Effect| named(other) && exclude_each_other(effect, other);
-            !EFFECTS.iter().any(excluded)
-        })
+    Ok(untried(scene)
         .map(|effect| {
+            step();
             let mut found = Omitted {
                 name: effect.name,
                 field: effect.field,

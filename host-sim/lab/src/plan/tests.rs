@@ -12,7 +12,11 @@ fn planned(sets: &[&str], asked: Asked) -> Planned {
         .unwrap()
         .with_overrides(sets)
         .unwrap();
-    plan(&scene, asked, ProgramVersion::default()).unwrap()
+    let mut done = 0;
+    let mut step = || done += 1;
+    let found = plan(&scene, asked, ProgramVersion::default(), &mut step).unwrap();
+    assert_eq!(done, steps(&scene, asked));
+    found
 }
 
 #[test]

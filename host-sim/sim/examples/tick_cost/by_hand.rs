@@ -1,8 +1,8 @@
-//! The least that a loop without effects can be: ask the law's side at the angle, push the plant.
+//! Minimal simulation loops, written by hand: compute the torque at the angle, then step the plant.
 //!
-//! No mechanics, no crossing, no recorder, no motion of a rest point. What the planned loop costs beyond these is what absent
-//! effects cost. The law's side is the plan's in both: a second copy of a law, compiled with this file, comes out an instruction or
-//! two longer or shorter by itself.
+//! They have no mechanics layer, no crossing detection, no recorder and no motion of a rest point. The planned loop's extra cost is
+//! the cost of effects that a scene does not use. Both loops use the same compiled control law, because a second copy would differ
+//! by an instruction or two.
 
 use crate::scenes::{HAND_RAD, JOLT_TICKS, Pressed, scene};
 use std::hint::black_box;
@@ -11,13 +11,14 @@ use touchstone_sim::run::plan;
 use touchstone_sim::scene::Scene;
 use touchstone_world::plant::{BareLinear, HeldLinear, Kinematics as _, State, Stepper};
 
-/// The law's side with the press. Its type is hidden from the compiler, as a plan's is: a law is chosen when the program runs.
+/// The control law with the pressing torque added. Its type is hidden from the optimiser, as in a planned loop, where the program
+/// chooses the law at run time.
 fn pressed(scene: &Scene) -> Option<Box<dyn Control>> {
     let control = plan::control(scene).ok()?;
     Some(black_box(Staged::around(control, Pressed::default())))
 }
 
-/// Ticks of the configuration `bare`.
+/// Runs `ticks` ticks of the configuration `bare`, a device without a hand, and returns the last angle in rad.
 pub fn bare(ticks: u64) -> Option<f64> {
     let scene = scene("bare")?;
     let mut control = pressed(&scene)?;
@@ -30,7 +31,7 @@ pub fn bare(ticks: u64) -> Option<f64> {
     Some(state.position())
 }
 
-/// Ticks of the configuration `held`.
+/// Runs `ticks` ticks of the configuration `held`, a device with a hand and an encoder, and returns the last angle in rad.
 pub fn held_with_encoder(ticks: u64) -> Option<f64> {
     let scene = scene("held")?;
     let mut control = black_box(plan::control(&scene).ok()?);

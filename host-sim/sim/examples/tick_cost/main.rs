@@ -1,10 +1,12 @@
-//! Runs so many ticks of a named configuration and nothing else: `tick_cost NAME TICKS`, `tick_cost --list`. `tick_cost --ladder FEW
-//! MORE` runs the cost ladder in one process: of each configuration few ticks, then more, with a call of [`mark`] before each and after
-//! both, at which callgrind can be told to write down what it has counted. `--ladder` alone names the configurations.
+//! Runs a given number of ticks of a named configuration, to count their instructions: `tick_cost NAME TICKS`. `tick_cost --list`
+//! prints the names.
 //!
-//! For counting instructions: two runs of different length under callgrind differ by what the ticks between them cost, exactly.
-//! The names ending in `-by-hand` are the minimal loops of [`by_hand`], written without plan and chain; the others are what
-//! the plan makes of a scene.
+//! Two runs of different length under callgrind differ by exactly the cost of the additional ticks. Names ending in `-by-hand` are
+//! the minimal loops of [`by_hand`]; all others are the loops that the simulation plans for a scene.
+//!
+//! `tick_cost --ladder FEW MORE` measures a list of configurations in one process. Of each it runs first few ticks, then more, with
+//! a call of [`mark`] before, between and after, at which callgrind can write its counts. `--ladder` alone prints the
+//! configurations.
 
 mod by_hand;
 mod scenes;
@@ -16,7 +18,7 @@ use touchstone_sim::run::chain::Staged;
 use touchstone_sim::run::plan::Plan;
 use touchstone_sim::scene::RestPath;
 
-/// Runs this many ticks of the planned loop of a configuration.
+/// Runs `ticks` ticks of the planned loop of a configuration, and returns the last angle in rad.
 fn planned(name: &str, ticks: u64) -> Option<f64> {
     let scene = scene(name)?;
     let mut plan = Plan::of(&scene).ok()?;
@@ -27,7 +29,7 @@ fn planned(name: &str, ticks: u64) -> Option<f64> {
     Some(plan.mechanics.angle_rad())
 }
 
-/// Same as [`planned`], where a hand presses, with nothing but the plan in the loop.
+/// Runs `ticks` ticks of the planned loop of a configuration in which a simulated hand presses, without added torques.
 fn planned_by_hand(name: &str, ticks: u64) -> Option<f64> {
     let scene = scene(name)?;
     let mut plan = Plan::of(&scene).ok()?;
@@ -45,14 +47,14 @@ fn planned_by_hand(name: &str, ticks: u64) -> Option<f64> {
     Some(plan.mechanics.angle_rad())
 }
 
-/// Marks a point at which callgrind writes its counts; the function keeps its name for that.
+/// Marks a point at which callgrind writes its counts. The function is never inlined, so that callgrind finds its name.
 #[inline(never)]
 fn mark(count: usize) {
     black_box(count);
 }
 
-/// Few ticks and then more of every configuration of the ladder, after a look that each can be run: a call of [`mark`] before both and
-/// after, so that nothing but ticks lies between the first and the last of the three.
+/// Runs `few` and then `more` ticks of every configuration of the cost ladder, after a check that each can run. It calls [`mark`]
+/// before, between and after, so that only ticks lie between the marks.
 fn climb(few: u64, more: u64) -> Option<()> {
     let names = ladder();
     for name in &names {
@@ -105,7 +107,7 @@ fn main() -> ExitCode {
     };
     match done {
         Some(end) => {
-            // Bits, so that two loops can be compared.
+            // Prints the bits of the last angle, so that two loops can be compared.
             println!("{:016x}", black_box(end).to_bits());
             ExitCode::SUCCESS
         }

@@ -1,4 +1,4 @@
-//! The configurations: one scene without effects, and each effect added to it.
+//! The measured configurations: one scene without effects, and scenes with effects added to it.
 
 use std::path::Path;
 use touchstone_control::{Choice as _, LawKind};
@@ -6,7 +6,7 @@ use touchstone_sim::run::chain::Stage;
 use touchstone_sim::run::effects::{self, EFFECTS};
 use touchstone_sim::scene::{Preset, Scene};
 
-/// Names, and what each sets beside [`BARE`].
+/// Names of the configurations, each with the fields that it changes in [`BARE`].
 pub const CONFIGURATIONS: &[(&str, &[&str])] = &[
     ("bare", &[]),
     ("encoder", &["encoder.counts_per_rev=40000"]),
@@ -80,7 +80,7 @@ pub const CONFIGURATIONS: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// A knob without a hand in a wall that every configuration keeps stable, even with one tick of delay.
+/// Scene of a knob without a hand, inside a wall that stays stable in every configuration, even with one tick of delay.
 const BARE: &str = "
 name = \"tick-cost\"
 [device]
@@ -97,8 +97,10 @@ k_desired_n_m_per_rad = 0.2
 kind = \"spring\"
 ";
 
-/// The scene of a configuration: of a name in [`CONFIGURATIONS`], of `with:` and effects joined by `+`, each at its typical
-/// magnitude, of `silent:` and an effect at amplitude zero, of `law:` and a law's word, or of `set:` and a setting.
+/// Makes the scene of a configuration; `None` for an unknown name.
+///
+/// The name is one of [`CONFIGURATIONS`], or `with:` and effects joined by `+` at their typical magnitudes, `silent:` and an effect
+/// at amplitude zero, `law:` and the name of a control law, or `set:` and `key=value`.
 pub fn scene(name: &str) -> Option<Scene> {
     let bare = Scene::parse(BARE, Path::new("tick-cost.toml"))
         .and_then(|scene| scene.with_preset(Preset::Thesis))
@@ -124,8 +126,10 @@ pub fn scene(name: &str) -> Option<Scene> {
     bare.with_overrides(sets).ok()
 }
 
-/// The cost ladder: nothing; each law, and what stands before and behind it; each effect at amplitude zero where it
-/// has one; each effect alone; and all pairs that one scene can have.
+/// Names of all configurations of the cost ladder, the list that `tick_cost --ladder` measures.
+///
+/// The order is: no effect; each control law; estimated states and the energy guard; each effect at amplitude zero, where that is
+/// possible; each effect alone; all pairs of effects that a scene can have.
 pub fn ladder() -> Vec<String> {
     let mut names = vec!["bare".to_owned()];
     names.extend(LawKind::WORDS.iter().map(|word| format!("law:{word}")));
@@ -145,22 +149,22 @@ pub fn ladder() -> Vec<String> {
     names
 }
 
-/// Ticks from one jolt to the next.
+/// Number of ticks after which the pressing torque or the hand's rest point changes.
 pub const JOLT_TICKS: u32 = 32;
-/// Where the rest point of a hand is in turn, rad: a press with a jolt, so that the knob stays in the wall, and in motion.
+/// The two rest points of the hand, taken in turn, rad. The change keeps the knob in motion inside the wall.
 pub const HAND_RAD: [f64; 2] = [0.6, 0.56];
 
-/// A press by given torques in place of a hand.
+/// Presses the knob by given torques in place of a hand.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Pressed {
     ticks: u32,
 }
 
-/// Torque of the press and of the jolt around it, N·m.
+/// The two pressing torques, taken in turn, N·m. The change keeps the knob in motion inside the wall.
 const PRESS: [f64; 2] = [0.022, 0.018];
 
 impl Stage for Pressed {
-    // No command: the device knows as little of it as of a hand's.
+    // The pressing torque is not a command, so the device does not know of it, as with a hand's torque.
     const TOLD: bool = false;
 
     #[inline(always)]

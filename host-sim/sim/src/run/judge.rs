@@ -114,7 +114,9 @@ impl Felt {
             release.record(tick.index, e, tick.velocity_rad_per_s);
         }
         self.ripple.record(tick.index, force);
-        self.hardness.record(e, force);
+        // A detent before the wall is no contact with it.
+        let is_walls = e > 0.0 || !terms.has_more;
+        self.hardness.record(e, if is_walls { force } else { 0.0 });
         self.rise.record(e, tick.velocity_rad_per_s, force);
         let kinetic_j = |velocity: f64| 0.5 * terms.inertia_kg_m2 * velocity * velocity;
         let start_j = *self
@@ -176,7 +178,7 @@ pub struct Judgement {
     pub settled: Option<Settled>,
     /// Largest penetration, rad.
     pub penetration_max: f64,
-    /// Largest force, N·m.
+    /// Largest force to either side, N·m, as an amount.
     pub force_max: f64,
     /// Number of ticks with a force from the wall.
     pub contact_ticks: u64,
@@ -258,7 +260,11 @@ impl Judge {
             ripple_rms_n_m: felt.ripple.tick_to_tick_rms_n_m(),
             ripple_above_50_hz_rms_n_m: felt.ripple.above_50_hz_rms_n_m(),
             release_speed_rad_per_s: felt.release.map(|release| release.speed_rad_per_s()),
-            release_excursion_rad: felt.release.map(|release| release.excursion_rad()),
+            // It is measured from the wall's surface.
+            release_excursion_rad: felt
+                .release
+                .filter(|_| has_wall)
+                .map(|release| release.excursion_rad()),
             limit_cycle_peak_to_peak: rested.peak_to_peak,
             energy_true_min: self.energy_true_min,
             energy_user_min: self.energy_user_min,
@@ -320,7 +326,8 @@ impl Recorder for Judge {
         let touching = force != 0.0;
         self.finite &= tick.angle_rad.is_finite();
         self.contact_ticks += u64::from(touching);
-        self.force_max = self.force_max.max(force);
+        // An end to the other side pushes with a negative force.
+        self.force_max = self.force_max.max(force.abs());
         self.penetration_max = self.penetration_max.max(e);
         self.energy_true += tick.absorbed_j;
         self.throughput += tick.absorbed_j.abs();

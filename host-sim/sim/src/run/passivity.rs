@@ -1,19 +1,20 @@
-//! Bounds that a law's settings must keep for the law to be passive on its own, in addition to the warnings.
+//! Tests whether the settings of a control law keep the bounds for which the law is passive by itself.
 
 use super::warnings;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 use touchstone_control::{LawKind, StatesKind};
 
-/// The first of the law's own passivity bounds that the scene leaves, as a refusal at its place; `None` if it keeps all.
+/// Returns the first passivity bound of the control law that the scene violates, as an error at the field concerned; `None` if the
+/// scene keeps all bounds.
 ///
-/// A spring under a zero-order hold is passive if the damping that it may count on is at least `k (T/2 + t_d)`, with virtual
-/// damping `B` if it is more than `k (T/2 + t_d) + B` (Colgate and Schenkel, with the computational delay `t_d`). An enhanced law
-/// that needs no augmentation is such a spring too. The bounds of the augmenting laws, observer and energy credit among them, are
-/// those of [`warnings`].
+/// A spring of stiffness `k` under a zero-order hold is passive if the device damping known to the law is at least `k (T/2 + t_d)`.
+/// With virtual damping `B` the device damping must exceed `k (T/2 + t_d) + B` (Colgate and Schenkel). `T` is the control period,
+/// `t_d` the computational delay. The enhanced law counts as such a spring if its settings need no augmentation. The bounds of the
+/// other laws, among them passivity observer and energy credit, are those of [`warnings`].
 ///
 /// # Errors
-/// A value that the control crate cannot hold.
+/// A setting that the control crate cannot represent.
 pub fn refusal(scene: &Scene) -> Result<Option<Error>> {
     if let Some((_, error)) = warnings(scene)?.into_iter().next() {
         return Ok(Some(error));
@@ -49,7 +50,7 @@ fn spring(scene: &Scene) -> Option<Error> {
         scene.wall.k_desired_n_m_per_rad,
         scene.law.device_damping_n_m_s_per_rad,
     );
-    // What is left of the damping for the spring; a millionth of it is the rounding of a bound written in decimals.
+    // Largest stiffness for the damping left to the spring. The tolerance of a millionth allows for bounds rounded to decimals.
     let most = (counted - own) / late_s;
     let keeps = if damped {
         stiffness < most

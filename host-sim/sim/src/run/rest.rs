@@ -173,7 +173,7 @@ impl Rest {
 
     /// Examines one tick; `left` says that the device left the wall in it.
     pub fn record(&mut self, tick: &Tick, left: bool, terms: &Terms) {
-        let at_limit = tick.force_n_m >= terms.force_limit_n_m;
+        let at_limit = tick.force_n_m.abs() >= terms.force_limit_n_m;
         if let Some(hold) = self.holds.get_mut(self.current) {
             if tick.index >= hold.to {
                 self.current += 1;

@@ -15,6 +15,8 @@ const SETTLING_S: f64 = 0.5;
 pub struct Terms {
     /// Whether the wall of `[wall]` acts. The measures of a wall need it.
     pub has_wall: bool,
+    /// Whether there is more than that wall: detents, end stops, a spring, a profile.
+    pub has_more: bool,
     /// Position `x_s` of the wall's surface, rad.
     pub surface_rad: f64,
     /// Requested stiffness `k_de` of the wall, N·m/rad.
@@ -82,6 +84,7 @@ impl Terms {
         let window = |(from, to): (f64, f64)| (tick(from), tick(to));
         Self {
             has_wall: (scene.environment.as_ref()).is_none_or(|around| around.first_wall),
+            has_more: scene.environment.is_some(),
             surface_rad: scene.wall.surface_rad,
             k_desired: scene.wall.k_desired_n_m_per_rad,
             inertia_kg_m2: scene.device.inertia_kg_m2,

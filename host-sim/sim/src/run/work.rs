@@ -181,7 +181,7 @@ fn steps(scene: &Scene) -> (u64, f64, Option<(&'static str, String)>) {
 mod tests {
     use super::*;
     use crate::run::{run, simulate};
-    use crate::scene::{Preset, names};
+    use crate::scene::{Preset, feels, names};
 
     fn of(name: &str, sets: &[&str]) -> Scene {
         let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
@@ -191,13 +191,12 @@ mod tests {
 
     #[test]
     fn no_shipped_scene_is_long() {
-        for name in names() {
-            if let Ok(scene) = Scene::load(name) {
-                let work = Work::of(&scene);
-                assert!(work.note().is_none(), "{name}: {work:?}");
-                work.check(&scene).unwrap();
-                work.check_trace(&scene).unwrap();
-            }
+        for name in names().into_iter().chain(feels()) {
+            let scene = Scene::load(name).unwrap();
+            let work = Work::of(&scene);
+            assert!(work.note().is_none(), "{name}: {work:?}");
+            work.check(&scene).unwrap();
+            work.check_trace(&scene).unwrap();
         }
     }
 

@@ -16,6 +16,7 @@ use super::shipped;
 use super::unknown::{explain, join, list, nearest};
 use super::value::{choices, leaf_value, shown, wrong_type, wrong_value};
 use crate::error::{Error, Result};
+use crate::harmless;
 
 /// Top-level key of a scene file that names the shipped scene on which the file builds. A scene that has been read has no such key.
 const BASE: &str = "base";
@@ -236,6 +237,9 @@ impl Draft {
                 "compare with a shipped scene",
             )
         })?;
+        // Both come to tables and logs, in one line.
+        scene.name = harmless::one_line(&scene.name);
+        scene.description = harmless::one_line(&scene.description);
         scene.origin = self.origin;
         match check::scene(&scene) {
             Some(Problem { path, problem, fix }) => Err(scene.origin.error(&path, problem, fix)),

@@ -1,4 +1,4 @@
-//! Loads scenes: shipped scenes, files, text, and changed copies of other scenes.
+//! Loads scenes from shipped ones, files and text, and makes checked copies with changes.
 
 use std::path::{Path, PathBuf};
 
@@ -12,11 +12,11 @@ use crate::error::{Error, Result};
 use crate::input;
 
 impl Scene {
-    /// Loads a shipped scene by its name, any other from its file. Write `./tap` for a file that bears the name of a
-    /// shipped scene.
+    /// Loads a shipped scene by its name, or any other scene from its file. `./tap` is a file even if a shipped scene is named
+    /// `tap`.
     ///
     /// # Errors
-    /// [`Error::Io`] where there is neither, [`Error::File`] for a problem in the file.
+    /// [`Error::Io`] if there is no such shipped scene and no readable file, [`Error::File`] for a problem in the file.
     pub fn load(name_or_path: &str) -> Result<Scene> {
         if let Some((text, file)) = shipped::text(name_or_path) {
             return Scene::parse(text, &file);
@@ -54,7 +54,8 @@ impl Scene {
         Scene::parse(&text, &path)
     }
 
-    /// Reads a scene from TOML text; `file` is its name in messages, and relative paths in it start from its folder.
+    /// Reads a scene from TOML text. Error messages call the text `file`, and relative paths in the scene start from that file's
+    /// folder.
     ///
     /// # Errors
     /// [`Error::File`] for the first problem in the text.
@@ -62,27 +63,26 @@ impl Scene {
         Draft::from_toml(text, file)?.build()
     }
 
-    /// Checks a scene made or changed in code by the same rules as one read from a file.
+    /// Checks a scene that code made or changed, by the same rules as a scene read from a file.
     ///
     /// # Errors
-    /// Same as [`Scene::parse`]; a field that no file has is reported as [`Error::Option`] under its dotted path.
+    /// Same as [`Scene::parse`]. A problem in a field that no file gave is an [`Error::Option`] with the field's dotted path.
     pub fn check(&self) -> Result<()> {
         Draft::from_scene(self).build().map(drop)
     }
 
-    /// Finds a contradiction between fields of a scene whose single fields are all in range: the part of [`Scene::check`] that
-    /// depends on several fields.
+    /// Finds a contradiction between fields of a scene, each of which is in its range by itself. [`Scene::check`] includes this
+    /// test.
     pub fn contradiction(&self) -> Option<Error> {
         super::check::scene(self).map(|found| self.error(&found.path, found.problem, found.fix))
     }
 
-    /// The scene with fields changed in code, checked like one from a file.
+    /// Returns a copy of the scene that `change` has altered, checked like a scene from a file.
     ///
-    /// A problem of a changed field is reported with its new value; every other field keeps the place where it was
-    /// written.
+    /// A problem of a changed field is reported with its new value. Every other field keeps its file and line for error messages.
     ///
     /// # Errors
-    /// [`Error::Option`] for a change that breaks the scene.
+    /// [`Error::Option`] for a change that makes the scene invalid.
     pub fn with(&self, change: impl FnOnce(&mut Scene)) -> Result<Scene> {
         let mut changed = self.clone();
         change(&mut changed);
@@ -91,15 +91,15 @@ impl Scene {
             .build()
     }
 
-    /// Lets a recording move the hand instead of the scene's own motion (`--operator-motion FILE`).
+    /// Returns the scene with a recording as the hand's motion in place of its own (`--operator-motion FILE`).
     ///
-    /// The recording's mean is placed on the wall's surface, unscaled, so that the hand goes in and out of the wall.
-    /// The run takes as long as the recording; the device starts at rest where the hand starts. `--set
-    /// motion.scale=…` and `--set motion.offset_rad=…` change the placement afterwards. [`RestPath::note`](super::RestPath::note) says in
-    /// words what was chosen.
+    /// The recording's mean angle is placed on the wall's surface, unscaled, so that the hand goes in and out of the wall. The
+    /// simulation lasts as long as the recording, and the device starts at rest where the hand starts. `--set motion.scale=…` and
+    /// `--set motion.offset_rad=…` change the placement afterwards. [`RestPath::note`](super::RestPath::note) describes the
+    /// placement.
     ///
-    /// # Errors Whatever is wrong with the recording, see [`Recording::read`]; a path that is not UTF-8; [`Error::Option`] where the
-    /// scene has no hand.
+    /// # Errors
+    /// The recording cannot be used, see [`Recording::read`]; its path is not UTF-8; [`Error::Option`] if the scene has no hand.
     pub fn with_recording(&self, file: &Path) -> Result<Scene> {
         let option = format!("--operator-motion {}", file.display());
         if self.operator.hand().is_none() {
@@ -110,7 +110,7 @@ impl Scene {
                 fix: "add --set operator.grip=medium before it".into(),
             });
         }
-        // A scene is text, and so is the name of the recording in it.
+        // The path of the recording is a text in the scene, so it must be UTF-8.
         if file.to_str().is_none() {
             return Err(Error::Io {
                 path: file.to_owned(),

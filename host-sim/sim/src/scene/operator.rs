@@ -1,7 +1,7 @@
-//! The person at the knob: two masses and their intended motion.
+//! The person at the knob in a scene: the hand's mechanical values and its intended motion.
 //!
-//! Device – fingertip pad – hand – moving rest point. A hand bolted to the device would hide every instability of the
-//! thesis, so the pad's give is part of every grip.
+//! The chain is device – fingertip pad – hand – moving rest point. Every grip includes the pad's compliance, because a hand bolted
+//! to the device would suppress the instabilities that the thesis examines.
 
 use std::path::PathBuf;
 
@@ -10,19 +10,19 @@ use serde::{Deserialize, Serialize};
 use super::effects::{HandReflex, HandTremor};
 use touchstone_world::plant;
 
-/// The operator. Absent: no hand at the device.
+/// The operator: a hand and its intended motion. Absent: no hand at the device.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Operator {
-    /// How the knob is held. Default `none`, and `custom` where `[operator.hand]` is given.
+    /// How the hand holds the knob. Default `none`, and `custom` where `[operator.hand]` is given.
     pub grip: Grip,
-    /// The hand's own values, for the grip `custom` only.
+    /// The hand's mechanical values, for the grip `custom` only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hand: Option<Hand>,
-    /// A hand that trembles. Absent: it does not.
+    /// Tremor of the hand. Absent: no tremor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tremor: Option<HandTremor>,
-    /// Muscles that answer late. Absent: they do not answer.
+    /// Reflex: muscles that react with a delay. Absent: no reflex.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reflex: Option<HandReflex>,
     /// The hand's intended motion. Default `none`.
@@ -30,31 +30,31 @@ pub struct Operator {
 }
 
 impl Operator {
-    /// The hand to simulate; `None` without a hand.
+    /// Mechanical values of the hand to simulate: those of the grip, or the custom ones; `None` without a hand.
     pub fn hand(&self) -> Option<Hand> {
         self.grip.hand().or_else(|| self.hand.clone())
     }
 }
 
-/// Presets of [`Hand`].
+/// Grips: named sets of values of [`Hand`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Grip {
-    /// No hand at the device: the hardest case for a law, as no damping comes from outside.
+    /// No hand at the device: the hardest case for a control law, as no damping comes from outside.
     #[default]
     None,
-    /// Fingertips just touch.
+    /// Fingertips just touch the knob.
     Light,
-    /// The grip of the thesis' experiments as far as they can be matched.
+    /// A medium grip, as close to that of the thesis' experiments as it can be matched.
     Medium,
-    /// Whole hand.
+    /// The whole hand grips the knob.
     Firm,
-    /// The values of `[operator.hand]`.
+    /// The values given in `[operator.hand]`.
     Custom,
 }
 
 impl Grip {
-    /// Name in scenes and results.
+    /// Name of the grip in scenes and results.
     pub fn name(self) -> &'static str {
         match self {
             Grip::None => "none",
@@ -65,9 +65,9 @@ impl Grip {
         }
     }
 
-    /// The preset's values; `None` for `none` and `custom`.
+    /// The grip's mechanical values; `None` for `none` and `custom`.
     ///
-    /// They are the plant's, where the choice is explained: [`plant::MEDIUM`].
+    /// The values come from the plant model, whose comment explains the choice: [`plant::MEDIUM`].
     pub fn hand(self) -> Option<Hand> {
         let hand = match self {
             Grip::Light => plant::LIGHT,
@@ -85,7 +85,7 @@ impl Grip {
     }
 }
 
-/// A hand in rotary terms. Values that `[operator.hand]` leaves out are those of the medium grip.
+/// Mechanical values of a hand in rotary units. Values that `[operator.hand]` leaves out are those of the medium grip.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Hand {
@@ -95,14 +95,14 @@ pub struct Hand {
     pub pad_damping_n_m_s_per_rad: f64,
     /// Hand's moment of inertia, kg·m², above 0. Default 6.75e-5.
     pub inertia_kg_m2: f64,
-    /// Damping between hand and rest point's frame (the ground), N·m·s/rad, 0 or more. Default 6.75e-4.
+    /// Damping between hand and ground, N·m·s/rad, 0 or more. Default 6.75e-4.
     pub damping_n_m_s_per_rad: f64,
-    /// Stiffness between hand and rest point, N·m/rad, above 0. Default 0.0225.
+    /// Stiffness between hand and rest point, N·m/rad, above 0. The rest point is where the person pulls to. Default 0.0225.
     pub stiffness_n_m_per_rad: f64,
 }
 
 impl Hand {
-    /// Angle by which pad and hand give under one newton metre, rad/(N·m).
+    /// Angle by which fingertip pad and hand together yield under one newton metre, rad/(N·m).
     pub fn compliance_rad_per_n_m(&self) -> f64 {
         1.0 / self.pad_stiffness_n_m_per_rad + 1.0 / self.stiffness_n_m_per_rad
     }
@@ -110,34 +110,34 @@ impl Hand {
 
 impl Default for Hand {
     fn default() -> Self {
-        // The grip that comes nearest to the thesis.
+        // The grip that is nearest to that of the thesis' experiments.
         Grip::Medium.hand().expect("a preset")
     }
 }
 
-/// The hand's intended motion. [`RestPath`](super::RestPath) turns it into a rest point.
+/// The hand's intended motion, as a scene gives it. [`RestPath`](super::RestPath) computes the hand's rest point over time from it.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum MotionSpec {
-    /// The rest point stays where the device starts.
+    /// No motion: the rest point stays at the device's initial angle.
     #[default]
     None,
-    /// Moves in, presses, holds, lets go.
+    /// Moves into the wall, presses, holds, lets go.
     RampAndHold(RampAndHold),
-    /// Pushes quickly and withdraws.
+    /// Pushes quickly against the wall and withdraws.
     Tap(Tap),
     /// Presses, presses harder and softer in turn, holds still, lets go.
     PressWiggleRelease(PressWiggleRelease),
-    /// Touches the wall lightly and briskly, stays, then presses, holds, lets go.
+    /// Touches the wall lightly and quickly, stays, then presses, holds, lets go.
     TouchAndPress(TouchAndPress),
-    /// Turns the knob by an angle and back, wall or not.
+    /// Turns the knob by an angle and back, with or without a wall.
     Turn(Turn),
-    /// Follows a recording.
+    /// Follows a recorded motion.
     Recorded(Recorded),
 }
 
 impl MotionSpec {
-    /// Name in scenes.
+    /// Name of the motion in scenes.
     pub fn name(&self) -> &'static str {
         match self {
             MotionSpec::None => "none",
@@ -150,8 +150,8 @@ impl MotionSpec {
         }
     }
 
-    /// The quiet holds, each from the end of its ramp to the end of the hold, s, in order. The last is the press that the
-    /// displayed stiffness is judged by.
+    /// Times of the steady holds in order, s, each from the end of its ramp to its own end. The displayed stiffness is measured in
+    /// the last hold.
     pub fn holds_s(&self) -> Vec<(f64, f64)> {
         match self {
             MotionSpec::RampAndHold(m) => {
@@ -176,7 +176,7 @@ impl MotionSpec {
         }
     }
 
-    /// Multiplies the push by a factor; a motion without a push does not change.
+    /// Multiplies the push torque by the factor `share`; a motion without a push does not change.
     pub fn scale_push(&mut self, share: f64) {
         match self {
             MotionSpec::RampAndHold(motion) => motion.push_torque_n_m *= share,
@@ -189,9 +189,9 @@ impl MotionSpec {
         }
     }
 
-    /// Start and end of the time over which the displayed stiffness is judged, s; `None` without a quiet hold.
+    /// Start and end of the time in which the displayed stiffness is measured, s; `None` for a motion without a steady hold.
     ///
-    /// It is the second half of the last hold: in the first half hand and offset still settle.
+    /// It is the second half of the last hold: in the first half, the hand and the wall's offset still settle.
     pub fn hold_window_s(&self) -> Option<(f64, f64)> {
         self.holds_s()
             .last()
@@ -199,33 +199,32 @@ impl MotionSpec {
     }
 }
 
-/// Least time of a ramp, s: half a period of 10 Hz, the upper end of voluntary motion.
+/// Shortest time of a ramp, s: half a period of 10 Hz, the highest frequency of voluntary motion.
 pub const FASTEST_RAMP_S: f64 = 0.05;
-/// Upper end of voluntary motion, Hz.
+/// Highest frequency of voluntary motion, Hz.
 pub const FASTEST_MOTION_HZ: f64 = 10.0;
-/// Fastest wiggle, Hz: a probe of `F/x` that is faster than voluntary motion, and up to where a hand still transmits a
-/// tremor.
+/// Highest frequency of the wiggle, Hz. It is faster than voluntary motion, to probe force over position, and still within the
+/// range in which a hand transmits tremor.
 pub const FASTEST_WIGGLE_HZ: f64 = 16.0;
 
 /// Default distance outside the wall at which a hand waits, rad.
 ///
-/// Enough to arrive moving (1.6 to 2.1 rad/s in the default press, by grip), little enough that the contact comes
-/// soon.
+/// It lets the hand reach the wall at 1.6 to 2.1 rad/s in the default press, depending on the grip, after a short way.
 pub const APPROACH_RAD: f64 = 0.05;
 
-/// Moves in, presses, holds, lets go.
+/// Motion of a press: the hand moves into the wall, presses, holds, lets go.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RampAndHold {
     /// Time at which the hand starts to move, s, 0 or more. Default 0.1.
     pub start_s: f64,
-    /// Time from rest outside to the full push, s, at least 0.05. Default 0.5.
+    /// Time from rest outside the wall to the full push, s, at least 0.05. Default 0.5.
     pub ramp_s: f64,
-    /// Time of the steady push, s, above 0. Default 1.5.
+    /// Duration of the steady push, s, above 0. Default 1.5.
     pub hold_s: f64,
-    /// Time from the full push back to rest outside, s, at least 0.05. Default 0.4.
+    /// Time from the full push back to rest outside the wall, s, at least 0.05. Default 0.4.
     pub release_s: f64,
-    /// Static torque against a wall that displays the desired stiffness, N·m, above 0. Default 0.1.
+    /// Static torque of the push against a wall that displays the desired stiffness, N·m, above 0. Default 0.1.
     pub push_torque_n_m: f64,
     /// Distance outside the wall at which the hand starts and ends, rad, above 0. Default 0.05.
     pub approach_rad: f64,
@@ -248,7 +247,7 @@ impl Default for RampAndHold {
     }
 }
 
-/// Pushes quickly and withdraws.
+/// Motion of a tap: the hand pushes quickly against the wall and withdraws.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Tap {
@@ -256,7 +255,7 @@ pub struct Tap {
     pub start_s: f64,
     /// Speed of the device when it reaches the wall, rad/s, above 0. Default 3.
     pub velocity_rad_per_s: f64,
-    /// Distance outside the wall at which the hand starts and ends, rad, above 0; the run-up. Default 0.1.
+    /// Distance outside the wall at which the hand starts and ends, rad, above 0. Default 0.1.
     pub approach_rad: f64,
 }
 
@@ -272,20 +271,20 @@ impl Default for Tap {
     }
 }
 
-/// Turns the knob by an angle, stays, and turns it back. The hand's rest point moves so; the knob follows as hand, detents and walls let
-/// it, and stays behind.
+/// Motion of a turn: the hand turns the knob by an angle, stays, and turns it back. The scene gives the hand's rest point; the knob
+/// lags behind it, as hand, detents and walls allow.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Turn {
     /// Time at which the hand starts to move, s, 0 or more. Default 0.1.
     pub start_s: f64,
-    /// Where the hand starts and ends, rad. Default 0.
+    /// Rest point at which the hand starts and ends, rad. Default 0.
     pub from_rad: f64,
-    /// How far it turns, rad, of any sign, not 0. Default 1.
+    /// Angle by which the rest point turns, rad, of either sign, not 0. Default 1.
     pub angle_rad: f64,
-    /// Time of the way there, and of the way back, s, at least 0.05. Default 2.
+    /// Time of each of the two turns, out and back, s, at least 0.05. Default 2.
     pub turn_s: f64,
-    /// Time that it stays, s, above 0. Default 1.
+    /// Time for which the hand stays between the two turns, s, above 0. Default 1.
     pub stay_s: f64,
 }
 
@@ -301,26 +300,26 @@ impl Default for Turn {
     }
 }
 
-/// Touches lightly, then presses: one scene that an unstable law has two ways to fail in. A light touch lets a wall that
-/// gives too much energy throw the hand off; a firm press drives a wall that samples too coarsely into oscillation.
+/// Motion of a light touch followed by a press. An unstable law can fail in either: a wall that gives too much energy throws the
+/// lightly touching hand off; a wall that samples too coarsely oscillates under the firm press.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TouchAndPress {
     /// Time at which the hand starts to move, s, 0 or more. Default 0.1.
     pub start_s: f64,
-    /// Time from rest outside to the light touch, s, at least 0.05. Default 0.05.
+    /// Time from rest outside the wall to the light touch, s, at least 0.05. Default 0.05.
     pub touch_ramp_s: f64,
-    /// Time of the light touch, s, above 0. Default 2.
+    /// Duration of the light touch, s, above 0. Default 2.
     pub touch_s: f64,
-    /// Static torque of the light touch, N·m, above 0. Default 0.02.
+    /// Static torque of the light touch against a wall that displays the desired stiffness, N·m, above 0. Default 0.02.
     pub touch_torque_n_m: f64,
-    /// Time from the touch to the full push, s, at least 0.05. Default 0.3.
+    /// Time from the light touch to the full push, s, at least 0.05. Default 0.3.
     pub ramp_s: f64,
-    /// Time of the steady push, s, above 0. Default 1.5.
+    /// Duration of the steady push, s, above 0. Default 1.5.
     pub hold_s: f64,
-    /// Time from the push back to rest outside, s, at least 0.05. Default 0.4.
+    /// Time from the full push back to rest outside the wall, s, at least 0.05. Default 0.4.
     pub release_s: f64,
-    /// Static torque against a wall that displays the desired stiffness, N·m, above 0. Default 0.1.
+    /// Static torque of the push against a wall that displays the desired stiffness, N·m, above 0. Default 0.1.
     pub push_torque_n_m: f64,
     /// Distance outside the wall at which the hand starts and ends, rad, above 0. Default 0.05.
     pub approach_rad: f64,
@@ -330,7 +329,7 @@ impl Default for TouchAndPress {
     fn default() -> Self {
         TouchAndPress {
             start_s: 0.1,
-            // As brisk as a hand can (10 Hz): the contact that throws a light hand off an energetic wall.
+            // The fastest touch of a hand (10 Hz). A wall that gives too much energy then throws a light hand off.
             touch_ramp_s: FASTEST_RAMP_S,
             // Long enough for the heaviest hand's own swing in its grip (0.3 s) to die away.
             touch_s: 2.0,
@@ -345,25 +344,25 @@ impl Default for TouchAndPress {
     }
 }
 
-/// Presses, presses harder and softer in turn, holds still, lets go.
+/// Motion of a press with a wiggle: the hand presses, presses harder and softer in turn, holds still, lets go.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PressWiggleRelease {
     /// Time at which the hand starts to move, s, 0 or more. Default 0.1.
     pub start_s: f64,
-    /// Time from rest outside to the mean push, s, at least 0.05. Default 0.5.
+    /// Time from rest outside the wall to the mean push, s, at least 0.05. Default 0.5.
     pub ramp_s: f64,
-    /// Time of the wiggling, s, above 0. Default 1.
+    /// Duration of the wiggle, s, above 0. Default 1.
     pub wiggle_s: f64,
-    /// Time of the steady push after it, s, above 0. Default 1.
+    /// Duration of the steady push after the wiggle, s, above 0. Default 1.
     pub hold_s: f64,
-    /// Time from the push back to rest outside, s, at least 0.05. Default 0.4.
+    /// Time from the steady push back to rest outside the wall, s, at least 0.05. Default 0.4.
     pub release_s: f64,
-    /// Mean static torque against a wall that displays the desired stiffness, N·m, above 0. Default 0.1.
+    /// Mean static torque of the push against a wall that displays the desired stiffness, N·m, above 0. Default 0.1.
     pub push_torque_n_m: f64,
-    /// Static torque by which the push rises and falls, N·m, 0 or more. Default 0.03.
+    /// Amplitude of the wiggle: static torque by which the push rises and falls, N·m, 0 or more. Default 0.03.
     pub wiggle_amplitude_n_m: f64,
-    /// Rate of the wiggling, Hz, above 0, at most 16 (a hand by itself ends near 10). Default 2.
+    /// Frequency of the wiggle, Hz, above 0, at most 16. Voluntary motion ends near 10 Hz. Default 2.
     pub wiggle_frequency_hz: f64,
     /// Distance outside the wall at which the hand starts and ends, rad, above 0. Default 0.05.
     pub approach_rad: f64,
@@ -389,35 +388,34 @@ impl Default for PressWiggleRelease {
     }
 }
 
-/// Follows a recording: rest point = surface + offset + scale · (angle - mean angle), or the recorded rest point itself.
+/// Motion from a recording: rest point = surface + offset + scale · (angle - mean angle), or the recorded rest point unchanged.
 ///
-/// With the defaults the recording's mean lies on the surface, so the hand goes in and out of the wall whatever was
-/// recorded.
+/// With the defaults the recording's mean angle lies on the wall's surface, so that the hand goes in and out of the wall.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recorded {
-    /// CSV file with a time and an angle column; relative to the scene's folder, on the command line to the current
-    /// one.
+    /// CSV file with a column of time and a column of angle. In a scene file, the path is relative to the scene's folder; on the
+    /// command line, to the current folder.
     pub file: PathBuf,
-    /// Factor on the recorded motion, any sign (negative turns it round), not 0. Default 1.
+    /// Factor on the recorded motion, of either sign (a negative one reverses the direction), not 0. Default 1.
     #[serde(default = "unchanged")]
     pub scale: f64,
-    /// Distance of the recording's mean from the surface, rad, positive inside. Default 0.
+    /// Distance of the recording's mean angle from the wall's surface, rad, positive inside. Default 0.
     #[serde(default)]
     pub offset_rad: f64,
-    /// Takes the angles as the rest point as they stand, each until the next: a record of ticks is repeated bit for bit.
-    /// Scale and offset must then be 1 and 0. Default `false`: placed and smoothed.
+    /// `true`: the recorded angles are the rest point unchanged, each held until the next, so that a record of ticks is repeated
+    /// bit for bit. Scale and offset must then be 1 and 0. Default `false`: the recording is placed on the wall and smoothed.
     #[serde(default)]
     pub exact: bool,
 }
 
-/// The factor that changes nothing.
+/// Default scale of a recorded motion, which leaves it unchanged.
 fn unchanged() -> f64 {
     1.0
 }
 
 impl Recorded {
-    /// The recording unscaled, with its mean on the surface.
+    /// A motion from the recording `file`, unscaled, with its mean angle on the wall's surface.
     pub fn new(file: PathBuf) -> Self {
         Recorded {
             file,

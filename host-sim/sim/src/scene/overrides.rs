@@ -1,4 +1,4 @@
-//! Overrides: fields of a scene changed from the command line by `--set key=value`.
+//! Changes fields of a scene from the command line: `--set key=value`, `--law`, and files of settings.
 
 use std::path::Path;
 
@@ -12,19 +12,20 @@ use super::schema::{self, Field, Kind, MOTION_KIND};
 use super::unknown::{explain, list, nearest, was_renamed, wrong_unit};
 use crate::error::{Error, Result};
 
-/// Value that removes an optional field or table: `--set encoder=none`.
+/// Value of `--set` that removes an optional field or table from the scene: `--set encoder=none`.
 const NOTHING: &str = "none";
 
 impl Scene {
-    /// The scene with fields changed, each as `key=value`, the last word on a field winning; checked once, after all
-    /// of them.
+    /// Returns the scene with fields changed, each given as `key=value`. The last value for a field wins. The scene is checked
+    /// once, after all changes.
     ///
-    /// A key is a dotted path as in the file (`device.inertia_kg_m2`) or the end of one (`k_soft_n_m_per_rad`,
-    /// `filter.mass_kg_m2`) if no other field ends so. Text needs no quotes. `none` takes an optional field or table
-    /// away. A new grip replaces `[operator.hand]`; a single value of `operator.hand` changes the present grip into a
-    /// custom one; a new kind of motion keeps the fields that both kinds have.
+    /// A key is a dotted path as in the scene file (`device.inertia_kg_m2`), or the end of a path (`k_soft_n_m_per_rad`,
+    /// `filter.mass_kg_m2`) if no other field's path ends so. Text needs no quotes. The value `none` removes an optional field or
+    /// table. A new grip replaces `[operator.hand]`. A single value of `operator.hand` changes the present grip into a custom one.
+    /// A new motion keeps the fields that the old motion has too.
     ///
-    /// # Errors [`Error::Option`] for an unknown or ambiguous key and for a value that the scene's check refuses.
+    /// # Errors
+    /// [`Error::Option`] for an unknown or ambiguous key, and for a value that the scene's check refuses.
     pub fn with_overrides<S: AsRef<str>>(&self, sets: &[S]) -> Result<Scene> {
         let mut draft = Draft::from_scene(self);
         for set in sets {
@@ -43,9 +44,10 @@ impl Scene {
         draft.build()
     }
 
-    /// The scene with one field changed by an option of its own: `with_option("law.kind", "tdpa", "--law tdpa")`.
+    /// Returns the scene with one field changed by an option that has a name of its own, such as `--law tdpa`:
+    /// `with_option("law.kind", "tdpa", "--law tdpa")`.
     ///
-    /// `option` is what the user wrote; errors quote it. Otherwise as [`with_overrides`](Scene::with_overrides).
+    /// `option` is the text that the user wrote; errors quote it. All else is as in [`with_overrides`](Scene::with_overrides).
     ///
     /// # Errors
     /// Same as [`with_overrides`](Scene::with_overrides).
@@ -59,18 +61,19 @@ impl Scene {
 /// Tables of a scene whose fields a settings file may contain.
 const SETTINGS: [&str; 3] = ["timing", "wall", "law"];
 
-/// Line of a TOML syntax error, from 1.
+/// Line number in the text, from 1, of a TOML syntax error.
 fn line_of(text: &str, error: &toml::de::Error) -> usize {
     let end = error.span().map_or(0, |span| span.start);
     1 + text.get(..end).unwrap_or(text).matches('\n').count()
 }
 
 impl Scene {
-    /// The scene with the settings of a file, such as `tune` writes: fields of `timing`, `wall` and `law`, all taken at once.
+    /// Returns the scene with the fields of `timing`, `wall` and `law` that a settings file gives, such as a file that `tune`
+    /// writes. The scene is checked once, after all changes.
     ///
     /// # Errors
-    /// [`Error::Io`] for a file that cannot be read; [`Error::Option`], which names file and field, for what is no TOML, no such
-    /// setting, or no value that the scene's check accepts.
+    /// [`Error::Io`] if the file cannot be read. [`Error::Option`], which names file and field, if the file is not TOML, has an
+    /// unknown setting, or has a value that the scene's check refuses.
     pub fn with_settings(&self, file: &Path) -> Result<Scene> {
         let text = crate::input::text(file, crate::input::MOST_OF_SETTINGS).map_err(|error| {
             Error::Io {
@@ -109,7 +112,7 @@ impl Scene {
     }
 }
 
-/// Lists every value of a table with its dotted path.
+/// Adds every value of a TOML table to `leaves`, with its dotted path.
 fn flatten<'v>(name: &str, table: &'v toml::Table, leaves: &mut Vec<(String, &'v Value)>) {
     for (key, value) in table {
         let path = match name {
@@ -136,7 +139,7 @@ fn apply(draft: &mut Draft, key: &str, value: &str, option: String) -> Result<()
     };
     let path = resolve(draft, key, value).map_err(|(problem, fix)| error(problem, fix))?;
     let Some(field) = schema::at(&path) else {
-        // A whole table: it can only be taken away.
+        // A table as a whole can only be removed.
         let optional = schema::OPTIONAL_TABLES
             .iter()
             .any(|(table, _)| *table == path);
@@ -175,7 +178,7 @@ fn apply(draft: &mut Draft, key: &str, value: &str, option: String) -> Result<()
     Ok(())
 }
 
-/// Full path of a key, or a pair of problem and remedy.
+/// Full path of the field that a key of `--set` names. Error: the problem and its remedy, as text.
 fn resolve(draft: &Draft, key: &str, value: &str) -> std::result::Result<String, (String, String)> {
     candidates(key).map_err(|several| match several[..] {
         [] => unknown(draft, key, value),
@@ -186,7 +189,7 @@ fn resolve(draft: &Draft, key: &str, value: &str) -> std::result::Result<String,
     })
 }
 
-/// Full path of a key: the key itself, or the only path that ends with it. Error: all paths that end with it.
+/// Full path for a key of `--set`: the key itself, or the only path that ends with it. Error: all paths that end with the key.
 fn candidates(key: &str) -> std::result::Result<String, Vec<&'static str>> {
     if schema::at(key).is_some() || schema::is_table(key) {
         return Ok(key.to_owned());
@@ -211,7 +214,7 @@ fn candidates(key: &str) -> std::result::Result<String, Vec<&'static str>> {
     }
 }
 
-/// Problem and remedy for a key that names no field.
+/// Problem and remedy, as text, for a key of `--set` that names no field.
 fn unknown(draft: &Draft, key: &str, value: &str) -> (String, String) {
     let value = value.parse::<f64>().ok().map(Value::Float);
     if key
@@ -223,7 +226,7 @@ fn unknown(draft: &Draft, key: &str, value: &str) -> (String, String) {
     if let Some(new) = renamed(key) {
         return was_renamed(new);
     }
-    // An end of a path: compare with the ends of all paths.
+    // A key that is the end of a path is compared with the ends of all paths.
     let all: Vec<&Field> = schema::FIELDS.iter().collect();
     if let Some(answer) = wrong_unit(key, &all, value.as_ref()) {
         return answer;
@@ -237,14 +240,14 @@ fn unknown(draft: &Draft, key: &str, value: &str) -> (String, String) {
     ("unknown field".into(), fix)
 }
 
-/// Converts the text after `=` to a TOML value. Text fields need no quotes.
+/// Converts the text after `=` to a TOML value that fits the field. Text fields need no quotes.
 fn parse(field: &Field, text: &str) -> Value {
     let toml = text.parse::<Value>().ok();
     match (field.kind, toml) {
         (Kind::Text | Kind::Choice(_), Some(Value::String(quoted))) => Value::String(quoted),
         (Kind::Text | Kind::Choice(_), _) => Value::String(text.to_owned()),
         (_, Some(value)) => value,
-        // `.5` and the like are numbers to everyone but TOML; what is none is refused with its text.
+        // TOML does not read `.5` and the like as numbers, so they are parsed here. Other text is refused by the check.
         (_, None) => text
             .parse()
             .map_or_else(|_| Value::String(text.to_owned()), Value::Float),

@@ -1,4 +1,4 @@
-//! Files as a compressed archive, the same bytes for the same files, and back.
+//! Packs files into a compressed archive and unpacks it. The same files always give the same bytes.
 
 use std::collections::BTreeMap;
 use std::io::Result;
@@ -8,29 +8,30 @@ use flate2::read::GzDecoder;
 use flate2::{Compression, GzBuilder};
 use tar::{Archive, Builder, EntryType, Header};
 
-/// A file of the archive.
+/// Content and access rights of a file in the archive.
 pub struct Entry {
     pub content: Vec<u8>,
     mode: u32,
 }
 
 impl Entry {
-    /// A file to be read.
+    /// A file that is not executable.
     pub const fn text(content: Vec<u8>) -> Self {
         let mode = 0o644;
         Self { content, mode }
     }
 
-    /// A file to be run.
+    /// An executable file.
     pub const fn program(content: Vec<u8>) -> Self {
         let mode = 0o755;
         Self { content, mode }
     }
 }
 
-/// All entries in one folder, in the order of their names.
+/// Bytes of an archive with all entries in one folder, in the order of their names. `seconds` since 1970 is the time stamp of each
+/// file.
 pub fn packed(folder: &str, seconds: u64, entries: &BTreeMap<String, Entry>) -> Result<Vec<u8>> {
-    // The time in the compressed file's own header is left out.
+    // The gzip header has no time stamp, so that the bytes do not depend on the time of packing.
     let compressed = GzBuilder::new().write(Vec::new(), Compression::best());
     let mut archive = Builder::new(compressed);
     for (name, entry) in entries {
@@ -46,7 +47,7 @@ pub fn packed(folder: &str, seconds: u64, entries: &BTreeMap<String, Entry>) -> 
     archive.into_inner()?.finish()
 }
 
-/// Unpacks it into a folder.
+/// Unpacks an archive into a folder.
 pub fn unpack(packed: &[u8], into: &Path) -> Result<()> {
     Archive::new(GzDecoder::new(packed)).unpack(into)
 }

@@ -1,16 +1,17 @@
-//! A board's program as the plain content of its flash, which can be copied onto the drive that an ST-LINK shows,
-//! without another tool.
+//! Converts a board's program from ELF to a plain image of the flash memory. An image can be copied onto the drive that an ST-LINK
+//! probe shows, without another tool.
 
 use object::elf::PT_LOAD;
 use object::read::elf::{ElfFile32, ProgramHeader};
 use object::{Endianness, elf::ProgramHeader32};
 
-/// Where both boards' flash begins, and where an image without addresses is written to.
+/// Address at which the flash memory of all boards begins. An ST-LINK writes an image without addresses to it.
 const FLASH: u32 = 0x0800_0000;
-/// Flash that nothing was written to.
+/// Value of each byte of erased flash memory.
 const ERASED: u8 = 0xff;
 
-/// Content of the flash from its first byte on.
+/// Content of the flash memory, from its first byte to the last byte that the ELF program fills. Errors: the file is damaged,
+/// empty, or loads to addresses below the flash.
 pub fn of(elf: &[u8]) -> Result<Vec<u8>, String> {
     let file = ElfFile32::<Endianness>::parse(elf).map_err(|why| why.to_string())?;
     let endian = file.endian();

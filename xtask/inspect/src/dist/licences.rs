@@ -1,11 +1,11 @@
-//! What others wrote of the programs in an archive, under which licences, with the texts that those ask to be handed on.
+//! Lists the third-party packages in the programs of an archive, their licences and the licence texts that must be passed on.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-/// The fields of `cargo metadata` that are read.
+/// The fields of the output of `cargo metadata` that are read here.
 #[derive(Deserialize)]
 struct Metadata {
     packages: Vec<Package>,
@@ -18,7 +18,7 @@ struct Package {
     name: String,
     version: String,
     license: Option<String>,
-    /// `None` for a package of the workspace.
+    /// Where the package comes from; `None` for a package of the workspace.
     source: Option<String>,
     manifest_path: PathBuf,
 }
@@ -45,9 +45,9 @@ struct Kind {
     kind: Option<String>,
 }
 
-/// The packages whose programs an archive has.
+/// Names of the packages whose programs are in the archive.
 const SHIPPED: [&str; 2] = ["touchstone", "touchstone-firmware"];
-/// How the files begin that are handed on.
+/// Beginnings of the names of files with licence texts, which are passed on.
 const TEXTS: [&str; 6] = [
     "LICENSE",
     "LICENCE",
@@ -57,7 +57,7 @@ const TEXTS: [&str; 6] = [
     "UNLICENSE",
 ];
 
-/// The list and the texts, each text once.
+/// Text of the list of packages followed by their licence texts; equal texts appear once. Errors: a package names no licence.
 pub fn text(metadata: &[&Path]) -> Result<String, String> {
     let mut rows = BTreeMap::new();
     let mut texts = BTreeMap::<String, BTreeSet<String>>::new();
@@ -97,7 +97,7 @@ pub fn text(metadata: &[&Path]) -> Result<String, String> {
     Ok(out)
 }
 
-/// The packages of others that the programs need, without those that only build or test.
+/// The third-party packages that the shipped programs need, without those that are only used to build or test.
 fn needed(all: &Metadata) -> Result<Vec<&Package>, String> {
     let packages: BTreeMap<&str, &Package> = all
         .packages
@@ -142,7 +142,7 @@ fn needed(all: &Metadata) -> Result<Vec<&Package>, String> {
     Ok(found.filter(|package| package.source.is_some()).collect())
 }
 
-/// The texts in a package's folder.
+/// The licence texts in the folder of a package.
 fn texts_of(package: &Package) -> Result<Vec<String>, String> {
     let folder = package.manifest_path.parent().unwrap_or(Path::new("."));
     let mut texts = Vec::new();

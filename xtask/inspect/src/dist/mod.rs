@@ -1,6 +1,7 @@
-//! An archive for a maker without a compiler: the program, every board's firmware, the guide, licences, checksums.
+//! Packs a release archive for users without a compiler: the program, every board's firmware, documentation, licences and
+//! checksums.
 //!
-//! Of the same files it is the same to the byte: entries in the order of their names, one time for all, no owner.
+//! The same files always give the same archive, byte for byte: entries are sorted by name, have one time stamp and no owner.
 
 mod archive;
 mod image;
@@ -16,7 +17,7 @@ use sha2::{Digest, Sha256};
 use crate::answer::Answer;
 use archive::Entry;
 
-/// Files of the workspace that are copied unchanged.
+/// Files and folders of the workspace that are copied unchanged.
 const AS_IT_IS: [&str; 5] = [
     "docs",
     "README.md",
@@ -25,28 +26,28 @@ const AS_IT_IS: [&str; 5] = [
     "LICENSE-MIT",
 ];
 
-/// Parts of an archive.
+/// Where the archive is written and what goes into it.
 pub struct Parts<'a> {
-    /// Where the archive goes; its file and its one folder are called `name`.
+    /// Folder to write the archive to. The archive's file and the single folder in it are called `name`.
     pub out: &'a Path,
-    /// Such as `touchstone-0.1.0-x86_64-linux`.
+    /// Name such as `touchstone-0.1.0-x86_64-linux`.
     pub name: &'a str,
-    /// The time of all entries, seconds since 1970: the commit's.
+    /// Time stamp of all entries in seconds since 1970: the time of the commit.
     pub seconds: u64,
-    /// The text that says which version it is.
+    /// File with the text that names the version.
     pub version: &'a Path,
-    /// The built program for this machine.
+    /// The program built for this machine.
     pub program: &'a Path,
-    /// Names of boards with their ELF files.
+    /// Names of boards, each with the path of its firmware as an ELF file.
     pub boards: Vec<(&'a str, &'a Path)>,
-    /// What `cargo metadata` says of the program and of the firmware.
+    /// Files with the output of `cargo metadata` for the program and for the firmware.
     pub metadata: Vec<&'a Path>,
     /// The workspace's folder.
     pub workspace: &'a Path,
 }
 
 impl<'a> Parts<'a> {
-    /// Parses the words of a command line; `None` if they are wrong.
+    /// Parses the command's arguments; `None` if they are wrong.
     pub fn named(words: &[&'a str]) -> Option<Self> {
         let [out, name, seconds, version, program, rest @ ..] = words else {
             return None;
@@ -71,7 +72,7 @@ impl<'a> Parts<'a> {
     }
 }
 
-/// Makes the archive, and unpacks it again beside itself.
+/// Writes the archive and its checksum, and unpacks the archive in the same folder.
 pub fn pack(parts: &Parts<'_>) -> Result<Answer, String> {
     let mut entries = BTreeMap::new();
     for name in AS_IT_IS {
@@ -109,7 +110,7 @@ pub fn pack(parts: &Parts<'_>) -> Result<Answer, String> {
     )))
 }
 
-/// A file of the workspace, or all files of a folder, under their own names.
+/// Adds a file of the workspace, or all files of a folder, to `entries` under the same name.
 fn from_workspace(
     workspace: &Path,
     name: &Path,
@@ -127,7 +128,7 @@ fn from_workspace(
     Ok(())
 }
 
-/// The names in a folder, sorted: a directory has no order of its own.
+/// The names in a folder, sorted, since the file system lists them in any order.
 fn sorted(folder: &Path) -> Result<Vec<PathBuf>, String> {
     let wrong = |why: std::io::Error| format!("{}: {why}", folder.display());
     let mut names = Vec::new();
@@ -138,7 +139,7 @@ fn sorted(folder: &Path) -> Result<Vec<PathBuf>, String> {
     Ok(names)
 }
 
-/// Checksums in the format of `sha256sum --check`.
+/// SHA-256 checksums of the entries, in the format that `sha256sum --check` reads.
 fn sums(entries: &BTreeMap<String, Entry>) -> String {
     let line = |(name, entry): (&String, &Entry)| format!("{}  {name}\n", digest(&entry.content));
     entries.iter().map(line).collect()

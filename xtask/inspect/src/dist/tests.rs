@@ -1,4 +1,4 @@
-//! An archive of files that were made up: its layout, its sums, its bytes.
+//! Tests of an archive made of invented files: its layout, its checksums, its bytes.
 
 use std::path::{Path, PathBuf};
 
@@ -22,7 +22,7 @@ const METADATA: &str = r#"{
   ] }
 }"#;
 
-/// An ELF program of two parts, 4 and 2 bytes, 8 bytes apart in the flash.
+/// An ELF program with segments of 4 and 2 bytes, which begin 8 bytes apart in the flash memory.
 fn elf() -> Vec<u8> {
     let mut bytes = b"\x7fELF\x01\x01\x01".to_vec();
     bytes.resize(16, 0);
@@ -38,7 +38,7 @@ fn elf() -> Vec<u8> {
         &mut bytes,
         &[1, start, 0x0800_0000, 0x0800_0000, 4, 4, 5, 4],
     );
-    // Its place while it runs is RAM; what counts is where it is loaded from.
+    // The segment runs in RAM; its load address in flash decides where it is in the image.
     words(
         &mut bytes,
         &[1, start + 4, 0x2000_0000, 0x0800_0008, 2, 2, 6, 4],
@@ -47,7 +47,7 @@ fn elf() -> Vec<u8> {
     bytes
 }
 
-/// A workspace with build results, in a folder of its own.
+/// Creates a workspace with build results in a temporary folder for one test.
 fn workspace(test: &str) -> PathBuf {
     let folder =
         std::env::temp_dir().join(format!("touchstone-dist-{}-{test}", std::process::id()));
@@ -122,7 +122,7 @@ fn an_archive_has_everything_under_its_sum() {
             &program,
         ]
     );
-    // Of `abc`, from the standard (FIPS 180-4).
+    // SHA-256 of `abc`, from the standard FIPS 180-4.
     let abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad  README.md\n";
     assert!(sums.contains(abc), "{sums}");
     for name in names {

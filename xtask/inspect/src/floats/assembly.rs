@@ -1,26 +1,26 @@
-//! Looks for float operations and panics in assembly text, in a crate's functions and in all that they reach.
+//! Searches assembly text for float operations and panics, in the functions of a crate and in all functions that they call.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::cortex::is_soft_float;
 
-/// The functions (and tables) of all files, by label.
+/// The lines of all functions and tables in the assembly files, by label.
 #[derive(Default)]
 pub struct Code {
     blocks: BTreeMap<String, Vec<String>>,
 }
 
-/// Findings in the assembly.
+/// Result of a search through assembly.
 #[derive(Debug, Default)]
 pub struct Scan {
     pub functions: usize,
     pub instructions: usize,
-    /// `function: instruction`.
+    /// Places found, each as `function: instruction`.
     pub findings: Vec<String>,
 }
 
 impl Code {
-    /// Takes one file; gives its labels.
+    /// Adds the text of one assembly file; returns the file's labels.
     pub fn add(&mut self, text: &str) -> Vec<String> {
         let mut labels: Vec<String> = Vec::new();
         for line in text.lines() {
@@ -29,7 +29,8 @@ impl Code {
                 self.blocks.entry(label.to_owned()).or_default();
                 labels.push(label.to_owned());
             } else if let Some(block) = labels.last().and_then(|at| self.blocks.get_mut(at)) {
-                // A local label ends in a colon, a directive starts with a dot; only the tables' directives name others.
+                // Lines with a local label end in a colon, directives start with a dot. Of the directives only those of tables name
+                // other labels.
                 let code = code.trim();
                 let names_others = [".quad", ".long", ".word", ".xword", ".8byte", ".4byte"];
                 let keep = !code.is_empty()
@@ -43,7 +44,7 @@ impl Code {
         labels
     }
 
-    /// Follows every name from the given labels on, and looks at every instruction on the way.
+    /// Searches the code at the labels `from`, and all code whose labels it names, for instructions that `is_found` accepts.
     pub fn scan(&self, from: &[String], is_found: impl Fn(&str) -> bool) -> Scan {
         let mut scan = Scan::default();
         let mut open: Vec<&str> = from.iter().map(String::as_str).collect();
@@ -74,19 +75,19 @@ impl Code {
     }
 }
 
-/// `core::panicking::panic_…` and its like, in any mangling.
+/// Whether a line names a panic function of `core`, such as `core::panicking::panic_…`, however its name is mangled.
 pub fn is_panic(line: &str) -> bool {
     line.contains("panicking")
 }
 
-/// A label that is not local to its function.
+/// The label that a line defines, unless it is local to a function.
 fn global_label(line: &str) -> Option<&str> {
     let label = line.trim_end().strip_suffix(':')?;
     let plain = !label.is_empty() && !label.starts_with(['.', ' ', '\t']);
     plain.then(|| label.trim_matches('"'))
 }
 
-/// The list for an architecture, if there is one.
+/// The test for float operations of an architecture; `None` if the architecture is not known here.
 pub fn float_operation(architecture: &str) -> Option<fn(&str) -> bool> {
     match architecture {
         "x86_64" => Some(is_x86_float),
@@ -100,11 +101,12 @@ fn mnemonic(line: &str) -> &str {
     line.split_whitespace().next().unwrap_or("")
 }
 
-/// Arithmetic, comparison, conversion; moves through the wide registers are not calculation.
+/// Whether an x86-64 instruction is a float operation: arithmetic, comparison or conversion. Moves through float registers do not
+/// count.
 fn is_x86_float(line: &str) -> bool {
     let name = mnemonic(line);
     let name = name.strip_prefix('v').unwrap_or(name);
-    // The old coprocessor's instructions, all of them; nothing else starts with f.
+    // All instructions of the old x87 coprocessor start with f; no other instruction does.
     if name.starts_with('f') || name.starts_with("cvt") {
         return true;
     }
@@ -127,7 +129,8 @@ fn is_aarch64_float(line: &str) -> bool {
         || name.starts_with("ucvtf")
 }
 
-/// Calls of the soft-float library, by the ARM names and by the compiler's own, and the float unit's instructions.
+/// Whether a Thumb line is a float operation: a call of the soft-float library, by ARM's names or the compiler's, or an instruction
+/// of the float unit that is not a move.
 fn is_thumb_float(line: &str) -> bool {
     let name = mnemonic(line);
     if name.starts_with('v') && (name.contains(".f32") || name.contains(".f64")) {

@@ -1,4 +1,5 @@
-//! Finds floats in the crates that decide: in their source, and in the compiled code, where panics are found too.
+//! Searches the crates with control law, guard and motor drive for floating point, in the source and in the compiled code. In the
+//! compiled code it also searches for panics.
 
 mod assembly;
 mod source;
@@ -7,10 +8,10 @@ use std::path::{Path, PathBuf};
 
 use crate::answer::Answer;
 
-/// How many findings are printed before the rest is only counted.
+/// Number of findings that are printed; of further findings only the number is printed.
 const SHOWN: usize = 20;
 
-/// Looks for floating point in the source below a folder.
+/// Searches the source files below a folder for floating point.
 pub fn in_source(folder: &Path) -> Result<Answer, String> {
     let scan = source::floats_below(folder)?;
     Ok(if scan.findings.is_empty() {
@@ -30,9 +31,11 @@ fn failed(place: &str, what: &str, findings: &[String]) -> Answer {
     Answer::Wrong(format!("{what} in the {place}: {}", findings.len()))
 }
 
-/// Follows every function of crate and example through all that it calls.
+/// Searches the compiled code of a crate and of its example, with all functions that they call, for float operations. Searches the
+/// example's code also for panics.
 ///
-/// `release` is where a build left the assembly; `krate` is how the names of the crate's files begin.
+/// `name` is the architecture, `release` the folder with the assembly files, `krate` the beginning of the names of the crate's
+/// files, and `wanted` the name of the example.
 pub fn in_code(name: &str, release: &Path, krate: &str, wanted: &str) -> Result<Answer, String> {
     let Some(is_float) = assembly::float_operation(name) else {
         let reason = format!("no list of float instructions of {name}");
@@ -56,7 +59,7 @@ pub fn in_code(name: &str, release: &Path, krate: &str, wanted: &str) -> Result<
         }
     }
     let floats = code.scan(&all, is_float);
-    // Texts for people may panic by their types, though never in fact; set-up and tick are not to have it in them at all.
+    // The crate's text formatting may contain panics that never occur; the example with set-up and tick must contain none.
     let panics = code.scan(&example, assembly::is_panic);
     if panics.instructions == 0 {
         return Err(format!("no code of {name} in {}", release.display()));
@@ -72,7 +75,7 @@ pub fn in_code(name: &str, release: &Path, krate: &str, wanted: &str) -> Result<
     })
 }
 
-/// The newest assembly of each crate in a folder: an older one is of an older source.
+/// The newest assembly file of each crate in a folder, since older files are of older sources.
 fn newest(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return Vec::new();

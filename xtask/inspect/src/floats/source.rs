@@ -1,22 +1,22 @@
-//! Looks for float types, literals and casts in Rust source, outside comments, texts, tests and parts behind the
-//! feature `float`.
+//! Searches Rust source for float types, literals and casts. Comments, strings, tests and code behind the feature `float` are left
+//! out.
 //!
-//! Clippy's `disallowed_types` would find only the types: a literal such as that of `from_num(1.5)` names none.
+//! Clippy's `disallowed_types` would find only types: a literal such as `1.5` in `from_num(1.5)` names no type.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// Findings in a folder.
+/// Result of a search through the sources in a folder.
 #[derive(Debug, Default)]
 pub struct Scan {
     pub files: usize,
-    /// `file:line: word`.
+    /// Places found, each as `file:line: word`.
     pub findings: Vec<String>,
 }
 
-/// Reads every source file below a folder.
+/// Searches every source file below a folder.
 pub fn floats_below(folder: &Path) -> Result<Scan, String> {
     let mut files = Vec::new();
     collect(folder, &mut files)?;
@@ -27,7 +27,7 @@ pub fn floats_below(folder: &Path) -> Result<Scan, String> {
         let file = file.display().to_string();
         move |error| format!("{file}: {error}")
     };
-    // A module that only exists with the feature is a file of its own.
+    // Files of modules that only tests or the feature `float` compile are left out.
     let mut left_out = BTreeSet::new();
     for (file, text) in files.iter().zip(&texts) {
         let parent = module_folder(file);
@@ -67,7 +67,7 @@ fn read(file: &Path) -> Result<String, String> {
     std::fs::read_to_string(file).map_err(|error| format!("{}: {error}", file.display()))
 }
 
-/// Where the modules that a file declares lie.
+/// Folder with the files of the modules that a source file declares.
 fn module_folder(file: &Path) -> PathBuf {
     let parent = file.parent().unwrap_or(Path::new(""));
     let stem = file.file_stem().unwrap_or_default();
@@ -78,7 +78,7 @@ fn module_folder(file: &Path) -> PathBuf {
     }
 }
 
-/// Findings in a text.
+/// Result for one source text: floats with their lines, and the modules that only tests or the feature `float` compile.
 #[derive(Debug, Default)]
 struct Found {
     floats: Vec<(usize, String)>,
@@ -107,7 +107,7 @@ fn scan_tokens(tokens: TokenStream, found: &mut Found) {
             TokenTree::Ident(word) if FLOATS.iter().any(|float| word == float) => {
                 found.floats.push((line(), word.to_string()));
             }
-            // The fields of nested tuples, `pair.0.1`, are read as a number with a fraction.
+            // The tokenizer reads the fields in `pair.0.1` as one number with a fraction.
             TokenTree::Literal(literal) if !is_field(&tokens[..at]) => {
                 let word = literal.to_string();
                 if is_float(&word) {
@@ -130,13 +130,13 @@ fn is_float(literal: &str) -> bool {
     is_number && !prefixed && (literal.contains('.') || exponent || named)
 }
 
-/// Whether the next token is a field: behind one dot, not behind the two of a range.
+/// Whether the token after `before` is a field name: after a single dot, not after the two dots of a range.
 fn is_field(before: &[TokenTree]) -> bool {
     let is_dot = |token: Option<&TokenTree>| matches!(token, Some(TokenTree::Punct(sign)) if sign.as_char() == '.');
     is_dot(before.last()) && !is_dot(before.iter().nth_back(1))
 }
 
-/// Whether `#[cfg(feature = "float")]` or `#[cfg(test)]` is at the start.
+/// Whether the tokens begin with `#[cfg(feature = "float")]` or `#[cfg(test)]`.
 fn is_gate(tokens: &[TokenTree]) -> bool {
     let [TokenTree::Punct(hash), TokenTree::Group(attribute), ..] = tokens else {
         return false;
@@ -146,7 +146,7 @@ fn is_gate(tokens: &[TokenTree]) -> bool {
     hash.as_char() == '#' && gates.contains(&words.as_str())
 }
 
-/// `NAME` of an item `mod NAME;`.
+/// The name in an item `mod NAME;`; `None` for any other item.
 fn declared_module(item: &[TokenTree]) -> Option<String> {
     let at = item.iter().position(|token| is_word(token, "mod"))?;
     let plain = item[..at]
@@ -163,14 +163,14 @@ fn is_sign(token: &TokenTree, sign: char) -> bool {
     matches!(token, TokenTree::Punct(punct) if punct.as_char() == sign)
 }
 
-/// Tokens up to the end of the item at the start: its block, its semicolon or its comma.
+/// Number of tokens of the item at the start, up to and including its block, semicolon or comma.
 fn item_length(item: &[TokenTree]) -> usize {
     let mut angles = 0_usize;
     for (index, token) in item.iter().enumerate() {
         let follows_minus = index > 0 && is_sign(&item[index - 1], '-');
         match token {
             TokenTree::Group(group) if group.delimiter() == Delimiter::Brace => return index + 1,
-            // Between the parameters of `fn f<A, B>` a comma ends nothing.
+            // A comma between the parameters of `fn f<A, B>` does not end the item.
             _ if is_sign(token, '<') => angles += 1,
             _ if is_sign(token, '>') && !follows_minus => angles = angles.saturating_sub(1),
             _ if is_sign(token, ';') || is_sign(token, ',') && angles == 0 => return index + 1,
@@ -246,7 +246,7 @@ mod tests {
         let floats = [(12, "f32".to_owned()), (16, "f32".to_owned())];
         assert_eq!(found.floats, floats);
         assert_eq!(found.gated_modules, ["float"]);
-        // Another feature is no excuse.
+        // Code behind any other feature is searched.
         assert_eq!(words("#[cfg(feature = \"other\")] fn x() -> f32;"), ["f32"]);
     }
 }

@@ -1,10 +1,11 @@
-//! The levels of TIM1's pins at a moment, as an oscilloscope shows them, with the dead time that the program has set.
-//! The motor's model does not use them: it works with shares of a period.
+//! The levels of TIM1's pins at a given time, as an oscilloscope would show them, including the dead time. The model of the motor
+//! does not use them: it works with the duty cycles of whole PWM periods.
 
 use super::super::gates::{GateDriver, Leg};
 use super::{BDTR, BridgeTimer, CCER, CR1};
 
-/// Cycles of the timer's clock that a code of BDTR.DTG stands for, with CKD = 0 (RM0440, TIM1_BDTR; from memory, unread).
+/// Dead time in timer clock cycles for a code of BDTR.DTG with CKD = 0 (RM0440, TIM1_BDTR). The formula is written from memory and
+/// was not compared with the manual.
 fn dead_time(code: u32) -> u64 {
     let code = u64::from(code);
     match code >> 5 {
@@ -16,13 +17,13 @@ fn dead_time(code: u32) -> u64 {
 }
 
 impl BridgeTimer {
-    /// Cycles since the counter was at 0.
+    /// Processor cycles since the counter was at 0.
     #[must_use]
     pub fn since_bottom(&self, now: u64) -> u64 {
         self.position(now)
     }
 
-    /// Levels of each phase's two outputs; `None` where the timer does not drive both.
+    /// Levels of the two outputs of each phase at the time `now`; `None` where the timer does not drive both outputs.
     #[must_use]
     pub fn pins(&self, now: u64) -> [Option<(bool, bool)>; 3] {
         [0, 1, 2].map(|phase| {
@@ -44,7 +45,7 @@ impl BridgeTimer {
         })
     }
 
-    /// The state of each phase's transistors at a moment.
+    /// State of each phase's transistors at the time `now`.
     #[must_use]
     pub fn legs(&self, now: u64) -> [Leg; 3] {
         let pins = self.pins(now);
@@ -57,7 +58,7 @@ impl BridgeTimer {
         })
     }
 
-    /// Dead time is put between two outputs that are both enabled.
+    /// Whether the timer inserts dead time in this phase: the main output and the two outputs of the phase are enabled.
     fn has_dead_time(&self, phase: usize) -> bool {
         self.main_output && self.registers.get(CCER) >> (4 * phase) & 5 == 5
     }

@@ -156,7 +156,8 @@ fn a_break_passes_its_filter_first() {
     }
 }
 
-/// An STSPIN830 with the complementary outputs at its enables: off by their own bit, and inactive while high.
+/// A timer for an STSPIN830 whose enables are wired to the complementary outputs. Those outputs have their enable bit cleared, and
+/// are inactive when high.
 fn with_enables(idle_levels: u32) -> BridgeTimer {
     let mut tim = started_with(idle_levels);
     tim.gates = GateDriver::Stspin830;

@@ -1,15 +1,15 @@
-//! A recording of control periods that is replayed without change.
+//! A recorded hand motion that is replayed without smoothing or interpolation.
 
 use super::Recording;
 
-/// Samples, each held until the next, as the loop holds the hand's rest point. Nothing is moved, smoothed or interpolated, so a
-/// recording of every tick is replayed bit for bit.
+/// Recorded rest points of the hand, each held until the next sample's time. A recording with one sample per tick is replayed bit
+/// for bit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Held {
     times_s: Vec<f64>,
     values: Vec<f64>,
-    /// Share of an interval by which a time may come early and still be the sample's: a decimal time need not be the product of
-    /// index and period to the last bit.
+    /// Time in seconds by which a sample takes effect early, a thousandth of the sample interval. It absorbs the rounding of sample
+    /// times that are written in decimals.
     early_s: f64,
 }
 

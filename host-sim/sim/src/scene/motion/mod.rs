@@ -1,4 +1,4 @@
-//! The hand's rest point as a function of time.
+//! The intended motion of the simulated hand: its rest point as a function of time.
 
 mod held;
 mod odd;
@@ -21,7 +21,8 @@ use tap::TapPath;
 
 /// The hand's moving rest point `r(t)`: the end of the hand's spring that the person moves on purpose.
 ///
-/// All shapes are smooth: `r` has a continuous slope, and its frequencies are those of voluntary motion (up to some 10 Hz).
+/// All computed shapes are smooth: `r` has a continuous slope, and its frequencies are those of voluntary motion, up to some 10 Hz.
+/// A recording that is replayed exactly moves in steps.
 #[derive(Debug, Clone)]
 pub struct RestPath {
     shape: Shape,
@@ -39,7 +40,7 @@ enum Shape {
 }
 
 impl Scene {
-    /// Initial angle of the device, rad: the scene's initial angle if given, else the first rest point of the hand.
+    /// Initial angle of the device, rad: the scene's initial angle if the scene gives one, otherwise the hand's first rest point.
     pub fn start_rad(&self, motion: &RestPath) -> f64 {
         self.device
             .initial_angle_rad
@@ -48,10 +49,10 @@ impl Scene {
 }
 
 impl RestPath {
-    /// Prepares the motion of a scene; reads the recording where there is one.
+    /// Prepares the hand's motion of a scene, and reads the recording if the scene names one.
     ///
     /// # Errors
-    /// Whatever is wrong with the recording, see [`Recording::read`]; a press or tap without a hand.
+    /// The recording cannot be used, see [`Recording::read`]; the scene has a press or a tap but no hand.
     pub fn from_scene(scene: &Scene) -> Result<RestPath> {
         let surface = scene.wall.surface_rad;
         let hand = || {
@@ -107,7 +108,7 @@ impl RestPath {
         }
     }
 
-    /// Rest point at a time in s, rad. The loop evaluates it once per tick.
+    /// Rest point of the hand at a time in s, rad. The simulation calls it once per tick.
     pub fn rest_rad(&self, time_s: f64) -> f64 {
         match &self.shape {
             Shape::Still(angle) => *angle,
@@ -119,7 +120,7 @@ impl RestPath {
         }
     }
 
-    /// Constant rest point of a hand without a motion, rad; `None` for a hand that moves.
+    /// Rest point in rad of a hand without a motion; `None` for a hand that moves.
     pub fn still_rad(&self) -> Option<f64> {
         match self.shape {
             Shape::Still(angle) => Some(angle),
@@ -127,7 +128,7 @@ impl RestPath {
         }
     }
 
-    /// One line for users on how a recording was placed and read; `None` for other motions.
+    /// One line for users on how the recording was placed against the wall and smoothed; `None` for motions without a recording.
     pub fn note(&self) -> Option<&str> {
         self.note.as_deref()
     }
@@ -142,9 +143,9 @@ impl Turn {
     }
 }
 
-/// Minimum-jerk step from 0 to 1 while `share` goes from 0 to 1: how people move from rest to rest.
+/// Minimum-jerk step from 0 to 1, the profile by which people move from rest to rest. `share` is the fraction of the time, 0 to 1.
 ///
-/// Its first and second derivatives vanish at both ends.
+/// Its first and second derivatives are 0 at both ends.
 pub(super) fn minimum_jerk(share: f64) -> f64 {
     let s = share.clamp(0.0, 1.0);
     s * s * s * (10.0 + s * (6.0 * s - 15.0))

@@ -1,23 +1,38 @@
-//! Suspicious features of a recording, each reported with the number that shows it.
+//! Finds suspicious features of a recorded hand motion, and reports each with the number that shows it.
 
 use super::recording::Recording;
 use std::f64::consts::TAU;
 
-/// Speed that no hand turns a knob at, rad/s; a wrist reaches some 25 rad/s.
+/// Speed above which a recording is reported as faster than any hand, rad/s. A wrist reaches some 25 rad/s.
 const FASTEST_RAD_PER_S: f64 = 60.0;
-/// Least time over which a speed is computed, s. A sensor's step between two close samples would else count as a fast motion.
+/// Shortest time over which a speed is computed, s. Over less time, one step of the sensor would look like a fast motion.
 const OVER_S: f64 = 5e-3;
-/// Least time between two samples that counts as a gap, s. In a longer time a hand may make motions that the recording lacks.
+/// Distance of a recording's first time from 0 above which its clock is taken for that of a calendar, s: 11 days.
+const EPOCH_S: f64 = 1e6;
+/// Shortest time between two samples that is reported as a gap, s. A hand can make a motion in it that the recording lacks.
 const GAP_S: f64 = 0.1;
 
 impl Recording {
-    /// Notes on suspicious features of a recording; empty for a good one.
+    /// Warnings on suspicious features of the recording, one line each; empty if there is none.
     #[must_use]
     pub fn odd(&self) -> Vec<String> {
-        [self.gap(), self.bursts(), self.wraps(), self.speed()]
-            .into_iter()
-            .flatten()
-            .collect()
+        [
+            self.epoch(),
+            self.gap(),
+            self.bursts(),
+            self.wraps(),
+            self.speed(),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+
+    fn epoch(&self) -> Option<String> {
+        let begins_s = self.begins_s();
+        (begins_s.abs() > EPOCH_S).then(|| {
+            format!("times begin at {begins_s:.3} s, as those of a calendar do, and are counted from there")
+        })
     }
 
     fn gap(&self) -> Option<String> {
@@ -59,7 +74,7 @@ impl Recording {
         let mut worst = (0.0, 0.0);
         let mut from = 0;
         for to in 1..times.len() {
-            // The last sample that is far enough before this one.
+            // The last sample that is at least OVER_S before the sample `to`.
             while from + 1 < to && times[to] - times[from + 1] >= OVER_S {
                 from += 1;
             }

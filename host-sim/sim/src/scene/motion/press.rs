@@ -1,4 +1,4 @@
-//! Presses: move in, push with a given torque, perhaps wiggle, hold, let go.
+//! The hand's presses on a wall: move in, push with a given torque, optionally wiggle, hold, let go.
 
 use std::f64::consts::TAU;
 
@@ -6,15 +6,15 @@ use super::minimum_jerk;
 use crate::scene::device::Wall;
 use crate::scene::operator::{Hand, PressWiggleRelease, RampAndHold, TouchAndPress};
 
-/// Rest point of a press.
+/// Rest point of the hand over time while it presses on a wall.
 ///
-/// Device, pad and hand are springs in series between wall and rest point, so a static torque `τ` needs the rest
-/// point `τ·(1/k_de + 1/k_pad + 1/k_hand)` beyond the surface. With a soft hand that is several radians: the rest
-/// point is where the person pulls to, not where the hand gets to.
+/// Device, fingertip pad and hand are springs in series between the wall and the rest point. A static torque `τ` therefore needs
+/// the rest point `τ·(1/k_de + 1/k_pad + 1/k_hand)` beyond the wall's surface, where `k_de` is the wall's desired stiffness. With a
+/// soft hand that is several radians: the rest point is where the person pulls to, not where the hand gets to.
 #[derive(Debug, Clone)]
 pub(super) struct Press {
     outside_rad: f64,
-    /// Rest point at the start of the press, rad: outside the wall, or at the light touch before the press.
+    /// Rest point at the start of the press, rad: outside the wall, or that of the preceding light touch.
     from_rad: f64,
     inside_rad: f64,
     touch_start_s: f64,
@@ -28,11 +28,12 @@ pub(super) struct Press {
     wiggle_hz: f64,
 }
 
-/// Below this stiffness there is no wall: a newton metre would take a million radians, N·m/rad.
+/// Stiffness below which a wall counts as absent, N·m/rad. Such a wall would give way by a million radians under 1 N·m.
 const LEAST_STIFFNESS: f64 = 1e-6;
 
-/// Rest point's shift for one newton metre of static torque against a wall that displays its desired stiffness,
-/// rad/(N·m). A wall of no stiffness holds no torque, however far: there the hand's own spring alone is counted.
+/// Shift of the rest point in radians per newton metre of static torque, against a wall of the desired stiffness.
+///
+/// A wall below [`LEAST_STIFFNESS`] holds no torque, so only the springs of pad and hand count.
 fn shift_per_n_m(hand: &Hand, wall: &Wall) -> f64 {
     let k = wall.k_desired_n_m_per_rad;
     hand.compliance_rad_per_n_m() + if k < LEAST_STIFFNESS { 0.0 } else { 1.0 / k }
@@ -98,7 +99,7 @@ impl Press {
         let pressed = time_s - self.start_s - self.ramp_s;
         let released = pressed - self.wiggle_s - self.hold_s;
         if time_s < self.start_s {
-            // Nothing, or the light touch: a ramp of no length is no ramp, not a jump.
+            // Before the press: at rest outside, or the light touch. A touch ramp of length 0 means that there is no touch.
             let share = if self.touch_ramp_s > 0.0 {
                 (time_s - self.touch_start_s) / self.touch_ramp_s
             } else {
@@ -116,8 +117,8 @@ impl Press {
         }
     }
 
-    /// A sine that swells and fades over half a period each (less where the time is short), so that its slope has no
-    /// steps.
+    /// Wiggle of the rest point at a time, rad: a sine that swells and fades over half a period each (less if the time is short),
+    /// so that its slope has no steps.
     fn wiggle_at(&self, time_s: f64) -> f64 {
         if time_s >= self.wiggle_s || self.wiggle_rad == 0.0 {
             return 0.0;

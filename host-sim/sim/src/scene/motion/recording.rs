@@ -1,4 +1,4 @@
-//! Recordings of a hand: CSV with a time and an angle column, units from the header.
+//! Reads recordings of a hand's motion: CSV files with a column of time and a column of angle, whose units are in the header.
 
 use std::path::{Path, PathBuf};
 
@@ -8,8 +8,8 @@ use crate::input;
 use crate::scene::operator::Recorded;
 use crate::scene::units::{self, Dimension, UNITS};
 
-/// Columns of the program's own files that tell how a hand moved, the best first: a run's trace knows where the hand wanted to be,
-/// a device only where it was.
+/// Angle columns of Touchstone's own files, in the order of preference. A simulation's trace knows the hand's rest point; the
+/// record of a device has only the device's angle.
 const OWN_ANGLES: [&str; 5] = [
     "rest_rad",
     "hand_rad",
@@ -17,29 +17,32 @@ const OWN_ANGLES: [&str; 5] = [
     "angle_measured_rad",
     "penetration_rad",
 ];
-/// What every file of the program has beside them: traces of runs and the records of `monitor`.
+/// Columns that identify a file of this program: a simulation's trace or a record of `touchstone monitor`.
 const OWN_MARKS: [&str; 2] = ["time_s", "force_n_m"];
 
-/// Most samples: an hour at 1 kHz.
+/// Largest number of samples in a recording: an hour at 1 kHz.
 const MOST_SAMPLES: usize = 3_600_000;
-/// A clock that falls from less is none that wrapped, in its own unit: the smallest counts to this.
+/// Smallest time stamp, in the file's unit, whose fall to less than half is explained as a counter's wrap. The smallest counter, of
+/// 8 bits, ends at 255.
 const LEAST_OF_COUNTER: f64 = 255.0;
-/// Shortest recording, s.
+/// Shortest accepted recording, s.
 const SHORTEST_S: f64 = 1e-5;
-/// Largest angle, rad.
+/// Largest accepted angle of either sign, rad.
 const LARGEST_RAD: f64 = 1e6;
 
-/// A recorded motion in SI units.
+/// A recorded hand motion: sample times in s from 0, angles in rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     file: PathBuf,
-    /// Name of the angle's column in the file.
+    /// Header name of the angle's column.
     angle: String,
+    /// Time of the first sample on the clock of the file, s; [`times_s`](Self::times_s) counts from it.
+    begins_s: f64,
     times_s: Vec<f64>,
     angles_rad: Vec<f64>,
 }
 
-/// One of the two columns that are used: time or angle.
+/// The column of a CSV file from which times or angles are read, with the factor that converts its unit to SI.
 struct Column {
     index: usize,
     name: String,
@@ -47,19 +50,18 @@ struct Column {
 }
 
 impl Recording {
-    /// Reads a recording.
+    /// Reads a recording from a CSV file.
     ///
-    /// The file is CSV with a header line; lines that begin with `#` are skipped. One column's name must end in a
-    /// unit of time (`time_s`, `t_ms`, `Time [us]`), one in a unit of angle (`angle_deg`, `position_rad`,
-    /// `theta_mrad`, `turn_rev`); other columns are ignored. Times must rise; their steps need not be equal and the
-    /// first need not be 0: time counts from it.
+    /// The file has a header line; lines that begin with `#` are skipped. One column's name must end in a unit of time (`time_s`,
+    /// `t_ms`, `Time [us]`), one in a unit of angle (`angle_deg`, `position_rad`, `theta_mrad`, `turn_rev`). Other columns are
+    /// ignored. Times must rise; their steps need not be equal. Time counts from the first sample.
     ///
-    /// A trace of a run and a file of `touchstone monitor` have several columns of angles. The one that is used is then the
-    /// first of `rest_rad`, `hand_rad`, `angle_rad`, `angle_measured_rad` and `penetration_rad` that is there.
+    /// A trace of a simulation and a file of `touchstone monitor` have several columns of angles. From such a file the first
+    /// existing column of `rest_rad`, `hand_rad`, `angle_rad`, `angle_measured_rad` and `penetration_rad` is read.
     ///
-    /// # Errors [`Error::Io`] where the file cannot be read, [`Error::File`] with line and column for everything in
-    /// it: no or an ambiguous column, fewer than two rows, a missing or non-finite number, times that do not rise,
-    /// more than 3.6 million steps.
+    /// # Errors
+    /// [`Error::Io`] if the file cannot be read. [`Error::File`] with line and column for a missing or ambiguous column, fewer than
+    /// two rows, a missing or non-finite number, times that do not rise, or more than 3.6 million steps.
     pub fn read(file: &Path) -> Result<Recording> {
         let text = input::text(file, input::MOST_OF_RECORDING).map_err(|error| {
             let (problem, fix) = match error.kind() {
@@ -193,7 +195,7 @@ impl Recording {
                     line(),
                     &time.name,
                     problem,
-                    // All of what a counter had is gone at once.
+                    // A counter that wraps falls to less than half in one step.
                     match t < 0.5 * previous && previous >= LEAST_OF_COUNTER {
                         true => {
                             "where a counter wrapped, add its range to what follows; else sort the rows by time"
@@ -221,6 +223,7 @@ impl Recording {
         let recording = Recording {
             file: file.to_owned(),
             angle: angle.name,
+            begins_s: first.unwrap_or(0.0) * time.si,
             times_s,
             angles_rad,
         };
@@ -249,12 +252,12 @@ impl Recording {
         Ok(recording)
     }
 
-    /// Name of the angle's column.
+    /// Header name of the angle's column.
     pub(super) fn angle(&self) -> &str {
         &self.angle
     }
 
-    /// Length, s.
+    /// Time from the first to the last sample, s.
     pub fn length_s(&self) -> f64 {
         self.times_s.last().copied().unwrap_or(0.0)
     }
@@ -264,17 +267,23 @@ impl Recording {
         median_interval_s(&self.times_s)
     }
 
-    /// Sample times from 0, s.
+    /// Time of the first sample on the clock of the file, s.
+    #[must_use]
+    pub fn begins_s(&self) -> f64 {
+        self.begins_s
+    }
+
+    /// Sample times, s, counted from the first sample.
     pub fn times_s(&self) -> &[f64] {
         &self.times_s
     }
 
-    /// Angles, rad.
+    /// Recorded angles, rad, one per sample time.
     pub fn angles_rad(&self) -> &[f64] {
         &self.angles_rad
     }
 
-    /// Mean over time (trapezoids), so that unequal intervals do not shift it, rad.
+    /// Mean angle over time, rad. It is integrated by trapezoids, so that unequal sample intervals do not shift it.
     pub fn mean_rad(&self) -> f64 {
         let areas = self
             .times_s
@@ -284,7 +293,7 @@ impl Recording {
         areas.sum::<f64>() / self.length_s()
     }
 
-    /// The smoothed rest point `surface + offset + scale·(angle - mean)`.
+    /// The smoothed rest point over time, placed against the wall: `surface + offset + scale·(angle - mean)`, rad.
     pub(super) fn placed(&self, surface_rad: f64, spec: &Recorded) -> Curve {
         let mean = self.mean_rad();
         let rest: Vec<f64> = self
@@ -295,11 +304,12 @@ impl Recording {
         Curve::smooth(&self.times_s, &rest)
     }
 
-    /// The choices for this recording, in one line.
+    /// Describes in one line how the recording was placed against the wall and smoothed.
     pub(super) fn note(&self, surface_rad: f64, spec: &Recorded, curve: &Curve) -> String {
         let (low, high) = curve.range();
         let odd: String = self.odd().iter().map(|odd| format!("; {odd}")).collect();
-        format!(
+        // Names of file and column are shown as the user wrote them.
+        crate::harmless::one_line(&format!(
             "{}, {}: {} samples, {:.2} s at {:.0} Hz; rest point = surface {:.3} rad + offset {:.3} rad + {} × (angle - mean {:.3} rad), \
              from {:.3} to {:.3} rad, inside the wall {:.0} % of the time{odd}",
             self.file.display(),
@@ -314,11 +324,11 @@ impl Recording {
             low,
             high,
             100.0 * curve.share_above(surface_rad),
-        )
+        ))
     }
 }
 
-/// A number as text, without its three hundred digits.
+/// Writes a number in a short form: a huge number without its hundreds of digits.
 fn short(number: f64) -> String {
     match number.abs() < 1e15 {
         true => number.to_string(),
@@ -326,7 +336,7 @@ fn short(number: f64) -> String {
     }
 }
 
-/// Line of a row. The reader notes where it began to look, which is before any comments and empty lines.
+/// Line number in the file of a CSV row. The reader's own number does not count comments and empty lines before the row.
 fn line_of(text: &str, row: &csv::StringRecord) -> usize {
     let Some(position) = row.position() else {
         return 1;
@@ -336,7 +346,7 @@ fn line_of(text: &str, row: &csv::StringRecord) -> usize {
     position.line() as usize + rest.lines().take_while(skipped).count()
 }
 
-/// The column of the angle in a file that this program wrote.
+/// The angle's column in a file that this program wrote; `None` for other files.
 fn own_angle(header: &csv::StringRecord) -> Option<Column> {
     let place = |wanted: &str| header.iter().position(|name| name == wanted);
     OWN_MARKS
@@ -351,7 +361,7 @@ fn own_angle(header: &csv::StringRecord) -> Option<Column> {
     })
 }
 
-/// Beginnings of the names of columns of time.
+/// Words with which the name of a time column begins.
 const TIMES: [&str; 7] = [
     "time",
     "t",
@@ -362,7 +372,7 @@ const TIMES: [&str; 7] = [
     "clock",
 ];
 
-/// Units written as words.
+/// Units that headers spell as words, each with the suffix that it stands for.
 const WORDS: [(&str, &str); 15] = [
     ("sec", "s"),
     ("secs", "s"),
@@ -381,7 +391,8 @@ const WORDS: [(&str, &str); 15] = [
     ("revolutions", "rev"),
 ];
 
-/// A column's name in small letters with `_` between: `Angle [deg]` and `angle (deg)` are as clear as `angle_deg`, and `[°/s]` is a speed.
+/// Puts a column's name in lower case, with `_` between the words: `Angle [deg]` and `angle (deg)` become `angle_deg`. `°/s`
+/// becomes `deg_per_s`, which is a speed.
 fn plain(name: &str) -> String {
     let name = name
         .to_lowercase()
@@ -393,7 +404,7 @@ fn plain(name: &str) -> String {
     words.join("_")
 }
 
-/// The unit that ends a column's name.
+/// The unit with which a column's name ends; `None` if it ends with none.
 fn unit_of(name: &str) -> Option<&'static units::Unit> {
     let plain = plain(name);
     let (stem, last) = plain.rsplit_once('_').unwrap_or(("", &plain));
@@ -404,7 +415,7 @@ fn unit_of(name: &str) -> Option<&'static units::Unit> {
     }
 }
 
-/// The one column whose name ends in a unit of this dimension.
+/// Finds the only column whose name ends in a unit of this dimension. Error: problem and remedy, if no column or several fit.
 fn find(
     header: &csv::StringRecord,
     dimension: Dimension,
@@ -428,7 +439,7 @@ fn find(
             })
         })
         .collect();
-    // `axis_s` ends as a time does; beside a column that calls itself one it is none.
+    // `axis_s` ends like a time. If exactly one column's name also begins with a word for time, that column is used.
     if dimension == Dimension::Time && found.len() > 1 {
         let is_named = |column: &Column| {
             TIMES.contains(&plain(&column.name).split('_').next().unwrap_or_default())
@@ -438,7 +449,7 @@ fn find(
         }
     }
     let mut found = found.into_iter();
-    // A quote that nothing closes makes a name of all that follows.
+    // An unclosed quote makes the whole rest of the file one column name, so names are cut for the message.
     let cut = |name: &str| -> String {
         name.split(['\n', '\r'])
             .next()
@@ -470,12 +481,12 @@ fn find(
     }
 }
 
-/// The finite number in a cell.
+/// Reads the finite number in one cell of the CSV file.
 fn cell(
     row: &csv::StringRecord,
     column: &Column,
 ) -> std::result::Result<f64, (String, &'static str)> {
-    // Rows are as long as the header.
+    // The CSV reader has checked that rows are as long as the header.
     let text = row.get(column.index).unwrap_or_default();
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),

@@ -1,31 +1,34 @@
-//! From samples at any times to a curve at any time, without inventing motion.
+//! Turns recorded samples at uneven times into a smooth curve, without adding motion that the samples lack.
 //!
-//! Two steps. Between the samples a monotone cubic (PCHIP: Fritsch and Carlson, with the harmonic mean of the
-//! neighbouring slopes): it passes through every sample, its slope is continuous, and it never leaves the range of
-//! its two neighbours. A natural spline or a windowed sinc would ring on every step of the sensor. Then a Gaussian
-//! low-pass: the sensor's steps are no motion, and as voluntary motion ends near 10 Hz nothing is lost above 20 Hz.
-//! The Gaussian's weights are all positive, so it cannot ring nor overshoot either, it has no delay, and it is the
-//! anti-alias filter where the recording is faster than the control rate.
+//! First, a monotone cubic (PCHIP: Fritsch and Carlson, with the harmonic mean of the neighbouring slopes) joins the samples. It
+//! passes through every sample, its slope is continuous, and it stays between the two neighbouring samples. A natural spline or a
+//! windowed sinc would ring on every step of the sensor.
+//!
+//! Second, a Gaussian low-pass removes the sensor's steps. Voluntary motion ends near 10 Hz, so a low-pass at 20 Hz loses none of
+//! it. All weights of the Gaussian are positive, so the low-pass neither rings nor overshoots, and it has no delay. It also
+//! prevents aliasing if the recording is faster than the control rate.
 
 use std::f64::consts::{LN_2, PI};
 
-/// Frequency at which the low-pass has taken 3 dB, Hz. At 2 Hz it takes 0.3 %, at 5 Hz 2.1 %, at 100 Hz all but 2e-4.
+/// Cut-off frequency of the low-pass (-3 dB), Hz. The low-pass reduces the amplitude by 0.3 % at 2 Hz and by 2.1 % at 5 Hz; at 100
+/// Hz a fraction of 2e-4 remains.
 pub const SMOOTHING_HZ: f64 = 20.0;
 
-/// Coarsest step of the smoothed curve, s: seven steps to a standard deviation of the low-pass.
+/// Largest time step of the smoothed curve, s. Seven such steps are about one standard deviation of the Gaussian low-pass.
 const STEP_S: f64 = 1e-3;
 
-/// Most steps of a curve: an hour in milliseconds, 29 MB.
+/// Largest number of steps in a smoothed curve: an hour in steps of 1 ms, 29 MB.
 pub(super) const MOST_STEPS: f64 = 3.6e6;
 
-/// Finest step, s. Above half its rate a recording has no motion of a hand, and the low-pass costs the square of the
-/// step's inverse.
+/// Smallest time step of the smoothed curve, s. A hand has no motion above half the rate of such steps, and the cost of the
+/// low-pass grows with the inverse square of the step.
 const FINEST_S: f64 = 1e-4;
 
-/// Steps of a curve that is smoothed in steps of less than [`STEP_S`].
+/// Largest number of steps in a curve whose steps are shorter than [`STEP_S`].
 const MOST_FINE_STEPS: f64 = 6e5;
 
-/// Step for a recording of this length with this many samples, s: the mean interval, as samples may come in bursts.
+/// Time step in seconds of the smoothed curve of a recording. It is the mean sample interval within limits, because samples may
+/// come in bursts.
 pub(super) fn step_s(length_s: f64, samples: usize) -> f64 {
     let mean_s = length_s / samples.saturating_sub(1).max(1) as f64;
     mean_s
@@ -34,7 +37,7 @@ pub(super) fn step_s(length_s: f64, samples: usize) -> f64 {
         .min(STEP_S)
 }
 
-/// A smooth curve over time, given at equal steps from time 0; constant before and after.
+/// A smooth curve over time, stored at equal steps from time 0. Before and after its range it keeps the first and last value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     step_s: f64,
@@ -42,7 +45,7 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// Smooth curve through samples at rising times (at least two, the first at time 0), all in s; values in any unit.
+    /// Makes a smooth curve through samples in any unit. Times are in s and must rise; there are at least two, the first of them 0.
     pub fn smooth(times_s: &[f64], values: &[f64]) -> Self {
         let last = times_s.last().copied().unwrap_or(0.0);
         let step_s = step_s(last, times_s.len());
@@ -57,7 +60,7 @@ impl Curve {
         }
     }
 
-    /// The value at a time.
+    /// The curve's value at a time in s, interpolated between the stored steps.
     pub fn at(&self, time_s: f64) -> f64 {
         let place = (time_s / self.step_s).clamp(0.0, (self.values.len() - 1) as f64);
         let left = (place as usize).min(self.values.len().saturating_sub(2));
@@ -85,7 +88,7 @@ impl Curve {
         }
     }
 
-    /// Lowest and highest value.
+    /// Lowest and highest value of the curve.
     pub fn range(&self) -> (f64, f64) {
         self.values
             .iter()
@@ -94,7 +97,7 @@ impl Curve {
             })
     }
 
-    /// Share of the time above a level, 0 to 1.
+    /// Fraction of the time (0 to 1) in which the curve lies above a level.
     pub fn share_above(&self, level: f64) -> f64 {
         self.values.iter().filter(|value| **value > level).count() as f64 / self.values.len() as f64
     }
@@ -110,7 +113,7 @@ pub(super) fn median_interval_s(times_s: &[f64]) -> f64 {
         .unwrap_or(STEP_S)
 }
 
-/// Gaussian low-pass; the first and last values go on for ever.
+/// Applies the Gaussian low-pass to values at steps of `step_s`; beyond the ends it repeats the first and last value.
 fn low_pass(values: &[f64], step_s: f64) -> Vec<f64> {
     // |H| = exp(-(2π f σ)²/2) is 1/√2 where (2π f σ)² = ln 2.
     let sigma = LN_2.sqrt() / (2.0 * PI * SMOOTHING_HZ) / step_s;
@@ -131,7 +134,7 @@ fn low_pass(values: &[f64], step_s: f64) -> Vec<f64> {
     (0..=last).map(|i| around(i).sum()).collect()
 }
 
-/// Monotone cubic through samples at any rising times.
+/// Monotone cubic interpolation (PCHIP) through samples at rising times.
 struct Monotone<'a> {
     times: &'a [f64],
     values: &'a [f64],
@@ -141,7 +144,7 @@ struct Monotone<'a> {
 impl<'a> Monotone<'a> {
     fn new(times: &'a [f64], values: &'a [f64]) -> Self {
         let last = times.len() - 1;
-        // At the ends the hand rests: slope 0, which also joins the constant before and after.
+        // At the first and last sample the slope is 0, which joins smoothly to the constant before and after.
         let slope = |i: usize| match i {
             0 => 0.0,
             i if i == last => 0.0,
@@ -178,7 +181,8 @@ impl<'a> Monotone<'a> {
     }
 }
 
-/// Slope at a sample from the intervals and rises before and after it: 0 at a turn, else a weighted harmonic mean.
+/// Slope of the monotone cubic at a sample, from the intervals and rises before and after the sample. It is 0 where the samples
+/// turn back, otherwise a weighted harmonic mean of the neighbouring slopes.
 fn monotone_slope(length_before: f64, rise_before: f64, length_after: f64, rise_after: f64) -> f64 {
     if rise_before * rise_after <= 0.0 {
         return 0.0;
@@ -191,7 +195,8 @@ fn monotone_slope(length_before: f64, rise_before: f64, length_after: f64, rise_
     (w_before + w_after) / (w_after / before + w_before / after)
 }
 
-/// Cubic between two values with given slopes, `share` of the way along an interval of this length.
+/// Cubic Hermite interpolation between two values with given slopes. `share` is the fraction (0 to 1) of the interval, `length` its
+/// length.
 fn hermite(
     share: f64,
     length: f64,

@@ -1,9 +1,9 @@
-//! Taps: the device reaches the wall at a given speed.
+//! Taps of the hand on the wall: the device reaches the wall at a given speed.
 //!
-//! The rest point alone says little about speed: a hand of 2 Hz on a soft pad barely follows a quick pulse. So the
-//! wanted motion of the *device* in free air is given, a bump whose steepest point lies on the surface, and the rest
-//! point that makes the chain device – pad – hand do just that is computed by inverting the chain. What the wall then
-//! does to it is the experiment.
+//! A pulse of the rest point alone would not set the speed, because a hand of 2 Hz on a soft fingertip pad barely follows a quick
+//! pulse. The tap is therefore given as a motion of the *device* in free air: a bump whose steepest point lies on the wall's
+//! surface. The rest point that makes the device move so is computed by inverting the chain device – pad – hand. With the wall, the
+//! device moves differently.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,35 +12,38 @@ use nalgebra::Complex;
 use crate::scene::device::DeviceSpec;
 use crate::scene::operator::{Hand, Tap};
 
-/// The bump is `sin⁶` over half a turn: five continuous derivatives, which the inversion uses up (two for each mass
-/// and a slope). It is steepest where `tan² = 5`, at this height ...
+/// Height of a tap's steepest point, as a fraction of the bump's full height.
+///
+/// The bump is `sin⁶` over half a turn of its argument, steepest where `tan² = 5`. It has five continuous derivatives, which the
+/// inversion of the chain needs: two for each of the two masses and one for a continuous slope.
 const HEIGHT_AT_STEEPEST: f64 = 125.0 / 216.0;
 
-/// ... with this slope over the angle: `6 sin⁵ cos = 6·(5/6)^(5/2)·(1/6)^(1/2)`.
+/// Slope over the argument at the bump's steepest point: `6 sin⁵ cos = 6·(5/6)^(5/2)·(1/6)^(1/2)`.
 fn steepest_slope() -> f64 {
     6.0 * libm::pow(5.0 / 6.0, 2.5) * (1.0_f64 / 6.0).sqrt()
 }
 
-/// `sin⁶ θ` as a sum of `cos 2kθ`, k = 0 to 3.
+/// Fourier coefficients of the bump: `sin⁶ θ` as a sum of `cos 2kθ`, k = 0 to 3.
 const HARMONICS: [f64; 4] = [10.0 / 32.0, -15.0 / 32.0, 6.0 / 32.0, -1.0 / 32.0];
 
-/// Length of the whole tap, out and back, s.
+/// Duration of the whole tap, out and back, s.
 pub(in crate::scene) fn length_s(spec: &Tap) -> f64 {
     PI * steepest_slope() * (spec.approach_rad / HEIGHT_AT_STEEPEST) / spec.velocity_rad_per_s
 }
 
-/// Rest point of a tap.
+/// Rest point of the hand over time during a tap.
 #[derive(Debug, Clone)]
 pub(super) struct TapPath {
     outside_rad: f64,
     start_s: f64,
     length_s: f64,
-    /// Complex amplitude of the rest point at each harmonic of the tap.
+    /// Complex amplitude in radians of the rest point at each of the tap's harmonics, 0 to 3.
     rest: [Complex<f64>; 4],
-    /// Time constant of the pad, damping over stiffness, s.
+    /// Time constant of the fingertip pad in s: its damping divided by its stiffness.
     pad_s: f64,
-    /// The rest point's remainder at the start of each tap, since the harmonics assume that taps follow each other for
-    /// ever. It dies away with the pad's time constant. It is subtracted at the start and added back at the end.
+    /// Correction in radians of the rest point at the start of the tap. The harmonics describe taps that repeat for ever; a single
+    /// tap starts from rest. The correction is subtracted from the start on and added back at the end, and decays with the pad's
+    /// time constant.
     left_over: f64,
 }
 
@@ -101,7 +104,8 @@ impl TapPath {
     }
 }
 
-/// Hand and rest point over device angle at the complex frequency `s`, without wall and dry friction.
+/// Transfer functions from device angle to hand angle and to rest point, at the complex frequency `s`. Wall and dry friction are
+/// left out.
 fn inverse_chain(
     s: Complex<f64>,
     hand: &Hand,

@@ -1,4 +1,4 @@
-//! The fields of `[environment]`.
+//! The fields of a scene's table `[environment]`: further walls, end stops, detents and a torque profile.
 
 use super::Kind::{Choice, Flag, Numbers, Whole};
 use super::Range::{Any, NotNegative, Within};
@@ -6,10 +6,10 @@ use super::{Field, field, number};
 use touchstone_control::Choice as _;
 use touchstone_control::environment::{MOST_POINTS, Side};
 
-/// Range of a wall's stiffness, that of `[wall]`.
+/// Range of a further wall's stiffness in N·m/rad, the same as for the stiffness in `[wall]`.
 const STIFFNESS: super::Range = Within(0.0, 500_000.0);
 
-/// The fields of a further wall.
+/// Makes the three fields of one wall beside the main one: place of its surface, solid side and stiffness.
 macro_rules! wall {
     ($table:literal, $which:literal) => {
         [

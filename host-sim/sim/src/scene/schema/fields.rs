@@ -1,4 +1,4 @@
-//! The table itself.
+//! The list of all fields that a scene may have, with unit, range and meaning.
 
 use super::Kind::{Choice, Flag, Text, Whole};
 use super::Range::{Any, Exactly, NotNegative, Positive, UpTo, Within};
@@ -11,7 +11,7 @@ use touchstone_control::choices::*;
 use touchstone_control::table::suffix;
 use touchstone_control::{Choice as _, setting_path};
 
-/// Tables that may be left out as a whole, and what that means.
+/// Tables of a scene that may be left out as a whole, each with the meaning of leaving it out.
 pub(crate) const OPTIONAL_TABLES: &[(&str, &str)] = &[
     ("device.friction", "no dry friction"),
     ("device.cogging", "no cogging"),
@@ -303,13 +303,13 @@ const NUMBER: &[Field] = &[field(
     "the number format that the law computes in",
 )];
 
-/// Makes fields from the rows of the law's table, and joins all fields in their order.
+/// Makes fields of a scene from the control crate's list of law settings, and joins all fields in their printing order.
 macro_rules! table {
     (
         timing { $($timing:tt)* } wall { $($wall:tt)* } law { $($law:tt)* }
         $($(#[$doc:meta])* $group:ident $Group:ident { $($rows:tt)* })+
     ) => {
-        /// Everything in the order in which it is printed.
+        /// Groups of fields in the order in which a scene is printed.
         const PARTS: &[&[Field]] = &[
             DEVICE,
             table!(@rows (timing) $($timing)*),
@@ -364,5 +364,5 @@ const JOINED: [Field; COUNT] = {
     all
 };
 
-/// All fields, in the order in which they are printed.
+/// All fields of a scene, in the order in which they are printed.
 pub const FIELDS: &[Field] = &JOINED;

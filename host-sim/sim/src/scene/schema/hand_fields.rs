@@ -1,4 +1,4 @@
-//! The fields of the operator: the hand, its unsteadiness, its motion.
+//! The scene's fields of the operator: the hand, its tremor and reflexes, and its motion.
 
 use super::Kind::{Choice, Flag, Text};
 use super::Range::{Any, AtLeast, NotNegative, NotZero, Positive, UpTo, Within};
@@ -25,7 +25,7 @@ const TAP: &[&str] = &["tap"];
 const TURN: &[&str] = &["turn"];
 const RECORDED: &[&str] = &["recorded"];
 
-/// Grips and motions by their names in scenes.
+/// Names of the grips that a scene may give.
 const GRIPS: &[&str] = &["none", "light", "medium", "firm", "custom"];
 const MOTIONS: &[&str] = &[
     "none",
@@ -37,7 +37,7 @@ const MOTIONS: &[&str] = &[
     "recorded",
 ];
 
-/// Path of the field that decides which other fields a motion has.
+/// Path of the field that names the hand's motion. The named motion decides which other fields `[operator.motion]` has.
 pub(crate) const MOTION_KIND: &str = "operator.motion.kind";
 
 pub(super) const OPERATOR: &[Field] = &[

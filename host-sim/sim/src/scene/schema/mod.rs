@@ -1,7 +1,7 @@
-//! Every field of a scene in one table: name, unit, range and meaning.
+//! Every field of a scene file in one table: name, unit, range and meaning.
 //!
-//! Parsing, `--set`, error messages and printing all read this table, so a field that is added to the types in this
-//! module needs one entry in `schema/fields.rs`. A test compares the two. The law's fields are those of
+//! Parsing, `--set`, error messages and printing all read this table. A field that is added to a scene's types therefore needs one
+//! entry in `schema/fields.rs`; a test compares types and table. The fields of the control law are those of
 //! [`touchstone_control::law_settings`].
 
 mod environment_fields;
@@ -12,41 +12,42 @@ pub use fields::FIELDS;
 pub(crate) use fields::OPTIONAL_TABLES;
 pub(crate) use hand_fields::MOTION_KIND;
 
-/// The values that a field may have.
+/// The type and range of the values that a field of a scene may have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
     /// Any text.
     Text,
     /// `true` or `false`.
     Flag,
-    /// One of these words.
+    /// One of these names.
     Choice(&'static [&'static str]),
-    /// A whole number in this range, ends included.
+    /// An integer between these two numbers, ends included.
     Whole(i64, i64),
     /// A finite number.
     Number(Range),
-    /// A list of finite numbers: the least and the most of them, and the range of each, ends included.
+    /// A list of finite numbers: smallest and largest length of the list, then lowest and highest value of each number, ends
+    /// included.
     Numbers(usize, usize, f64, f64),
 }
 
-/// Range of a number.
+/// Range of a number, in the unit of its field.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Range {
     /// Any finite number.
     Any,
-    /// Any but 0.
+    /// Any finite number except 0.
     NotZero,
     /// Above 0.
     Positive,
     /// 0 or more.
     NotNegative,
-    /// At least this.
+    /// At least this number.
     AtLeast(f64),
-    /// Above 0 and at most this.
+    /// Above 0 and at most this number.
     UpTo(f64),
-    /// Between these, ends included.
+    /// Between these two numbers, ends included.
     Within(f64, f64),
-    /// Between these decimals, ends included, as a table of settings gives them.
+    /// Between two decimal numbers given as text, ends included, as in the control crate's list of settings.
     Exactly(&'static str, &'static str),
 }
 
@@ -68,7 +69,7 @@ impl Range {
         }
     }
 
-    /// The range in words, to stand after "must be".
+    /// Describes the range in words that can follow "must be" in an error message.
     pub fn words(self) -> String {
         match self {
             Range::Any => "finite".into(),
@@ -83,20 +84,20 @@ impl Range {
     }
 }
 
-/// One field.
+/// One field of a scene: name, unit, allowed values and meaning.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Field {
-    /// Tables and name, dotted.
+    /// Path of the field from the top of the scene, with dots: `device.inertia_kg_m2`.
     pub path: &'static str,
-    /// Suffix of its unit; empty where it has none.
+    /// Unit suffix at the end of the field's name, such as `rad_per_s`; empty for a field without a unit.
     pub unit: &'static str,
-    /// The values that the setting may hold.
+    /// Type and range of the field's value.
     pub kind: Kind,
-    /// Description that can stand after "give".
+    /// Description of the field that can follow "give" in an error message.
     pub about: &'static str,
-    /// The meaning of leaving it out; `None` if it has a default value.
+    /// The meaning of leaving the field out; `None` if the field has a default value.
     pub absent: Option<&'static str>,
-    /// Motions that have it; empty outside `[operator.motion]`.
+    /// Motions that have the field; empty for fields outside `[operator.motion]`.
     pub motions: &'static [&'static str],
 }
 
@@ -134,7 +135,7 @@ const fn number(
 }
 
 impl Field {
-    /// Last part of the path.
+    /// The field's name: the last part of its path.
     pub fn name(&self) -> &'static str {
         self.path
             .rsplit('.')
@@ -142,22 +143,22 @@ impl Field {
             .expect("rsplit gives at least one part")
     }
 
-    /// All but the last part of the path.
+    /// Path of the table that contains the field: all but the last part of the field's path.
     pub fn table(&self) -> &'static str {
         self.path.rsplit_once('.').map_or("", |(table, _)| table)
     }
 
-    /// The name without its unit; `None` for a field without a unit.
+    /// The field's name without the unit suffix; `None` for a field without a unit.
     pub fn stem(&self) -> Option<&'static str> {
         self.name().strip_suffix(self.unit)?.strip_suffix('_')
     }
 
-    /// The unit for people: `kg·m²`.
+    /// The unit as people write it, such as `kg·m²`.
     pub fn unit_shown(&self) -> &'static str {
         crate::scene::units::by_suffix(self.unit).map_or("", |unit| unit.shown)
     }
 
-    /// `about` with the unit: "the device's moment of inertia in kg·m²".
+    /// Description of the field with its unit: "the device's moment of inertia in kg·m²".
     pub fn about_with_unit(&self) -> String {
         match self.unit_shown() {
             "" => self.about.to_owned(),
@@ -165,18 +166,18 @@ impl Field {
         }
     }
 
-    /// Whether a motion of this kind has the field.
+    /// Whether the hand's motion named `motion` has the field.
     pub fn suits(&self, motion: &str) -> bool {
         self.motions.is_empty() || self.motions.contains(&motion)
     }
 }
 
-/// The field at this path.
+/// The field with this dotted path; `None` if no field has it.
 pub(crate) fn at(path: &str) -> Option<&'static Field> {
     FIELDS.iter().find(|field| field.path == path)
 }
 
-/// Whether some field lies in the table at this path.
+/// Whether the path names a table that contains at least one field.
 pub(crate) fn is_table(path: &str) -> bool {
     FIELDS.iter().any(|field| {
         field
@@ -186,7 +187,7 @@ pub(crate) fn is_table(path: &str) -> bool {
     })
 }
 
-/// Fields and tables directly inside a table (`""` is the top), by name, in order.
+/// Names of the fields and tables directly inside a table, in printing order; `""` is the top of the scene.
 pub(crate) fn inside(table: &str) -> Vec<&'static str> {
     let mut names: Vec<&'static str> = Vec::new();
     for field in FIELDS {

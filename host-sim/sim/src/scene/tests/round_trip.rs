@@ -1,4 +1,4 @@
-//! Shipped scenes, printing, and the agreement of types and schema.
+//! Tests that scenes survive printing and reading, and that the scene's types and the table of fields agree.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use super::schema::{FIELDS, Kind};
 use super::*;
 use touchstone_control::{FirstContact, LawKind};
 
-/// A scene that names everything, for each motion, with values unlike the defaults.
+/// Scenes, one per hand motion, that give every field a value different from its default.
 fn full_scenes() -> Vec<Scene> {
     let motions = [
         MotionSpec::None,
@@ -31,7 +31,7 @@ fn full_scenes() -> Vec<Scene> {
             angle_rad: -2.5,
             ..Turn::default()
         }),
-        // Any file that is there will do: its content is not read here.
+        // Any existing file will do, because its content is not read here.
         MotionSpec::Recorded(Recorded {
             scale: -2.0,
             offset_rad: 0.1,
@@ -40,7 +40,7 @@ fn full_scenes() -> Vec<Scene> {
     ];
     let with = |motion| Scene {
         name: "all \"of\" it".into(),
-        description: "two\nlines".into(),
+        description: "two lines".into(),
         device: DeviceSpec {
             inertia_kg_m2: 1.0 / 3.0,
             initial_angle_rad: Some(-0.1),
@@ -243,7 +243,7 @@ fn every_word_of_a_choice_is_understood() {
         let Kind::Choice(words) = field.kind else {
             continue;
         };
-        // A grip or motion by its word alone needs companions, which other tests give it.
+        // A grip or motion needs further fields, so other tests cover it.
         for word in words
             .iter()
             .filter(|_| !field.path.starts_with("operator."))
@@ -300,14 +300,14 @@ fn a_bare_scene_has_the_defaults_and_no_effects() {
         (scene.timing.ticks(), scene.timing.period_s()),
         (3000, 1e-3)
     );
-    // A table alone asks for the effect with its defaults.
+    // A table without fields switches the effect on with its defaults.
     assert_eq!(
         parse("[encoder]").unwrap().encoder,
         Some(Encoder {
             counts_per_rev: 40_000.0
         })
     );
-    // A hand without a grip is a custom one, and what it leaves out is the medium hand's.
+    // A hand without a grip has the grip `custom`; values that it leaves out are those of the medium grip.
     let operator = parse("[operator.hand]\ninertia_kg_m2 = 1e-5")
         .unwrap()
         .operator;
@@ -391,7 +391,7 @@ fn shipped_scenes_are_what_their_names_say() {
     );
 }
 
-/// A setting of the law in a user's words means the same in a scene and on a device, bit for bit.
+/// Tests that a setting of the control law, written as decimal text, gives the same bits in a scene and on a device.
 #[test]
 fn a_setting_means_the_same_in_a_scene_and_on_a_device() {
     use touchstone_control::{Field, PositionSettings, Settings};
@@ -455,7 +455,7 @@ fn a_setting_means_the_same_in_a_scene_and_on_a_device() {
             "{path} changes nothing, or what another changes"
         );
         seen.push(settings);
-        // And back: the scene that is printed has it too.
+        // The printed scene has the same value.
         assert_eq!(told(&parse(&scene.to_toml()).unwrap()), settings);
     }
 }

@@ -1,5 +1,5 @@
-//! Recordings as people have them: which must read the same, which are refused with their line, which are noted with
-//! their number.
+//! Tests of recordings in the forms that users have. Some must read the same, some are refused with the line, some get a warning
+//! with the suspicious number.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -11,7 +11,7 @@ fn read(text: &str) -> Result<Recording, String> {
     Recording::parse(text, Path::new("m.csv")).map_err(|error| error.to_string())
 }
 
-/// A second of 0.3·sin at 1 kHz, at these times and of this angle.
+/// CSV text of one second of a sine of amplitude 0.3 rad at 1 kHz. `row` writes the line of one sample.
 fn sine(header: &str, row: impl Fn(usize, f64) -> String) -> String {
     let mut text = format!("{header}\n");
     for n in 0..1000 {
@@ -113,7 +113,7 @@ fn rows_of_another_length_are_refused_by_their_line() {
         let error = read(text).unwrap_err();
         assert!(error.starts_with(expected), "{error}");
     }
-    // A comma at the end of every row is a spreadsheet's.
+    // Spreadsheets may write a comma at the end of every row.
     let found = read("time_s,angle_rad\n0,1,\n1,2,,\n").unwrap();
     assert_eq!(found.angles_rad(), [1.0, 2.0]);
 }
@@ -128,6 +128,16 @@ fn what_is_odd_is_noted_by_its_number() {
                 format!("{},{x}", at(n) + if n < 500 { 0.0 } else { 3500.0 })
             }),
             "a gap of 3500.001 s after 0.499 s",
+        ),
+        (
+            sine(angle, |n, x| format!("{:.3},{x}", 1.7e9 + at(n))),
+            "times begin at 1700000000.000 s",
+        ),
+        (
+            sine("time_ms,angle_rad", |n, x| {
+                format!("{:.1},{x}", 1.7e12 + n as f64)
+            }),
+            "times begin at 1700000000.000 s",
         ),
         (
             sine(angle, |n, x| {
@@ -182,7 +192,7 @@ fn what_is_odd_is_noted_by_its_number() {
             "{expected}: {notes:?}"
         );
     }
-    // A sensor's step between two samples of a burst is no speed.
+    // A sensor's step between two samples of a burst must not count as a high speed.
     let steps = sine(angle, |n, x| {
         format!(
             "{},{}",
@@ -203,7 +213,7 @@ fn the_cost_does_not_depend_on_how_samples_bunch() {
         let begun = Instant::now();
         let curve = Curve::smooth(&times, &values);
         assert!((curve.at(1.0) - 0.5).abs() < 1e-12);
-        // Two million products, where it once was 10^11: no machine is that busy.
+        // The low-pass needs two million products, which take far less than the limit on any machine.
         assert!(
             begun.elapsed() < Duration::from_secs(20),
             "{apart_s} s apart"

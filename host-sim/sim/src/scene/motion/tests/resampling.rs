@@ -1,15 +1,15 @@
-//! The curve through samples: exact where the motion is smooth, and never ringing.
+//! Tests of the curve through samples: it is exact for smooth motion, and it never rings.
 
 use std::f64::consts::TAU;
 
 use super::super::resample::{Curve, SMOOTHING_HZ};
 
-/// A hand's motion below 5 Hz, rad, with its bound on acceleration from the sums of amplitude and frequency.
+/// A hand's motion below 5 Hz, rad, at the time `t` in s.
 fn hand(t: f64) -> f64 {
     0.2 * (TAU * 1.3 * t).sin() + 0.05 * (TAU * 3.1 * t + 0.4).sin()
 }
 
-/// Times with uneven steps about 5 ms.
+/// Sample times in s whose intervals vary around 5 ms.
 fn uneven(count: usize) -> Vec<f64> {
     (0..count)
         .map(|i| 0.005 * i as f64 + if i % 3 == 1 { 0.0015 } else { 0.0 })

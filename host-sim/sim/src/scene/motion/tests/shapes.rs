@@ -1,4 +1,4 @@
-//! Presses and taps: smooth, and with the torque and speed that the scene asks for.
+//! Tests of presses and taps: they are smooth, and reach the torque and speed that the scene gives.
 
 use crate::scene::{Grip, Hand, MotionSpec, RestPath, Scene};
 
@@ -12,8 +12,8 @@ fn motion(scene: &Scene) -> RestPath {
     RestPath::from_scene(scene).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Angle and speed of the device over time, every 0.1 ms: an ideal spring wall (or none), continuous, by Runge and
-/// Kutta. Written apart from the program's own plant, as a witness.
+/// Angle and speed of the device every 0.1 ms, with or without an ideal spring wall in continuous time, integrated by Runge-Kutta.
+/// The code is independent of the program's plant, so that it can check it.
 fn simulate(scene: &Scene, wall: bool) -> Vec<(f64, f64, f64)> {
     let motion = motion(scene);
     let hand: Hand = scene.operator.hand().expect("a hand");
@@ -50,7 +50,7 @@ fn simulate(scene: &Scene, wall: bool) -> Vec<(f64, f64, f64)> {
     path
 }
 
-/// Largest step of the rest point, and of its slope, between samples 0.1 ms apart.
+/// Largest change of the rest point, and of its slope, between samples 0.1 ms apart.
 fn largest_steps(scene: &Scene) -> (f64, f64) {
     let motion = motion(scene);
     let dt = 1e-4;
@@ -169,7 +169,7 @@ fn wiggling_moves_the_torque_by_its_amplitude_and_stops_before_the_hold() {
     let scene = scene("press-wiggle-release", &[]);
     let hand = scene.operator.hand().unwrap();
     let motion = motion(&scene);
-    // The static torque that the rest point stands for.
+    // Static torque that belongs to the rest point.
     let torque = |t: f64| (motion.rest_rad(t) - 0.5) / (hand.compliance_rad_per_n_m() + 1.0 / 5.0);
     let range = |from: f64, to: f64| {
         let torques = (0..=1000).map(|i| torque(from + (to - from) * f64::from(i) / 1000.0));

@@ -1,0 +1,253 @@
+//! Mesh files of all kinds: how much of one is read, and what reading one gives.
+
+use crate::{obj, ply, stl};
+use parry3d_f64::math::Vector;
+use std::collections::HashMap;
+use std::ffi::OsStr;
+use std::fs::File;
+use std::io::{ErrorKind, Read as _};
+use std::path::Path;
+
+/// Most triangles of a mesh. With its search structure such a mesh takes some 250 MB.
+pub const MOST_TRIANGLES: usize = 1_000_000;
+/// Most vertices of a file: as many as triangles that share none need.
+pub(crate) const MOST_VERTICES: usize = 3 * MOST_TRIANGLES;
+/// Longest file that is read, bytes.
+const MOST_BYTES: u64 = 128_000_000;
+
+/// What a file is by the ending of its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Stl,
+    Obj,
+    Ply,
+}
+
+impl Kind {
+    /// STL where the ending is none of the others.
+    pub fn of(path: &Path) -> Self {
+        let is = |ending: &str| {
+            path.extension()
+                .is_some_and(|own: &OsStr| own.eq_ignore_ascii_case(ending))
+        };
+        match (is("obj"), is("ply")) {
+            (true, _) => Self::Obj,
+            (_, true) => Self::Ply,
+            _ => Self::Stl,
+        }
+    }
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stl => "STL",
+            Self::Obj => "OBJ",
+            Self::Ply => "PLY",
+        }
+    }
+}
+
+/// Why a file gives no mesh.
+#[derive(Debug)]
+pub(crate) enum Refused {
+    /// It has another form than its name says, and this is where.
+    Form(String),
+    /// It states that it has so many triangles.
+    TooMany { triangles: u64 },
+    /// It has more triangles or vertices than are read; how many is not known.
+    MoreThanRead,
+}
+
+impl From<String> for Refused {
+    fn from(problem: String) -> Self {
+        Self::Form(problem)
+    }
+}
+
+impl Refused {
+    /// Problem and remedy.
+    pub fn said(self, kind: Kind) -> (String, String) {
+        let fewer = "export the object with fewer triangles".to_owned();
+        match self {
+            Self::Form(problem) => (
+                format!("no {}: {problem}", kind.name()),
+                format!("export the object as {}", kind.name()),
+            ),
+            Self::TooMany { triangles } => (
+                format!(
+                    "its {triangles} triangles are more than the {MOST_TRIANGLES} that are read"
+                ),
+                fewer,
+            ),
+            Self::MoreThanRead => (
+                format!(
+                    "has more than the {MOST_TRIANGLES} triangles, or {MOST_VERTICES} vertices, that are read"
+                ),
+                fewer,
+            ),
+        }
+    }
+}
+
+/// Triangles of a file.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Triangles {
+    pub vertices: Vec<[f32; 3]>,
+    pub triangles: Vec<[u32; 3]>,
+    /// Solids or objects that the file names; 1 where it names none.
+    pub solids: usize,
+    /// Faces of more than three corners that are not convex, so that the triangles made of one overlap.
+    pub not_convex: usize,
+}
+
+impl Triangles {
+    /// Vertices in metres.
+    pub fn vertices_m(&self, unit_m: f64) -> Vec<Vector> {
+        self.vertices
+            .iter()
+            .map(|at| unit_m * Vector::from_array(at.map(f64::from)))
+            .collect()
+    }
+}
+
+/// Reads the bytes of a file of any kind.
+pub(crate) fn parse(bytes: &[u8], kind: Kind) -> Result<Triangles, Refused> {
+    match kind {
+        Kind::Stl => stl::parse(bytes),
+        Kind::Obj => obj::parse(bytes),
+        Kind::Ply => ply::parse(bytes),
+    }
+}
+
+/// The content of a file. What is too long is refused before it is read, and so is binary STL of too many triangles.
+///
+/// # Errors
+/// Problem and remedy.
+pub(crate) fn bytes_of(path: &Path, kind: Kind) -> Result<Vec<u8>, (String, String)> {
+    if let Some(triangles) = stated_triangles(path, kind)
+        && triangles > MOST_TRIANGLES as u64
+    {
+        return Err(Refused::TooMany { triangles }.said(kind));
+    }
+    touchstone_sim::input::bytes(path, MOST_BYTES).map_err(|error| {
+        let fix = match error.kind() {
+            ErrorKind::FileTooLarge => "export the object with fewer triangles".to_owned(),
+            _ => match kind {
+                Kind::Ply => "give a PLY file".to_owned(),
+                _ => format!("give an {} file", kind.name()),
+            },
+        };
+        (error.to_string(), fix)
+    })
+}
+
+/// How many triangles a file of binary STL has, from its length and its first bytes.
+fn stated_triangles(path: &Path, kind: Kind) -> Option<u64> {
+    // A pipe can be read only once.
+    let meta = std::fs::metadata(path).ok()?;
+    if kind != Kind::Stl || !meta.is_file() {
+        return None;
+    }
+    let mut head = [0; stl::HEAD];
+    File::open(path).ok()?.read_exact(&mut head).ok()?;
+    stl::binary_count(&head, meta.len())
+}
+
+/// Triangles whose corners are written out each time, as in STL: a corner that comes again is the same vertex.
+#[derive(Debug, Default)]
+pub(crate) struct Welded {
+    found: Triangles,
+    known: HashMap<[u32; 3], u32>,
+}
+
+impl Welded {
+    fn vertex(&mut self, at: [f32; 3]) -> u32 {
+        // -0 is 0.
+        let key = at.map(|value| (value + 0.0).to_bits());
+        let next = self.found.vertices.len() as u32;
+        let number = *self.known.entry(key).or_insert(next);
+        if number == next {
+            self.found.vertices.push(at);
+        }
+        number
+    }
+
+    pub fn triangle(&mut self, corners: [[f32; 3]; 3]) {
+        let numbers = corners.map(|corner| self.vertex(corner));
+        self.found.triangles.push(numbers);
+    }
+
+    /// Triangles so far.
+    pub fn len(&self) -> usize {
+        self.found.triangles.len()
+    }
+
+    pub fn finish(self, solids: usize) -> Triangles {
+        Triangles {
+            solids,
+            ..self.found
+        }
+    }
+}
+
+/// Faces of any number of corners, by the numbers of vertices that may come later in the file, as in OBJ and PLY.
+#[derive(Debug, Default)]
+pub(crate) struct Faces {
+    triangles: Vec<[u32; 3]>,
+    /// Faces of more than three corners: the first triangle of each, and how many triangles were made of it.
+    fans: Vec<(u32, u32)>,
+}
+
+impl Faces {
+    /// Adds a face, as the triangles from its first corner to each further edge.
+    ///
+    /// # Errors
+    /// It has fewer than three corners, or there are too many triangles.
+    pub fn face(&mut self, corners: &[u32], place: impl Fn() -> String) -> Result<(), Refused> {
+        let &[first, ref others @ ..] = corners else {
+            return Err(format!("{}: a face without a corner", place()).into());
+        };
+        if others.len() < 2 {
+            return Err(format!("{}: a face of {} corners", place(), corners.len()).into());
+        }
+        if self.triangles.len() + others.len() - 1 > MOST_TRIANGLES {
+            return Err(Refused::MoreThanRead);
+        }
+        if others.len() > 2 {
+            let begin = self.triangles.len() as u32;
+            self.fans.push((begin, others.len() as u32 - 1));
+        }
+        let pairs = others.windows(2).map(|pair| [first, pair[0], pair[1]]);
+        self.triangles.extend(pairs);
+        Ok(())
+    }
+
+    /// With the vertices of the whole file.
+    ///
+    /// # Errors
+    /// There is no face.
+    pub fn finish(self, vertices: Vec<[f32; 3]>, solids: usize) -> Result<Triangles, Refused> {
+        if self.triangles.is_empty() {
+            return Err("no face is in it".to_owned().into());
+        }
+        let across = |triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|at| {
+                let at = vertices.get(at as usize).copied().unwrap_or_default();
+                Vector::from_array(at.map(f64::from))
+            });
+            (b - a).cross(c - a)
+        };
+        let is_convex = |&&(begin, count): &&(u32, u32)| {
+            let fan = &self.triangles[begin as usize..(begin + count) as usize];
+            let whole: Vector = fan.iter().map(across).sum();
+            fan.iter()
+                .all(|triangle| across(triangle).dot(whole) >= 0.0)
+        };
+        let not_convex = self.fans.len() - self.fans.iter().filter(is_convex).count();
+        Ok(Triangles {
+            vertices,
+            triangles: self.triangles,
+            solids: solids.max(1),
+            not_convex,
+        })
+    }
+}
