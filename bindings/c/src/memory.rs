@@ -75,7 +75,7 @@ pub(crate) fn value<'a, O: Object>(object: *mut O) -> Result<&'a mut O::Value, t
     Ok(unsafe { &mut (*object.cast::<Marked<O::Value>>()).value })
 }
 
-/// Writes an output through a pointer of C.
+/// Writes an output value through a pointer that C code passed.
 pub(crate) fn put<T>(place: *mut T, value: T) -> ts_status {
     if place.is_null() {
         return ts_status::TS_NULL_POINTER;

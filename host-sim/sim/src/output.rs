@@ -1,5 +1,6 @@
 //! Writes users' files so that each is complete or absent. The content first goes to a temporary file in the same folder, which is
 //! then moved to its place. A link at that place is never followed, and an older file is replaced only if the caller says so.
+//! Exceptions are devices and pipes, and the files of [`begun`], which are written in place.
 
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{ErrorKind, Result, Write};

@@ -126,7 +126,7 @@ pub fn scene(name: &str) -> Option<Scene> {
     bare.with_overrides(sets).ok()
 }
 
-/// Names of all configurations of the cost ladder, from cheap to costly.
+/// Names of all configurations of the cost ladder, the list that `tick_cost --ladder` measures.
 ///
 /// The order is: no effect; each control law; estimated states and the energy guard; each effect at amplitude zero, where that is
 /// possible; each effect alone; all pairs of effects that a scene can have.

@@ -45,7 +45,7 @@ pub enum Grip {
     None,
     /// Fingertips just touch the knob.
     Light,
-    /// A medium grip, as close to the thesis' experiments as their published values allow.
+    /// A medium grip, as close to that of the thesis' experiments as it can be matched.
     Medium,
     /// The whole hand grips the knob.
     Firm,
