@@ -224,7 +224,7 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
         bench.machine.chip_mut().core.by_place = vec![0; board.flash_bytes / 8];
         let booted = bench.boot().map(|_| ());
         table.row("start", booted, &mut bench, top);
-        // The cases' walls are too stiff for a small knob, and its program is the NUCLEO's.
+        // The workloads' walls are too stiff for a small knob, whose program is that of the NUCLEO.
         let (cases, faults) = match index {
             0 if board.has_small_motor() => (&CASES[..1], FAULTS),
             0 => (CASES, FAULTS),
@@ -241,7 +241,7 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
             let failed =
                 calibrate(&mut bench, &CASES[0], encoder).and_then(|()| fail(&mut bench, *fault));
             table.row(name, failed, &mut bench, top);
-            // A light rotor coasts for seconds, and a calibration wants it at rest.
+            // A light rotor coasts for seconds, and a calibration needs it at rest.
             if board.has_small_motor() && matches!(fault, Fault::Flicked(..)) {
                 bench.run(5_000 * MS)?;
             }
@@ -381,7 +381,7 @@ fn calibrate(bench: &mut Bench, case: &Case, encoder: Encoder) -> Result<(), Str
 }
 
 fn play(bench: &mut Bench, case: &Case) -> Result<(), String> {
-    // The cases are for the thesis' press of 0.1 N·m.
+    // The workloads are made for the press of the thesis with 0.1 N·m.
     let share = bench.machine.chip().board.press_n_m / 0.1;
     bench.press(&case.hand, share * case.torque_n_m, case.ramp_s, 0.3)?;
     let time = (2.0 * case.ramp_s + 0.4) * 1e3;

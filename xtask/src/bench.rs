@@ -65,7 +65,8 @@ pub fn run(words: &[String]) -> Outcome {
         return missing;
     }
     let counted = count_all(&plan).unwrap_or_else(|failed| failed);
-    // Without words, as the tests run it, the ladder belongs to it: absent effects cost nothing, and no tick allocates.
+    // Without arguments, as in the gates, the pairs of effects are measured too: absent effects must cost nothing, and no tick may
+    // allocate.
     if words.is_empty() && !counted.is_failure() {
         return ladder::run(&[]);
     }
@@ -126,7 +127,7 @@ fn count(plan: &Plan, binary: &Path, args: &[String]) -> Result<f64, Outcome> {
 }
 
 fn callgrind(binary: &Path, ticks: u64, args: &[String], out: &Path) -> Result<u64, Outcome> {
-    // An old count must not stand in for one that failed.
+    // Removes an old count, which must not be read if this run fails.
     let _ = std::fs::remove_file(out);
     let mut command = shell::program("valgrind");
     command

@@ -16,8 +16,8 @@ const LOOP: [&str; 2] = [
     "timing.computational_delay_s=0.00005",
 ];
 /// Positions of the wall's surface between two encoder counts, in fractions of a count; the scene file's own position is the first.
-/// The board runs at each position, also where only a press is run. At a single position, two of nine figures would lie outside the
-/// desktop's scatter.
+/// The board runs at each position, also where only a press is run. At a single position, a figure lay outside the desktop's
+/// scatter in two of nine cases.
 const PLACES: [&str; 4] = ["0", "0.25", "0.5", "0.75"];
 /// Largest relative deviation at which a figure of the board still counts as equal to the desktop's.
 const SAME: &str = "0.1";

@@ -24,7 +24,7 @@ pub fn per_tick(ticks: [u64; 2], counted: [u64; 2]) -> f64 {
 pub fn built(example: &str) -> Result<PathBuf, Outcome> {
     let mut build = shell::cargo_locked("build");
     build.args(["--profile", "dist", "--package", "touchstone-sim"]);
-    // Callgrind finds the marks between two counts by their names, which a program that is handed out has no more.
+    // Callgrind finds the function `mark` by its name, so the names must not be stripped as in the released program.
     build.args(["--config", "profile.dist.strip=false"]);
     build.arg("--example");
     let built = shell::run(build.arg(example));

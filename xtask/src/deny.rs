@@ -64,7 +64,7 @@ pub fn run(args: &[String]) -> Outcome {
 
 fn checked(manifest: &str, what: &[&str]) -> Outcome {
     let mut deny = shell::cargo("deny");
-    // As a whole path: it takes no bare name.
+    // cargo-deny needs an absolute path; it rejects a bare file name.
     deny.arg("--manifest-path")
         .arg(shell::root().join(manifest));
     deny.args(["check", "--config"])

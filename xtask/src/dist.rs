@@ -42,7 +42,7 @@ fn made() -> Result<Outcome, Outcome> {
     for metadata in metadata(&folder)? {
         words.push(paired("metadata", &metadata));
     }
-    // What an older archive had, this one may not.
+    // Removes the files of an older archive, which this one may not contain.
     let unpacked = folder.join(&name);
     if unpacked.exists() {
         done(std::fs::remove_dir_all(&unpacked), &unpacked)?;

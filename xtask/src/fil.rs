@@ -2,9 +2,11 @@
 //! of one, runs on an emulated chip with a simulated motor and hand.
 //!
 //! The checks are boot, calibration, arming, a press that must equal the control law on this machine bit for bit, and every
-//! injected fault. They are printed as a table; one failed check fails the step. The run without options and `--sample` also run a
-//! press of the scorecard on the reference board. `--sample` runs one of three fault injections, all but the longest check on the
-//! reference board, and few checks on the other boards. `--brief` runs the same injections and only the short checks.
+//! injected fault. They are printed as a table; one failed check fails the step. Except with `--only`, the emulator's own tests run
+//! before, and a press of the scorecard (scripted actions of a simulated hand) on the reference board runs after.
+//!
+//! `--sample` runs one of three fault injections, all but the longest check on the reference board, and few checks on the other
+//! boards. `--brief` runs the same injections and only the short checks.
 //!
 //! `--sabotage` shows that the checks fail where they must ([`sabotage`]). `--scorecard` runs the whole scorecard on the reference
 //! board ([`board_scorecard`]).

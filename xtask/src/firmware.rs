@@ -115,7 +115,7 @@ fn lint(board: &str) -> Outcome {
 /// Adds to a cargo command the arguments that build and Clippy share.
 fn arguments(cargo: &mut Command, board: &str, options: &[String], sources: &Path, folder: &Path) {
     cargo
-        // Where its own `.cargo/config.toml` is.
+        // Cargo then reads the `.cargo/config.toml` of the firmware.
         .current_dir(sources.join("firmware"))
         .args(["--release", "--target-dir"])
         .arg(folder)

@@ -3,9 +3,10 @@
 //!
 //! Three checks find different faults:
 //! - in the source: float types, literals and casts outside the parts that the feature `float` enables;
-//! - in the code compiled for this machine, of an example that uses all that the firmware uses, with every function that it calls in other crates;
-//! - in the code compiled for the microcontroller, where the compiler supports it: a soft-float target turns every float operation into a
-//!   call whose name shows it.
+//! - in the code compiled for this machine: float operations in an example that uses all that the firmware uses, and in every function
+//!   that the example calls in other crates;
+//! - in the code compiled for the microcontroller, where the compiler supports it: calls that stand for float operations, since a soft-float
+//!   target has no float instructions.
 //!
 //! The two checks of compiled code also find calls to panics, of which set-up and control periods must have none.
 
@@ -123,7 +124,7 @@ fn emit(
         .args(options)
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
         .env("RUSTFLAGS", "--emit=asm -Ccodegen-units=1")
-        // Bitcode for a later link would be empty of instructions.
+        // With link-time optimisation the assembly files would hold bitcode instead of instructions.
         .env("CARGO_PROFILE_RELEASE_LTO", "off")
         .env("CARGO_PROFILE_RELEASE_DEBUG", "false");
     shell::run(&mut cargo)

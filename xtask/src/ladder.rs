@@ -3,7 +3,7 @@
 //!
 //! One process runs all configurations, each first with few and then with more ticks. Callgrind writes its instruction count at
 //! every call of the example's function `mark`. `--write` puts the counts into `host-sim/lab/src/plan/ladder.txt`, from which
-//! `touchstone plan` predicts run times, and as a table into `docs/effects.md`.
+//! `touchstone plan` predicts the computing cost of a scene, and as a table into `docs/effects.md`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -46,7 +46,7 @@ fn climb(write: bool) -> Result<Outcome, Outcome> {
     print!("{table}");
     let bare = costs["bare"];
     for (name, cost) in costs.iter().filter(|(name, _)| name.starts_with("silent:")) {
-        // An effect of the hand needs one.
+        // An effect of the simulated hand needs the hand, so its cost is compared with the cost of a hand alone.
         let costs_nothing = [bare, costs["with:hand"]]
             .iter()
             .any(|without| (cost - without).abs() <= NOTHING);
@@ -98,7 +98,7 @@ fn between(page: &str, table: &str) -> Option<String> {
 /// Measures the instructions per tick of every configuration in `names`.
 fn counted(binary: &Path, names: &[&str]) -> Result<Costs, Outcome> {
     let folder = shell::target("bench/ladder");
-    // Old counts must not stand in for ones that failed.
+    // Removes old counts, which must not be read if this run fails.
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).map_err(|error| failed(&folder, &error))?;
     let out = folder.join("count");
@@ -116,7 +116,7 @@ fn counted(binary: &Path, names: &[&str]) -> Result<Costs, Outcome> {
     if shell::capture(&mut command).is_none() {
         return Err(Outcome::Failed("the ladder failed under valgrind".into()));
     }
-    // The first count is of everything before the first mark.
+    // The first count covers everything before the first call of `mark`.
     let file = |number: usize| PathBuf::from(format!("{}.{number}", out.display()));
     let count = |number: usize| -> Result<u64, Outcome> {
         let path = file(number);
@@ -134,7 +134,8 @@ fn counted(binary: &Path, names: &[&str]) -> Result<Costs, Outcome> {
         .iter()
         .enumerate()
         .map(|(at, name)| {
-            // The last of a configuration's three marks ends its ticks; what comes after is the next one's plan.
+            // Each configuration calls `mark` three times; the last call ends its ticks. The code after it prepares the next
+            // configuration.
             let counted = [count(3 * at + 2)?, count(3 * at + 3)?];
             Ok(((*name).to_owned(), per_tick(TICKS, counted)))
         })

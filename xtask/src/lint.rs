@@ -17,10 +17,10 @@ pub fn run(args: &[String]) -> Outcome {
     if let Some(missing) = packages::missing_component("clippy") {
         return missing;
     }
-    // The control crate once more by itself: in the workspace it is built with `float`, which firmware leaves out.
+    // Checks the control crate also alone: in the workspace it is built with the feature `float`, which firmware leaves out.
     let mut packages: Vec<&[&str]> = vec![&["--workspace"], &["--package", "touchstone-control"]];
     if is_whole {
-        // Without its feature it is empty. The program with that feature is looked at by `cargo xtask probe`.
+        // Without its feature the probe's crate is empty. `cargo xtask probe` checks the program with that feature.
         packages.push(&["--package", "touchstone-probe", "--features", "probe-rs"]);
     }
     shell::run_all(packages.into_iter().map(|packages| {

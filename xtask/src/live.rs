@@ -63,7 +63,7 @@ fn build(compiler: &Compiler) -> Result<Vec<u8>, Outcome> {
     cargo
         .args(["--profile", "live", "--target-dir"])
         .arg(&target);
-    // Messages of panics name their files: what a machine calls its folders is no part of the program.
+    // Panic messages contain paths of source files; the names of this machine's folders must not get into the module.
     let separator = "\u{1f}";
     let flags: Vec<String> = remapped()
         .into_iter()
@@ -87,7 +87,7 @@ fn remapped() -> Vec<(PathBuf, &'static str)> {
         .unwrap_or_default();
     let sources = home.join("registry/src");
     let mut all = vec![(home, "cargo")];
-    // A folder for each place that crates come from, named after it.
+    // Each registry has its own folder below the sources.
     for entry in std::fs::read_dir(sources).into_iter().flatten().flatten() {
         all.push((entry.path(), "crates"));
     }

@@ -94,7 +94,7 @@ fn each(
             Err(why) => format!("NO ANSWER: {why}"),
         };
         caught += usize::from(answer == Ok(true));
-        // What had no answer is asked again the next time.
+        // A mutant without a result is tested again in the next run.
         if known.is_none()
             && answer.is_ok()
             && let Err(why) = memo.keep(key, &word, "")
@@ -133,7 +133,7 @@ pub fn by_tests(shard: Shard) -> Outcome {
     let target = folder.join("tests");
     each(&folder, "test", shard, |work, test| {
         let (package, name) = test.split_once(' ').ok_or("a test is `package name`")?;
-        // Built apart from run, so that what does not compile is not taken for a catch.
+        // Compiles before it runs, so that a failure to compile does not count as a catch.
         let cargo = |more: &[&str]| {
             let mut cargo = shell::cargo("test");
             cargo

@@ -61,7 +61,7 @@ pub fn apt_get(packages: &[&str]) {
         shell::run(&mut command)
     };
     apt_get(&["update", "-qq"]);
-    // One by one: a package that this system does not have must not keep the others away.
+    // Installs one package at a time, so that a package which this system lacks does not prevent the others.
     for package in packages {
         let options = ["install", "-y", "-qq", "--no-install-recommends"];
         apt_get(&[&options[..], &[package]].concat());

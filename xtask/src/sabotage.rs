@@ -76,14 +76,14 @@ pub fn run(words: &[&str]) -> Outcome {
         Ok(memo) => memo,
         Err(why) => return Outcome::Failed(format!("{}: {why}", folder.display())),
     };
-    // One is built while the one before runs.
+    // One program is built while the one before is tested.
     let (send, receive) = mpsc::sync_channel(1);
     let asked = asked(&all, &memo);
     std::thread::scope(|scope| {
-        // With it goes its end of the channel: nothing more comes when it is done.
+        // The thread owns the sending end of the channel, so the channel closes when the thread ends.
         scope.spawn(|| build_all(&asked, &folder, &work, send));
         let answers = judge_all(&emulator, &asked, memo, &receive);
-        // Where it ended early, whoever still builds is told by this.
+        // Closes the receiving end, so that the building thread stops if the tests ended early.
         drop(receive);
         answers
     })
@@ -221,7 +221,7 @@ fn judge_all(
                     .program
                     .and_then(|program| wrong(emulator, board, &program, rows));
                 let (word, reason) = verdict(*sabotage, &wrong);
-                // What was not run is run the next time.
+                // A program that could not be tested is tested again in the next run.
                 if wrong.is_ok()
                     && let Err(why) = memo.keep(*key, word, &reason)
                 {

@@ -14,7 +14,7 @@ pub fn run(_: &[String]) -> Outcome {
     if !found {
         return Outcome::NotRun("python3 has no jsonschema; `pip install jsonschema`".to_owned());
     }
-    // Of the whole workspace, whose features `cargo xtask unit` has built it with.
+    // The whole workspace is built, with the same features as in `cargo xtask unit`.
     let mut command = shell::cargo_locked("test");
     command
         .args(["--workspace", "--test", "cli_folder"])

@@ -128,7 +128,7 @@ const TOOLS: &[Tool] = &[
         need: Need::Full,
         purpose: "prove: the theorems over traces",
         version: || first_line(&["coqc", "--version"]),
-        // 250 MB to fetch, 1 GB on disk.
+        // Coq needs a download of 250 MB and 1 GB on disk.
         hint: "apt-get install --no-install-recommends coq",
         packages: &["coq"],
     },
@@ -154,7 +154,7 @@ const TOOLS: &[Tool] = &[
         purpose: "prove: the harnesses in less time",
         version: || allocator::found().map(|file| file.display().to_string()),
         hint: "apt-get install libtcmalloc-minimal4",
-        // Its package has another name in later releases, and no step of the tests needs it.
+        // The package has another name in later releases, and no step of the tests needs it.
         packages: &[],
     },
 ];

@@ -64,7 +64,7 @@ fn made() -> Result<Outcome, Outcome> {
     copy(&shell::target("doc"), &site.join("api"))?;
     let index = site.join("index.html");
     done(std::fs::write(&index, INDEX), &index)?;
-    // A host of pages must not leave out files that begin with an underscore.
+    // This file tells a host such as GitHub Pages to keep files whose names begin with an underscore.
     let plain = site.join(".nojekyll");
     done(std::fs::write(&plain, ""), &plain)?;
 

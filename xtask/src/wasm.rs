@@ -16,7 +16,7 @@ pub fn run(args: &[String]) -> Outcome {
         Err(outcome) => return outcome,
     };
     println!("with {compiler}");
-    // Where the page's module is made again, code is made of them there.
+    // If the page's module is built again below, that build compiles these crates to code, so a check is enough here.
     let subcommand = if live::why_not_compared(&compiler).is_none() {
         "check"
     } else {
@@ -24,7 +24,7 @@ pub fn run(args: &[String]) -> Outcome {
     };
     let (mut cargo, options) = compiler.cargo_for(subcommand, &["std", "panic_abort"]);
     cargo.args(["--lib", "--target-dir"]);
-    // One folder for each compiler: what two made must not be mixed.
+    // One folder per compiler version, so that results of different compilers are never mixed.
     cargo.arg(shell::target("wasm").join(&compiler.version));
     for package in PACKAGES {
         cargo.args(["--package", package]);
@@ -35,7 +35,7 @@ pub fn run(args: &[String]) -> Outcome {
     }
     let words = |module: &str| Outcome::Ok(format!("{} compile; {module}", PACKAGES.join(", ")));
     match live::check(&compiler) {
-        // The crates themselves compile.
+        // The crates compile, also if the module could not be compared.
         Outcome::Ok(module) | Outcome::NotRun(module) => words(&module),
         other => other,
     }

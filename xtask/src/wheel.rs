@@ -28,13 +28,13 @@ fn made() -> Result<Outcome, Outcome> {
     let python = tools(&folder)?;
     let package = shell::root().join("bindings/python");
     program(&package)?;
-    // Its types are part of what it offers.
+    // The package promises type hints, so they are checked.
     let mut types = shell::program(&python);
     types.args(["-m", "mypy", "--strict"]);
     types.arg(package.join("python"));
     shell::run(types.current_dir(&folder)).went_well()?;
     let out = folder.join("built");
-    // What an older wheel was called, this one may not be.
+    // Removes older wheels, whose names may differ.
     if out.exists() {
         done(std::fs::remove_dir_all(&out), &out)?;
     }
@@ -54,7 +54,7 @@ fn made() -> Result<Outcome, Outcome> {
         "--no-deps",
     ]);
     shell::run(pip.arg(&wheel)).went_well()?;
-    // From elsewhere, so that the installed package is what is imported.
+    // Runs in another folder, so that the tests import the installed package.
     let mut tests = shell::program(&python);
     tests.args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider"]);
     tests.arg(package.join("tests"));

@@ -35,24 +35,24 @@ assert_room!(ts_guard);
 pub struct ts_guard_config {
     /// Control periods (ticks) per second, 1 to 100,000.
     pub rate_hz: u32,
-    /// Largest force that is ever commanded, N·m (N).
+    /// Largest force that the guard ever allows, N·m (N).
     pub force_limit: ts_si,
-    /// One count of the encoder, or twice the largest error of a measured position, rad (m), at most 0.1.
+    /// Step of one encoder count, or twice the largest error of a measured position, rad (m), at most 0.1.
     pub count: ts_si,
     /// Measured damping of the device alone, without a hand, N·m·s/rad (N·s/m).
     pub damping: ts_si,
-    /// Fraction (0 to 1) of that damping that the guard relies on.
+    /// Fraction (0 to 1) of the measured damping that the guard relies on.
     pub share_of_damping: ts_si,
-    /// Energy that a hand may get out at once, J, at most 16.
+    /// Most energy that the energy account holds, which is the most that a hand can get out at once, J, at most 16.
     pub capacity: ts_si,
-    /// Power that a hand may get out in the long run, W, at most 1.
+    /// Power that refills the energy account, which is the most that a hand can get out in the long run, W, at most 1.
     pub refill: ts_si,
-    /// Largest speed at which the energy bound holds, rad/s (m/s). Above it the force is switched off and stays off.
+    /// Largest speed at which the energy bound holds, rad/s (m/s). Above it the guard allows no force until `ts_guard_resume`.
     pub overspeed: ts_si,
-    /// Time from a sample until its force begins to act, s, at most one tick.
+    /// Time from reading the position until the force computed from it begins to act, s, at most one tick.
     pub delay: ts_si,
-    /// Mean time of the current loop's step response, from when a force begins to act, s. Delay and lag together are at most one
-    /// tick.
+    /// Mean delay of the current loop's step response, counted from the moment at which a force begins to act, s. `delay` and `lag`
+    /// together are at most one tick.
     pub lag: ts_si,
     /// 1 if the position is also read when the force changes, for `ts_guard_tick_with_change`; otherwise 0.
     pub change_is_measured: u32,
@@ -91,8 +91,8 @@ impl ts_guard_config {
     }
 }
 
-/// Fills in capacity, refill, fraction of damping and over-speed of Touchstone's simulated knob. It sets to 0 what only you know of
-/// your device: rate, force limit, count, damping, delay and lag. `ts_guard_init` refuses a rate of 0.
+/// Fills in capacity, refill, fraction of damping and largest speed with the values of Touchstone's simulated knob. The properties
+/// of your own device are set to 0: rate, force limit, count, damping, delay and lag. `ts_guard_init` refuses a rate of 0.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_defaults(config: *mut ts_guard_config) -> ts_status {
@@ -115,7 +115,8 @@ pub extern "C" fn ts_guard_defaults(config: *mut ts_guard_config) -> ts_status {
     )
 }
 
-/// Initialises a guard as at power-up, with a full energy account. Call it once: each call gives the hand a full account again.
+/// Initialises a guard as at power-up, with a full energy account: the energy that the hand may get out. Call it once, because each
+/// call fills the account again.
 ///
 /// Returns `TS_OUT_OF_RANGE` if a setting is refused; the guard is then not initialised, and allows no force.
 #[unsafe(no_mangle)]
@@ -131,8 +132,8 @@ pub extern "C" fn ts_guard_init(guard: *mut ts_guard, config: *const ts_guard_co
     }
 }
 
-/// Checks a configuration. If it is refused, `message` gets the reason in one line, with the setting's name and range; `message`
-/// may be null.
+/// Checks a guard's configuration. If it is refused, `message` gets the reason in one line, with the setting's name and range;
+/// `message` may be null.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_check(
@@ -183,9 +184,10 @@ fn fixed(digits: i32) -> touchstone_control::fixed::types::I8F24 {
     touchstone_control::fixed::types::I8F24::from_bits(digits)
 }
 
-/// Runs one control period. `moved` is the displacement since the last tick, `wanted` the force that your law requests, and
-/// `*allowed` the force to command. A force that resists a positive `moved` is positive. At most `capacity + refill * time` reaches
-/// the hand beyond what it put in.
+/// Runs one control period. `moved` is the displacement since the last tick, `wanted` the force that your control law requests, and
+/// `*allowed` the force to command. A force that resists a positive `moved` is positive.
+///
+/// The hand gets out at most `capacity + refill * time` more energy than it put in.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_tick(
@@ -197,8 +199,8 @@ pub extern "C" fn ts_guard_tick(
     tick(guard, moved, 0, wanted, allowed)
 }
 
-/// As `ts_guard_tick`, for an encoder that was also read when the last force took effect. `before_change` is the part of `moved`
-/// before that reading.
+/// Same as `ts_guard_tick`, for an encoder that is also read when the last force begins to act. `before_change` is the part of
+/// `moved` up to that second reading.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_tick_with_change(
@@ -211,7 +213,7 @@ pub extern "C" fn ts_guard_tick_with_change(
     tick(guard, moved, before_change, wanted, allowed)
 }
 
-/// Reports that a smaller force than allowed was commanded. A larger force counts as the allowed one.
+/// Reports to the guard that a smaller force than the allowed one was commanded. A larger force counts as the allowed one.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_commanded(guard: *mut ts_guard, force: ts_force) -> ts_status {
@@ -224,7 +226,7 @@ pub extern "C" fn ts_guard_commanded(guard: *mut ts_guard, force: ts_force) -> t
     )
 }
 
-/// Reports that the motor was switched off and that no tick follows until `ts_guard_resume`.
+/// Reports to the guard that the motor was switched off and that no tick follows until `ts_guard_resume`.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_switched_off(guard: *mut ts_guard) -> ts_status {
@@ -237,7 +239,8 @@ pub extern "C" fn ts_guard_switched_off(guard: *mut ts_guard) -> ts_status {
     )
 }
 
-/// Resumes a guard that was switched off or tripped. The energy account keeps its level: arming again does not fill it.
+/// Resumes a guard after the motor was switched off or after an over-speed. The energy account keeps its level: switching on again
+/// does not fill it.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_resume(guard: *mut ts_guard) -> ts_status {
@@ -251,8 +254,8 @@ pub extern "C" fn ts_guard_resume(guard: *mut ts_guard) -> ts_status {
     )
 }
 
-/// Energy that the hand may still get out, J times 2^48. It is negative after an over-speed, until refill and damping have made up
-/// for it.
+/// Reads the energy account: energy that the hand may still get out, J times 2^48. It is negative after an over-speed, until refill
+/// and damping have made up for the difference.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_account(guard: *mut ts_guard, account: *mut ts_energy) -> ts_status {

@@ -19,13 +19,13 @@ pub struct Marked<T> {
 /// # Safety
 /// The object must be at least as large and as strictly aligned as `Marked<Self::Value>`; `assert_room!` checks it.
 pub unsafe trait Object: Sized {
-    /// Type of the Rust value that the memory holds.
+    /// Type of the Rust value that the object's memory holds.
     type Value: Copy;
-    /// Mark of the type, different for each type.
+    /// Number that marks initialised memory of this type; each type has a different one.
     const MARK: u64;
 }
 
-/// Fails to compile if an object of C is too small for its value.
+/// Fails to compile if the memory of an object of C is too small for its Rust value.
 macro_rules! assert_room {
     ($object:ty) => {
         const _: () = {
@@ -37,7 +37,7 @@ macro_rules! assert_room {
 }
 pub(crate) use assert_room;
 
-/// Writes mark and value into an object.
+/// Writes the type's mark and a value into an object's memory.
 pub(crate) fn initialise<O: Object>(object: *mut O, value: O::Value) -> ts_status {
     if object.is_null() {
         return ts_status::TS_NULL_POINTER;
@@ -61,7 +61,7 @@ pub(crate) fn clear<O: Object>(object: *mut O) -> Result<(), ts_status> {
     Ok(())
 }
 
-/// The value in an object. Errors: the pointer is null, or the object was not initialised.
+/// The Rust value in an object of C. Errors: the pointer is null, or the object was not initialised.
 pub(crate) fn value<'a, O: Object>(object: *mut O) -> Result<&'a mut O::Value, ts_status> {
     if object.is_null() {
         return Err(ts_status::TS_NULL_POINTER);
@@ -75,7 +75,7 @@ pub(crate) fn value<'a, O: Object>(object: *mut O) -> Result<&'a mut O::Value, t
     Ok(unsafe { &mut (*object.cast::<Marked<O::Value>>()).value })
 }
 
-/// Writes an output through a pointer of C.
+/// Writes an output value through a pointer that C code passed.
 pub(crate) fn put<T>(place: *mut T, value: T) -> ts_status {
     if place.is_null() {
         return ts_status::TS_NULL_POINTER;
@@ -113,7 +113,7 @@ pub(crate) fn buffer<'a>(place: *mut c_char, length: usize) -> &'a mut [u8] {
     unsafe { core::slice::from_raw_parts_mut(place.cast::<u8>(), length) }
 }
 
-/// Writes the zero byte that ends a text.
+/// Writes the zero byte that ends a C text at the index `at`.
 pub(crate) fn terminate(buffer: &mut [u8], at: usize) {
     if let Some(end) = buffer.get_mut(at) {
         *end = 0;

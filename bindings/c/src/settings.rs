@@ -31,8 +31,8 @@ pub extern "C" fn ts_settings_init(settings: *mut ts_settings) -> ts_status {
     memory::initialise(settings, Settings::default())
 }
 
-/// Sets one setting by its path, from a decimal text or word: `"wall.k_desired_n_m_per_rad"`, `"5"`; `"law.kind"`,
-/// `"spring-damper"`. `ts_settings_check` and `ts_wall_init` check the ranges when all are set.
+/// Sets one setting by its path and a text, a decimal number or a word: `"wall.k_desired_n_m_per_rad"`, `"5"`; `"law.kind"`,
+/// `"spring-damper"`. Ranges are checked by `ts_settings_check` and `ts_wall_init`.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_settings_set(
@@ -54,7 +54,7 @@ pub extern "C" fn ts_settings_set(
     }
 }
 
-/// Sets the encoder of estimator and guard: counts of a whole turn with all edges counted, at least 1.
+/// Sets the encoder's resolution for estimator and guard: counts per turn with all edges counted, at least 1.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_settings_set_counts_per_rev(
@@ -71,8 +71,8 @@ pub extern "C" fn ts_settings_set_counts_per_rev(
     }
 }
 
-/// Checks all settings together. If they are refused, `message` gets the reason in one line, with the setting's name and range;
-/// `message` may be null.
+/// Checks all settings of a wall together. If they are refused, `message` gets the reason in one line, with the setting's name and
+/// range; `message` may be null.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_settings_check(

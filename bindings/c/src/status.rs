@@ -15,13 +15,13 @@ pub enum ts_status {
     TS_NULL_POINTER = 1,
     /// The object was never initialised, or its memory was overwritten. Call its `init` function.
     TS_NOT_INITIALISED = 2,
-    /// A setting is out of its range. `ts_guard_check` and `ts_settings_check` name it.
+    /// A setting is out of its range. `ts_guard_check` and `ts_settings_check` report which setting.
     TS_OUT_OF_RANGE = 3,
-    /// There is no setting of this name.
+    /// No setting has the given name.
     TS_UNKNOWN_SETTING = 4,
-    /// The text is not a value of this setting.
+    /// The text is not a valid value of the setting.
     TS_BAD_VALUE = 5,
-    /// The device moved further in a tick than the guard's `overspeed` allows. The force is 0 until guard or wall are resumed:
+    /// In one tick the device moved further than the guard's `overspeed` allows. The force is 0 until guard or wall are resumed:
     /// switch the motor off.
     TS_OVERSPEED = 6,
 }

@@ -40,8 +40,8 @@ pub extern "C" fn ts_wall_init(wall: *mut ts_wall, settings: *mut ts_settings) -
     }
 }
 
-/// Runs one control period: takes the depth in the wall, positive inside, and gives the force that pushes out. Command the motor
-/// with the negative of that force along the angle, and hold it until the next tick.
+/// Runs one control period: takes the penetration into the wall, positive inside, and gives the force that pushes out. Command the
+/// negative of the force along the angle, and hold it until the next tick.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_tick(
@@ -67,7 +67,7 @@ pub extern "C" fn ts_wall_tick(
     }
 }
 
-/// Reports to estimator and guard the commanded force, if it is smaller than the wall's.
+/// Reports to estimator and guard the force that was commanded, if it is smaller than the force that the wall gave.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_commanded(wall: *mut ts_wall, force: ts_force) -> ts_status {
@@ -80,7 +80,7 @@ pub extern "C" fn ts_wall_commanded(wall: *mut ts_wall, force: ts_force) -> ts_s
     )
 }
 
-/// Reports that the motor was switched off and that no tick follows until `ts_wall_resume`.
+/// Reports to the wall that the motor was switched off and that no tick follows until `ts_wall_resume`.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_switched_off(wall: *mut ts_wall) -> ts_status {
@@ -93,8 +93,8 @@ pub extern "C" fn ts_wall_switched_off(wall: *mut ts_wall) -> ts_status {
     )
 }
 
-/// Resumes the wall for the next arming, with its settings or changed ones. All memory is new except the level of the guard's
-/// energy account.
+/// Resumes the wall when the motor is switched on again, with the same settings or changed ones. The estimator and the law start
+/// anew; the guard's energy account keeps its level.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_resume(wall: *mut ts_wall, settings: *mut ts_settings) -> ts_status {
@@ -111,8 +111,8 @@ pub extern "C" fn ts_wall_resume(wall: *mut ts_wall, settings: *mut ts_settings)
     }
 }
 
-/// Penetration of an encoder count into a wall with its surface at `surface`, rad: `2 pi count / counts_per_rev - surface`, limited
-/// to the range of positions. 0 if `counts_per_rev` is 0.
+/// Penetration of an encoder count into a wall with its surface at `surface` in rad: `2 pi count / counts_per_rev - surface`,
+/// limited to the range of `ts_position`. It is 0 if `counts_per_rev` is 0.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_penetration(count: i64, counts_per_rev: u32, surface: ts_si) -> ts_position {

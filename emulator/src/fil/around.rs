@@ -1,5 +1,6 @@
-//! More than one wall on the emulated device: detents, a wall on the other side and endstops under a hand, compared with the same environment
-//! on this machine bit for bit; changed under the hand; kept in flash; and what is refused.
+//! Tests of several virtual walls at once on the emulated device: detents, a wall on the other side and end stops, pressed by a
+//! hand. The device's forces must equal those of the same environment computed on the host, bit for bit. The environment is also
+//! changed under the hand, kept in flash, and refused where it is invalid.
 
 use touchstone_control::environment::{Counted, Environment};
 use touchstone_control::{CountScale, Fixed32, Force, Position, Si};
@@ -22,14 +23,14 @@ use crate::bench::{Bench, MS, Setup};
 use crate::chip::ResetCause;
 use crate::cpu::elf::Program;
 
-/// The most that a force changes in a tick for a change alone, N·m/s.
+/// Largest rate at which a change of the environment may change the force, N·m/s.
 const CHANGE: &str = "0.5";
-/// Number of ticks for which the environments before and after a change may show the same force.
+/// Largest number of control ticks for which the environments before and after a change may give the same force.
 const SAME_FORCES: usize = 50;
-/// How far the hand would go to either side without a force, rad: beyond both ends.
+/// Reach of the hand to each side without a resisting force, rad. The reach goes beyond the two end stops.
 const REACH_RAD: f64 = 0.35;
 
-/// Plays environments on boards with room for them; on the others, checks that they are refused.
+/// Runs the tests of several walls on boards with enough memory. On other boards it checks that the device refuses an environment.
 pub fn around(program: &Program, setup: &Setup, tally: &mut Tally) {
     if !setup.board.is_large() {
         return tally.check("more than one wall", refused(program, setup));
@@ -42,7 +43,7 @@ fn si(text: &str) -> Decimal {
     text.parse().unwrap_or_default()
 }
 
-/// Detents all around, a wall behind the hand, and ends on both sides.
+/// An environment of all elements: detents all around, a force profile, a wall behind the hand and end stops on either side.
 fn all(setup: &Setup) -> Surround {
     let strength = Si::saturating_from_num(0.2 * setup.board.press_n_m);
     let [wall, ..] = setup.board.walls;
@@ -102,7 +103,7 @@ fn set(bench: &mut Bench, environment: &Surround) -> Result<CountsFrom, String> 
     }
 }
 
-/// A hand sweeps to and fro through the environment, which is changed meanwhile.
+/// Lets a hand sweep to and fro through the environment, and changes the environment meanwhile.
 fn played(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = configured(program, setup)?;
     bench.calibrate()?;
@@ -113,14 +114,14 @@ fn played(program: &Program, setup: &Setup) -> Result<String, String> {
     bench.wait_for(Phase::Armed, 100 * MS)?;
     bench.run(250 * MS)?;
     let here = bench.machine.chip().world.angle_rad();
-    // And as much further as a press of this board takes.
+    // Plus the deflection of the hand itself under a press of this board.
     let give = 1.0 / MEDIUM.pad_stiffness + 1.0 / MEDIUM.stiffness;
     let reach = REACH_RAD + give * bench.machine.chip().board.press_n_m;
     let world = &mut bench.machine.chip_mut().world;
     world.hold(&MEDIUM, move |time| {
         here + reach * (std::f64::consts::TAU * time / 1.6).sin()
     });
-    // Under the hand: all of it comes, all but the wall goes, and comes back.
+    // While the hand moves: all elements are set, then all but the wall removed, then set again.
     let mut answered_after = 0;
     for environment in [all, alone, all] {
         let asked = bench.now();
@@ -153,9 +154,10 @@ fn played(program: &Program, setup: &Setup) -> Result<String, String> {
     Ok(format!("{compared}; answered within {answered_after} ms"))
 }
 
-/// Plays the environments on this machine, given the counts that the device got. No record but the first says from
-/// which tick on a change is active. That tick is found by the forces: from there on all of them are those of the next
-/// environment.
+/// Computes the environments' forces on the host from the device's encoder counts, and compares them with the device's forces.
+///
+/// The telemetry does not say from which tick on a change is active. The function finds that tick by comparing forces: from there
+/// on, all forces must be those of the next environment.
 fn compared(
     settings: &DeviceSettings,
     board: Board,
@@ -245,10 +247,10 @@ fn differs(record: &Telemetry, here: Force<Fixed32>) -> String {
     )
 }
 
-/// An invalid environment is refused and changes nothing; a saved one is there after a start.
+/// Checks that an invalid environment is refused without effect, and that a saved environment is active after a restart.
 fn kept(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = configured(program, setup)?;
-    // As many laws to compute as there can be, as the watchdog runs from the start on.
+    // The largest possible environment, because the watchdog already runs while the device builds it.
     let [softer, stiffer] = setup.board.walls;
     let far = |k: Si, at| WallBeside {
         at_rad: si(at),
@@ -277,7 +279,7 @@ fn kept(program: &Program, setup: &Setup) -> Result<String, String> {
         Err(Refusal::Invalid(invalid)) if &*invalid.path == "environment.endstops.upper_rad" => {}
         other => return Err(format!("ends the wrong way round: {other:?}")),
     }
-    // Settings that it would not be valid with.
+    // Settings with which the environment would be invalid.
     let mut settings = bench.settings()?;
     settings.law.force_limit_n_m = Si::lit("0.002");
     match bench.ask(Request::SetAll(settings))? {
@@ -303,7 +305,7 @@ fn kept(program: &Program, setup: &Setup) -> Result<String, String> {
     Ok("saved, read and at work after a start; two wrong ones refused".into())
 }
 
-/// A board without room for environments answers that it does not know the request, and goes on.
+/// Checks that a board without room for environments answers `NotUnderstood`, and then works on.
 fn refused(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;

@@ -1,5 +1,5 @@
-//! Checks beside the injections: the thesis' press, settings in flash, noise on the line, and that two runs give the
-//! same.
+//! Checks that are not fault injections: the press of the thesis, settings in flash, noise on the serial line, and the
+//! repeatability of the emulator.
 
 use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Reply, Request};
 
@@ -42,10 +42,10 @@ pub const CHECKS: &[Check] = &[
     ),
 ];
 
-/// The check that runs once, because it is about the emulator.
+/// The check that runs only once, because it tests the emulator and no board.
 pub const OF_THE_EMULATOR: Check = ("the same twice", the_same_twice);
 
-/// Frames of noise in the campaign; a million of them: `touchstone-emulator noise`.
+/// Number of random frames in the campaign. `touchstone-emulator noise` sends as many as requested, for instance a million.
 const NOISE_FRAMES: u64 = 2_000;
 
 fn presses(program: &Program, setup: &Setup, tally: &mut Tally) {
@@ -97,12 +97,14 @@ fn random_frames(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.check("random frames", noise(program, setup, NOISE_FRAMES));
 }
 
-/// Sends random frames to the device's port, as fast as it takes them. They must cause counted errors, one each, and
-/// no reply. A third are random bytes, most of which are no COBS; a third are COBS with random content. A third are
-/// requests that would switch on, reset or write flash, with one bit flipped.
+/// Sends random frames to the device's serial port as fast as the port takes them. Each frame must cause one counted error and no
+/// reply.
+///
+/// One third of the frames are random bytes, mostly invalid in the framing COBS. One third are valid COBS with random content. One
+/// third are requests that would switch on, reset or write flash, with one flipped bit.
 ///
 /// # Errors
-/// What the device did instead.
+/// The device's wrong reaction.
 pub fn noise(program: &Program, setup: &Setup, frames: u64) -> Result<String, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;
@@ -146,14 +148,14 @@ pub fn noise(program: &Program, setup: &Setup, frames: u64) -> Result<String, St
     ))
 }
 
-/// A frame with its zero that no device may take.
+/// An invalid frame with its terminating zero, which no device may accept.
 fn bad_frame(bench: &mut Bench, random: &mut Random) -> Vec<u8> {
     let length = 1 + random.bits() % 24;
     let mut content: Vec<u8> = (0..length).map(|_| random.byte().max(1)).collect();
     let mut frame = match random.bits() % 3 {
         0 => content,
         1 => {
-            // COBS without a zero inside: one byte says how far it is to the end.
+            // COBS of content without zeros: the first byte is the distance to the end.
             content.insert(0, length as u8 + 1);
             content
         }
@@ -170,7 +172,7 @@ fn bad_frame(bench: &mut Bench, random: &mut Random) -> Vec<u8> {
             loop {
                 let at = random.bits() as usize % frame.len();
                 let turned = frame[at] ^ 1 << (random.bits() % 8);
-                // A zero would make two frames of it.
+                // A zero would split the frame in two.
                 if turned != 0 {
                     frame[at] = turned;
                     break frame;
@@ -182,7 +184,7 @@ fn bad_frame(bench: &mut Bench, random: &mut Random) -> Vec<u8> {
     frame
 }
 
-/// The same program and the same steps give identical results, bit for bit.
+/// Checks that two runs of the same program with the same steps give identical results, bit for bit.
 fn the_same_twice(program: &Program, setup: &Setup, tally: &mut Tally) {
     let once = || -> Result<_, String> {
         let mut bench = Bench::new(program, setup)?;

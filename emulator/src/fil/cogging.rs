@@ -1,5 +1,6 @@
-//! The map of a motor's cogging: measured over the wire as `touchstone device cogging measure` does, made by the desktop's own code, kept and
-//! played, and held against the world's cogging, of which the device knows nothing.
+//! Tests of the map that compensates a motor's cogging torque. The map is measured over the serial line as `touchstone device
+//! cogging measure` does, computed by the desktop's code, stored in flash and applied. The simulated world's true cogging, which
+//! the device does not know, is the reference.
 
 #[path = "../../../host-sim/lab/src/identify/cogging.rs"]
 mod identify;
@@ -23,17 +24,18 @@ use super::tally::Tally;
 use crate::bench::{Bench, MS, Setup, number};
 use crate::cpu::elf::Program;
 
-/// A calibration at four electrical turns a second, and a sweep of two and a quarter turns each way at a quarter of a turn a second.
+/// Longest time in processor cycles for a calibration and a sweep. The calibration turns the field by four electrical turns per
+/// second; the sweep is two and a quarter turns each way at a quarter of a turn per second.
 const SWEPT: u64 = 40_000 * MS;
-/// Speed of the turn that is judged, rad/s.
+/// Shaft speed of the turns in which a wrong or refused map is tested, rad/s.
 const SLOW: f64 = 2.0;
-/// Speeds of the turns with and without the map, rad/s.
+/// Shaft speeds of the turns with and without the map, rad/s.
 const SPEEDS: [f64; 4] = [SLOW, -SLOW, 5.0, 10.0];
-/// Largest share of the torque at each harmonic that the map may leave.
+/// Largest fraction of the cogging torque that may remain with the map, for each speed in [`SPEEDS`].
 const LEFT_MOST: [f64; 4] = [0.3, 0.3, 0.4, 0.6];
-/// A harmonic that is not played must be left whole, within this share.
+/// Largest relative deviation from the full cogging torque while no map is applied.
 const ALL: f64 = 0.01;
-/// Largest share of the shaft's ripple that a sweep with the map may leave; `touchstone device cogging` demands 0.7.
+/// Largest fraction of the shaft's ripple that may remain in a sweep with the map. `touchstone device cogging` accepts up to 0.7.
 const RIPPLE_LEFT_MOST: f64 = 0.5;
 
 const fn part(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
@@ -44,8 +46,8 @@ const fn part(amplitude: f64, per_rev: f64, phase: f64) -> Harmonic {
     }
 }
 
-/// Cogging of a motor with 12 slots and 14 poles: their least common multiple and twice that, and what unequal slots
-/// and magnets add. 0.77 mN·m effective. The wall may push with 45.
+/// Cogging torque of a motor with 12 slots and 14 poles, 0.77 mN·m in total as an effective value. It has the least common multiple
+/// (84 periods per turn), twice that, and 12 and 14 periods due to unequal slots and magnets. The wall may push with 45 mN·m.
 pub(super) const COGGING: [Harmonic; 4] = [
     part(1e-3, 84.0, 0.4),
     part(2e-4, 168.0, 2.0),
@@ -53,17 +55,17 @@ pub(super) const COGGING: [Harmonic; 4] = [
     part(2.5e-4, 14.0, 3.0),
 ];
 
-/// How far a map may be off at an order of the cogging: in parts of the amplitude, and degrees.
+/// Largest error of a map at each order of the cogging: relative error of the amplitude, and error of the phase in degrees.
 type Off = [(f64, f64); COGGING.len()];
-/// Largest errors of the found harmonics, with the inertia of the settings a third above the knob's. At 168 periods,
-/// 42 Hz in the sweep, nearly all of what is found is due to the inertia.
+/// Largest errors of the map if the configured inertia is a third above the knob's. At 168 periods per turn, 42 Hz in the sweep,
+/// nearly all of the measured torque is due to the inertia, so that order may be off most.
 const OFF_MOST: Off = [(0.15, 3.0), (0.4, 20.0), (0.05, 3.0), (0.05, 3.0)];
-/// Limits with the knob's own inertia.
+/// Largest errors of the map if the configured inertia is that of the knob.
 const OFF_MOST_KNOWN: Off = [(0.05, 3.0), (0.15, 20.0), (0.05, 3.0), (0.05, 3.0)];
-/// The most that a map may have at orders without cogging, effective value, N·m.
+/// Largest torque of the map at orders without cogging, effective value in N·m.
 const STRANGE_MOST_N_M: f64 = 1e-4;
 
-/// Measured, played, kept, refused, on the reference board.
+/// Measures, applies, stores and refuses the cogging map, on the reference board.
 pub fn cogging(program: &Program, setup: &Setup, tally: &mut Tally) {
     if setup.board.name != "nucleo-g474re-ihm16m1" {
         return;
@@ -78,7 +80,7 @@ pub fn cogging(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.ran(&bench);
 }
 
-/// Adds the rows; the first failure ends all of them.
+/// Adds the results to the tally. The first failure ends the remaining tests.
 fn rows(bench: &mut Bench, setup: &Setup, tally: &mut Tally) -> Result<(), String> {
     let motor = setup.parts.motor;
     let bare = swept(bench, Sweep::Bare)?;
@@ -133,7 +135,7 @@ fn rows(bench: &mut Bench, setup: &Setup, tally: &mut Tally) -> Result<(), Strin
     );
     bench.machine.chip_mut().world.mount(MotorParameters {
         pole_pairs: 11,
-        // The same torque constant.
+        // The torque constant stays the same.
         flux_linkage_wb: motor.flux_linkage_wb * f64::from(motor.pole_pairs) / 11.0,
         ..motor
     });
@@ -150,7 +152,7 @@ fn rows(bench: &mut Bench, setup: &Setup, tally: &mut Tally) -> Result<(), Strin
     Ok(())
 }
 
-/// A device with an encoder that knows where it is, whose motor cogs.
+/// A device with an absolute encoder, whose motor has cogging torque.
 fn prepared(program: &Program, setup: &Setup) -> Result<Bench, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.machine.chip_mut().world.cogging = COGGING.to_vec();
@@ -159,9 +161,9 @@ fn prepared(program: &Program, setup: &Setup) -> Result<Bench, String> {
     bench.configure(|settings| {
         settings.encoder.kind = kind;
         settings.calibration.electrical_turns_per_s = setup.board.field_turns_per_s;
-        // Far away.
+        // The wall is far away.
         settings.wall.surface_rad = Si::lit("90");
-        // The calibration's current may be held for ever: this is not about it.
+        // The calibration's current may be held for ever, because this test is not about heating.
         settings.motor.continuous_current_a = settings.calibration.current_a;
     })?;
     bench.demand(Request::Telemetry { decimation: 1 })?;
@@ -175,7 +177,7 @@ fn report(bench: &mut Bench) -> Result<CoggingReport, String> {
     }
 }
 
-/// Telemetry of a sweep, and the values that the desktop takes as known.
+/// Telemetry of a sweep, and the knob parameters that the desktop takes as known.
 struct Told {
     ticks: Vec<SweepTick>,
     known: KnownKnob,
@@ -194,7 +196,8 @@ impl Told {
     }
 }
 
-/// Runs the requests of `touchstone device cogging`, from stopped to ready.
+/// Sends the requests of `touchstone device cogging`: takes the device from stopped through the sweep to ready, and returns the
+/// telemetry.
 fn swept(bench: &mut Bench, sweep: Sweep) -> Result<Told, String> {
     let from = bench.link.telemetry.len();
     bench.demand(Request::Sweep(sweep))?;
@@ -224,7 +227,7 @@ fn swept(bench: &mut Bench, sweep: Sweep) -> Result<Told, String> {
     Ok(Told { ticks, known })
 }
 
-/// The current of a map at an order, A: `re cos(n θ) + im sin(n θ)`.
+/// Current of a map at one order, A: `re cos(n θ) + im sin(n θ)`.
 fn at_order(map: &CoggingMap, order: f64) -> Complex<f64> {
     let ampere = f64::from(1 << CURRENT_BITS);
     let parts = map.harmonics.iter();
@@ -234,13 +237,15 @@ fn at_order(map: &CoggingMap, order: f64) -> Complex<f64> {
         .sum()
 }
 
-/// A map beside the current that holds the world's cogging: amplitudes and phases.
+/// Compares a map with the current that would compensate the simulated cogging: amplitudes and phases.
+///
+/// Errors: the deviation is larger than `most`, or the map has too much torque at other orders.
 fn beside(found: &MeasuredCogging, motor: &MotorParameters, most: &Off) -> Result<String, String> {
     let constant = motor.torque_constant_nm_per_a();
     let mut words = Vec::new();
     let mut is_right = true;
     for (it, (share_most, degrees_most)) in COGGING.iter().zip(most) {
-        // `A sin(n θ + φ)` holds `-A sin(n θ + φ)`.
+        // A motor torque of `A sin(n θ + φ)` compensates the cogging `-A sin(n θ + φ)`.
         let truth = Complex::new(it.phase.sin(), it.phase.cos()) * (it.amplitude / constant);
         let ratio = at_order(&found.map, it.per_rev) / truth;
         let (share, degrees) = (ratio.norm(), ratio.arg().to_degrees());
@@ -264,7 +269,7 @@ fn beside(found: &MeasuredCogging, motor: &MotorParameters, most: &Off) -> Resul
     if is_right { Ok(words) } else { Err(words) }
 }
 
-/// The map whose every part pushes where it should hold.
+/// The map with all signs reversed: it adds to the cogging instead of compensating it.
 fn half_a_period_off(map: &CoggingMap) -> CoggingMap {
     let mut map = map.clone();
     for part in &mut map.harmonics {
@@ -278,7 +283,7 @@ fn turns(bench: &mut Bench) -> Result<Vec<Felt>, String> {
     turns.collect()
 }
 
-/// Checks that all of the cogging is felt without a map, and little of it with one.
+/// Checks that the full cogging torque remains without a map, and a small part of it with one.
 fn felt(without: &[Felt], with: &[Felt]) -> Result<String, String> {
     let mut words = Vec::new();
     let mut is_right = true;
@@ -294,7 +299,8 @@ fn felt(without: &[Felt], with: &[Felt]) -> Result<String, String> {
     if is_right { Ok(words) } else { Err(words) }
 }
 
-/// With other settings the device reports that the map does not belong to them, and all of the cogging is felt.
+/// Checks that after a change of the settings the device reports that the map does not fit them, and that the full cogging torque
+/// remains.
 fn refused(
     bench: &mut Bench,
     because: Unkept,
@@ -321,10 +327,10 @@ fn refused(
     }
 }
 
-/// The power goes and comes: the saved map is there, fits, and is played.
+/// Switches the power off and on. Checks that the saved map is then present, fits the settings and compensates the cogging.
 fn kept(bench: &mut Bench, map: &CoggingMap) -> Result<String, String> {
     power_on(bench);
-    // Before it listens it has the map ready: twelve harmonics take 15 ms.
+    // The device computes the map before it answers requests: twelve harmonics take 15 ms.
     bench.run(100 * MS)?;
     bench.boot()?;
     let (settings, board) = (

@@ -1,5 +1,6 @@
-//! An encoder whose magnet is out of the axis and tilted: what the desktop's own code makes of what the device tells while it calibrates, beside the
-//! world's error, of which the device knows nothing.
+//! Tests of the measured eccentricity: an encoder whose magnet is off the axis and tilted. The desktop's code computes the
+//! eccentricity from the device's telemetry during calibration; the simulated world's true error, which the device does not know,
+//! is the reference.
 
 #[allow(
     dead_code,
@@ -25,31 +26,31 @@ use crate::bench::{Bench, MS, Setup, number};
 use crate::cpu::elf::Program;
 use crate::world::EncoderError;
 
-/// A calibration at four electrical turns a second, and its measurement.
+/// Longest time in processor cycles for a calibration at the fastest field speed, and its measurement.
 const MEASURED: u64 = 60_000 * MS;
-/// The found value may be off by a count and this share of the amplitude.
+/// Allowed error of the computed value, as a fraction of the true amplitude; one encoder count is allowed in addition.
 const OFF_MOST: f64 = 0.01;
-/// A knob whose weight is out of its axis: as much as its friction.
+/// Torque of a knob whose centre of mass is off its axis: as large as its friction.
 const WEIGHT: Harmonic = Harmonic {
     amplitude: 5e-4,
     per_rev: 1.0,
     phase: 0.7,
 };
 
-/// A magnet: what it does once and twice a turn, degrees, and its phases, rad.
+/// A magnet's angle errors at one and two periods per turn: amplitudes in degrees, and phases in rad.
 #[derive(Clone, Copy)]
 struct Magnet([f64; 2], [f64; 2]);
 
-/// Magnets for the measurement by the field alone: centred, usual, and far off.
+/// Magnets for the measurement by the motor's field alone: centred, typical, and far off the axis.
 const MAGNETS: [Magnet; 3] = [
     Magnet([0.0, 0.0], [0.0, 0.0]),
     Magnet([0.3, 0.3], [-2.5, 0.4]),
     Magnet([2.0, 1.0], [1.0, -1.7]),
 ];
-/// A magnet with the spins of a measurement, and the weight.
+/// The magnet of the measurement with spins of the shaft, in which the knob's centre of mass is off its axis.
 const SPUN: Magnet = Magnet([1.0, 0.3], [2.2, -0.6]);
 
-/// Runs on the reference board.
+/// Tests the measurement on the reference board.
 pub fn eccentricity(program: &Program, setup: &Setup, tally: &mut Tally) {
     if setup.board.name != "nucleo-g474re-ihm16m1" {
         return;
@@ -76,7 +77,7 @@ pub fn eccentricity(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.ran(&bench);
 }
 
-/// A device with an encoder that knows where it is, whose motor cogs.
+/// A device with an absolute encoder, whose motor has cogging torque.
 fn prepared(program: &Program, setup: &Setup) -> Result<Bench, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.machine.chip_mut().world.cogging = COGGING.to_vec();
@@ -85,17 +86,17 @@ fn prepared(program: &Program, setup: &Setup) -> Result<Bench, String> {
     bench.configure(|settings| {
         settings.encoder.kind = kind;
         settings.calibration.electrical_turns_per_s = Si::from_num(FIELD_FASTEST_TURNS_PER_S);
-        // The calibration's current may be held for ever: this is not about it.
+        // The calibration's current may be held for ever, because this test is not about heating.
         settings.motor.continuous_current_a = settings.calibration.current_a;
     })?;
     bench.demand(Request::Telemetry { decimation: 1 })?;
     Ok(bench)
 }
 
-/// The eccentricity that was found, and the true one as seen from the calibrated zero.
+/// The computed eccentricity, and the true one as seen from the calibrated zero.
 type Found = (Eccentricity, [Complex<f64>; 2]);
 
-/// Runs the requests of `touchstone device eccentricity`, from stopped to ready and back.
+/// Sends the requests of `touchstone device eccentricity`: takes the device from stopped to ready and back, and returns the result.
 fn measured(bench: &mut Bench, magnet: Magnet, spins: bool) -> Result<Found, String> {
     let error = |index: usize| EncoderError {
         amplitude_rad: magnet.0[index].to_radians(),
@@ -105,7 +106,7 @@ fn measured(bench: &mut Bench, magnet: Magnet, spins: bool) -> Result<Found, Str
     let errors = [error(0), error(1)];
     let sensors = &mut bench.machine.chip_mut().world.sensors;
     sensors.encoder_error = errors.to_vec();
-    // With noise no rest is seen, and each brake and coast of a measurement takes its longest.
+    // With noise the device detects no rest, and each brake and coast phase of a measurement lasts its longest time.
     sensors.noise = (!spins).then_some(NOISE);
     bench.configure(|settings| settings.calibration.measures = spins)?;
     let from = bench.link.telemetry.len();
@@ -127,7 +128,7 @@ fn measured(bench: &mut Bench, magnet: Magnet, spins: bool) -> Result<Found, Str
             count: record.count,
         })
         .collect();
-    // Nothing holds the shaft any more: it moves until it rests.
+    // The field no longer holds the shaft, so the shaft moves until it comes to rest.
     bench.run(500 * MS)?;
     let since = bench.link.telemetry.last().ok_or("no telemetry")?.count;
     let turned = TAU * f64::from(since) / known.counts_per_rev;
@@ -140,7 +141,8 @@ fn measured(bench: &mut Bench, magnet: Magnet, spins: bool) -> Result<Found, Str
     Ok((found, truth))
 }
 
-/// Compares both orders with the truth: they must be within twice the stated uncertainty, or half a count.
+/// Compares the errors at one and two periods per turn with the true ones. They must be within twice the stated uncertainty or half
+/// a count, and within the limit [`OFF_MOST`].
 fn judged((found, truth): Found) -> Result<String, String> {
     let mut words = Vec::new();
     let mut is_right = true;

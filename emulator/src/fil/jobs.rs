@@ -1,4 +1,4 @@
-//! The work in independent pieces: each has devices of its own, so their order does not matter.
+//! Splits the campaign into independent jobs. Each job has emulated devices of its own, so the order of the jobs does not matter.
 
 use super::campaign::Campaign;
 use super::checks::{CHECKS, Check, OF_THE_EMULATOR};
@@ -12,21 +12,20 @@ use crate::bench::Setup;
 use crate::board::{Board, Encoder, FaultLink};
 use crate::cpu::elf::Program;
 
-/// The slowest and the fastest clock that the watchdog may have, Hz.
+/// Slowest clock frequency of the independent watchdog, Hz.
 const SLOW_LSI: u64 = 29_500;
 const FAST_LSI: u64 = 34_000;
 
-/// Injections of a piece: enough that starting and configuring a device takes little of the time.
+/// Number of injections per job: enough that starting and configuring a device takes little of the job's time.
 const PIECE: usize = 12;
 
-/// A sample has one injection of this many.
+/// A sample has one of this many injections.
 const OF_ROWS: usize = 3;
 
-/// The board on which a sample has the checks; the others run the same code.
+/// The reference board, on which a sample runs the checks. The other boards execute the same code.
 const REFERENCE: &str = "nucleo-g474re-ihm16m1";
 
-/// The checks that a sample runs on all boards: those that depend on a board's pins and parts, and the one that runs
-/// once.
+/// The checks that a sample runs on all boards. They depend on a board's pins and parts, except the one that runs only once.
 const ON_ALL_BOARDS: [&str; 4] = [
     OF_THE_EMULATOR.0,
     "boot and presses",
@@ -34,7 +33,7 @@ const ON_ALL_BOARDS: [&str; 4] = [
     "over-current by the comparators",
 ];
 
-/// The checks of a brief run beside [`ON_ALL_BOARDS`]: those that play seconds and not minutes.
+/// Further checks of a brief campaign, besides [`ON_ALL_BOARDS`]. Each simulates seconds of the device's time, not minutes.
 const BRIEF: [&str; 4] = [
     "damaged settings",
     "more than one wall",
@@ -42,10 +41,10 @@ const BRIEF: [&str; 4] = [
     "cable pulled",
 ];
 
-/// The longest check, a tenth of everything; it is in no sample.
+/// The longest check, which takes a tenth of the whole campaign's time. No sample contains it.
 const LONGEST: &str = "cogging";
 
-/// The boards that there is a model of, by name.
+/// Names of the boards that the emulator can model.
 pub const BOARDS: [&str; 5] = [
     "nucleo-g474re",
     "nucleo-g474re-ihm16m1",
@@ -54,7 +53,7 @@ pub const BOARDS: [&str; 5] = [
     "b-g431b-esc1",
 ];
 
-/// The boards' programs; a board without a program is left out.
+/// The programs of the boards. Boards without a program are left out of the campaign.
 #[derive(Debug, Default)]
 pub struct Programs(Vec<(&'static str, Program)>);
 
@@ -71,7 +70,7 @@ impl Programs {
         found.map(|(_, program)| program)
     }
 
-    /// Number of boards.
+    /// Number of boards with a program.
     #[must_use]
     pub fn count(&self) -> usize {
         self.0.len()
@@ -86,7 +85,7 @@ enum Work {
     },
 }
 
-/// A piece of work.
+/// One job of the campaign: injections or checks that run on devices of their own.
 pub struct Job<'a> {
     program: &'a Program,
     setup: Setup,
@@ -94,16 +93,16 @@ pub struct Job<'a> {
     work: Work,
 }
 
-/// Selection of the work.
+/// Selection of the checks and injections to run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asked<'a> {
     /// All checks and injections.
     Everything,
-    /// One injection of three on every board, the checks on the reference board, and a few of them on the others.
+    /// One of three injections on every board, all checks on the reference board, and a few checks on the others.
     Sample,
-    /// All injections and the quick checks.
+    /// All injections and the checks that finish quickly.
     Brief,
-    /// Everything with one of these words in its name.
+    /// All checks and injections whose name contains one of these texts.
     Only(&'a [&'a str]),
 }
 
@@ -117,7 +116,7 @@ impl Asked<'_> {
         }
     }
 
-    /// Whether it has not all that there is.
+    /// Whether the selection leaves out injections or checks by being a sample or brief.
     #[must_use]
     pub fn is_sample(self) -> bool {
         matches!(self, Self::Sample | Self::Brief)
@@ -131,7 +130,7 @@ impl Asked<'_> {
     }
 }
 
-/// The selected work.
+/// The jobs of the selection.
 #[must_use]
 pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
     let on = |board: Board, lsi_hz, lists: &[&[Injection]]| {
@@ -198,7 +197,7 @@ pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
                 work,
             });
         };
-        // Once a board, and once.
+        // The checks run once per board; the check of the emulator runs once.
         if !checked.contains(&board) {
             let of_all = checked.is_empty().then_some(&OF_THE_EMULATOR);
             let wanted = |name| is_named(name) && asked.has_check(board, name);
@@ -226,7 +225,7 @@ pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
 }
 
 impl Job<'_> {
-    /// The job's name, for people.
+    /// Name of the job for reports.
     #[must_use]
     pub fn name(&self) -> String {
         match &self.work {
@@ -235,7 +234,7 @@ impl Job<'_> {
         }
     }
 
-    /// Runs the job.
+    /// Runs the job and returns its results.
     #[must_use]
     pub fn run(&self) -> Tally {
         let mut tally = Tally::on(&self.device);
@@ -270,7 +269,7 @@ impl Job<'_> {
             let is_lost =
                 device.bench().halted.is_some() || outcome.wrong.as_ref().is_some_and(failed);
             if is_lost {
-                // Beyond help: the next one begins with another.
+                // The device is unusable now, so the next injection starts with a new device.
                 tally.ran(device.bench());
             } else {
                 campaign = Some(device);

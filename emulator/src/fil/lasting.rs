@@ -1,4 +1,4 @@
-//! What takes longer than a row's watch: a cable that is pulled, a hand that leans on the wall.
+//! Tests that take longer than a single fault injection: a cable is pulled, a hand leans on the wall.
 
 use touchstone_control::Si;
 use touchstone_protocol::{DeviceCommand, FaultCode, Limit, Limits, Phase, Request};
@@ -8,15 +8,15 @@ use super::tally::Tally;
 use crate::bench::{Bench, MS, Setup, US, number};
 use crate::cpu::elf::Program;
 
-/// How long the desktop may be silent here, s; and in us, the same with a control tick for the last message and one
-/// for its reply.
+/// Longest silence of the desktop in seconds, as configured in these tests. [`SILENCE_US`] adds one control tick for the last
+/// message and one for its reply, in microseconds.
 const SILENCE_S: &str = "0.5";
 const SILENCE_US: u64 = 500_000 + 2 * 1_050;
 
-/// A device of which the thermal time is short, so that a motor is warm within seconds.
+/// Configured thermal time constant of the motor in seconds, short so that the motor warms up within seconds.
 const HEATING_TIME_S: f64 = 1.0;
 
-/// The cable is pulled in each state in which the outputs are on.
+/// Pulls the cable in each state in which the outputs are on, and checks that the device switches them off in time.
 pub fn cable_pulled(program: &Program, setup: &Setup, tally: &mut Tally) {
     for state in [Phase::Calibrating, Phase::Armed] {
         let name = format!("cable pulled, {}", state.name());
@@ -42,7 +42,7 @@ fn prepared(program: &Program, setup: &Setup, silence: &str) -> Result<Bench, St
         settings.wall.surface_rad = Si::lit("0.3");
         settings.limits.host_silence_s = silence;
         settings.motor.heating_time_s = Si::from_num(HEATING_TIME_S);
-        // The calibration's current may be held for ever: this is not about it.
+        // The calibration's current may be held for ever: `weak_motor` tests a calibration that heats the motor.
         settings.motor.continuous_current_a = settings.calibration.current_a;
     })?;
     Ok(bench)
@@ -57,7 +57,7 @@ fn pulled(program: &Program, setup: &Setup, state: Phase) -> Result<u64, String>
         }
         _ => bench.arm()?,
     }
-    // The last word.
+    // The last message of the desktop.
     bench.status()?;
     let begin = bench.now();
     bench.run(450 * MS)?;
@@ -80,12 +80,12 @@ fn pulled(program: &Program, setup: &Setup, state: Phase) -> Result<u64, String>
     }
 }
 
-/// The windings by themselves, from the world's currents, examined every 100 us: the model with its one time constant.
+/// A reference model of the winding temperature: one time constant, driven by the simulated phase currents every 100 us.
 #[derive(Default)]
 struct Windings {
     mean: f64,
     hottest: f64,
-    /// The largest square of a current, A².
+    /// Largest squared current amplitude so far, A².
     most: f64,
 }
 
@@ -93,7 +93,7 @@ impl Windings {
     fn warm(&mut self, bench: &Bench) {
         let world = &bench.machine.chip().world;
         let squares: f64 = (0..3).map(|phase| world.current_a(phase).powi(2)).sum();
-        // Of three currents that are balanced, two thirds of the sum are the square of their amplitude.
+        // The squared amplitude of three balanced currents is two thirds of the sum of their squares.
         let square = 2.0 / 3.0 * squares;
         self.mean += 1e-4 / HEATING_TIME_S * (square - self.mean);
         self.hottest = self.hottest.max(self.mean);
@@ -101,8 +101,8 @@ impl Windings {
     }
 }
 
-/// A calibration's current, which nothing reduces, is more than the motor bears: it ends before the windings are twice as hot as they
-/// may be.
+/// Calibrates with a current that the motor cannot bear for long. The device must stop before the windings are twice as hot as they
+/// may be, with a fault.
 pub fn weak_motor(program: &Program, setup: &Setup, tally: &mut Tally) {
     let ended = ends_hot(program, setup);
     if ended.is_ok() {
@@ -124,7 +124,7 @@ fn ends_hot(program: &Program, setup: &Setup) -> Result<String, String> {
     });
     off?;
     bench.run(5 * MS)?;
-    // Where it is a fault, and what the shunts leave of it.
+    // The fault threshold, with the error of the shunts.
     let times = windings.hottest / bears.powi(2);
     match bench.fault()?.and_then(|fault| fault.known()) {
         Some(FaultCode::MotorHot) if (1.4..1.6).contains(&times) => Ok(format!(
@@ -134,7 +134,8 @@ fn ends_hot(program: &Program, setup: &Setup) -> Result<String, String> {
     }
 }
 
-/// A hand leans on the wall with more than the motor bears for ever.
+/// Lets a hand lean on the wall with a larger torque than the motor can hold for ever, and checks that the device limits its
+/// current.
 pub fn leaning_hand(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.check("a hand that leans", leans(program, setup));
 }
@@ -143,7 +144,7 @@ fn leans(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = prepared(program, setup, "0")?;
     bench.arm()?;
     let bears = number(bench.settings()?.motor.continuous_current_a);
-    // As strong as it takes: it stays where it wants to be, whatever the wall does.
+    // The hand is so stiff that it holds its position against any force of the wall.
     let hand = Hand {
         stiffness: 40.0,
         ..touchstone_world::plant::MEDIUM
@@ -174,7 +175,7 @@ fn leans(program: &Program, setup: &Setup) -> Result<String, String> {
     if !records.iter().any(|record| derated(record.limits)) {
         return Err("no record tells of the derating".into());
     }
-    // What the shunts and the tick leave of it.
+    // The limit, with 3 % for the errors of the shunts and of the control tick.
     if hottest > 1.03 * bears * bears {
         return Err(format!(
             "a mean square of {hottest:.3} A², and the motor bears {:.3}",

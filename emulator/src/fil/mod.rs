@@ -1,4 +1,5 @@
-//! Firmware in the loop: boot, calibration, arming, the thesis' press bit for bit, every fault.
+//! Firmware in the loop: tests that boot, calibrate and arm the firmware on an emulated board, play the press of the thesis bit for
+//! bit, and inject every fault.
 
 pub mod around;
 pub mod campaign;

@@ -1,4 +1,4 @@
-//! Noise in the sensors: the device calibrates, arms, and a hand presses, as without it.
+//! Tests with noise in the sensors: the device must calibrate, arm and let a hand press as it does without noise.
 
 use super::press;
 use super::tally::Tally;
@@ -6,15 +6,16 @@ use crate::bench::{Bench, Setup, number};
 use crate::cpu::elf::Program;
 use crate::world::Noise;
 
-/// 0.03 degrees of the encoder (the AS5046's data sheet, as in the effects of a scene), and of the converters what `docs/firmware.md` takes for theirs.
+/// Noise of the encoder and of the converters, as root-mean-square values. The encoder's 0.03 degrees come from the data sheet of
+/// the AS5046, those of the converters from `docs/firmware.md`.
 pub const NOISE: Noise = Noise {
     encoder_rad: 5.2e-4,
     converter_codes: 1.15,
 };
-/// Largest error of the wall's stiffness: that of the scorecard, under a hand that rests.
+/// Largest relative error of the wall's stiffness while a hand rests on it, as in the scorecard.
 const STIFFNESS_OFF_MOST: f64 = 0.05;
 
-/// Runs on the reference board.
+/// Tests presses with noise on the reference board.
 pub fn noisy(program: &Program, setup: &Setup, tally: &mut Tally) {
     if setup.board.name != "nucleo-g474re-ihm16m1" {
         return;

@@ -1,8 +1,8 @@
-//! Over-current by the chip's comparators, where they protect the bridge. A motor's wire is shorted, and the current
-//! at which the break comes is checked.
+//! Tests of the over-current protection by the chip's comparators, on boards where they protect the bridge. The tests short a wire
+//! of the motor and check the current at which the break switches the outputs off.
 //!
-//! That current follows from what the program has written (a DAC's code, the comparators' inputs, their polarity) and
-//! from the shunts, [`crate::chip::comparators`]; the wanted one is stated here.
+//! That current follows from what the program has written (DAC code, comparator inputs and polarity) and from the shunts; see
+//! [`crate::chip::comparators`]. The required current is stated in this module.
 
 use touchstone_protocol::{DeviceCommand, FaultCode, Phase, Request};
 
@@ -11,27 +11,31 @@ use crate::bench::{Bench, MS, Setup, US};
 use crate::cpu::elf::Program;
 use crate::world::{Short, Touched};
 
-/// What switches off without the processor (docs/faults/08-hardware-break.md), A out of the motor.
+/// Current out of the motor, in amperes, at which the hardware switches off without the processor
+/// (docs/faults/08-hardware-break.md).
 const SWITCHES_OFF_A: f64 = 30.0;
-/// A step of the DAC at a shunt's pin: 3.3 V / 4,096 over 4/7 of 3 mV/A, A. The threshold is one of its codes.
+/// Current of one DAC code in amperes: 3.3 V / 4,096 over 4/7 of the shunt's 3 mV/A. The threshold is one of the codes.
 const STEP_A: f64 = 3.3 / 4_096.0 / (0.003 * 4.0 / 7.0);
-/// A short at the motor: that of its leads, H. With 24 V the current rises by 6 A/us, so that it is there before the next sample.
+/// Inductance of a short at the motor in henry, that of its leads. At 24 V the current rises by 6 A/us, so the comparators act
+/// before the next sample.
 const LEADS_H: f64 = 4e-6;
-/// Supply, wires and transistor, Ω.
+/// Resistance of supply, wires and transistor in the short, Ω.
 const WAY_OHM: f64 = 0.05;
-/// From a look at the short to the next one, us: ten cycles, as a division takes them in one instruction.
+/// Largest time between two evaluations of the short, in microseconds. The emulator evaluates the short once per instruction, and a
+/// division takes 12 cycles.
 const LOOK_US: f64 = 12.0 / 170.0;
-/// Eight samples of every 32nd cycle in which the comparator must say the same (docs/faults/08-hardware-break.md), us.
+/// Duration in microseconds for which a comparator must stay active: eight samples, one per 32 cycles
+/// (docs/faults/08-hardware-break.md).
 const FILTER_US: f64 = 8.0 * 32.0 / 170.0;
-/// The current loop takes a PWM period to the next sample, and a part of one to act.
+/// Longest time for the current loop to switch off: one PWM period until the next sample, and part of a period to act.
 const SOFTWARE: u64 = 100 * US;
-/// Time during which the outputs must stay off.
+/// Time for which the outputs must stay off after a break, in processor cycles.
 const WATCHED: u64 = 30 * MS;
 
-/// What each phase's comparator is, counted from 0: COMP1, COMP2, COMP4.
+/// Comparator of each phase, counted from 0: COMP1, COMP2, COMP4.
 const COMPARATORS: [usize; 3] = [0, 1, 3];
 
-/// Shorts of every kind, on a board whose shunts go to comparators.
+/// Tests all shorts, on a board whose shunts go to comparators.
 pub fn over_current(program: &Program, setup: &Setup, tally: &mut Tally) {
     if setup.board.shunts.is_empty() {
         return;
@@ -54,7 +58,7 @@ pub fn over_current(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.ran(&bench);
 }
 
-/// Armed, with nothing short.
+/// Takes the device to armed while nothing is shorted.
 fn armed(bench: &mut Bench) -> Result<(), String> {
     if bench.link.bytes == 0 {
         bench.boot()?;
@@ -65,10 +69,10 @@ fn armed(bench: &mut Bench) -> Result<(), String> {
     let turns = bench.machine.chip().board.field_turns_per_s;
     bench.configure(|settings| {
         settings.calibration.electrical_turns_per_s = turns;
-        // A person calibrates once; here it is every few seconds.
+        // The test calibrates every few seconds, so the motor must bear the calibration's current for ever.
         settings.motor.continuous_current_a = settings.calibration.current_a;
     })?;
-    // A break that is there already refuses it, and is asked for next.
+    // If a break is active, the device refuses the calibration; `no_break` reports the break next.
     let _ = bench.command(DeviceCommand::Calibrate)?;
     while no_break(bench)? == Phase::Calibrating {
         bench.run(20 * MS)?;
@@ -78,7 +82,7 @@ fn armed(bench: &mut Bench) -> Result<(), String> {
     bench.run(250 * MS)
 }
 
-/// Where the device stands, with no break that comes of itself.
+/// The device's phase. Errors: a fault is latched although nothing is shorted.
 fn no_break(bench: &mut Bench) -> Result<Phase, String> {
     let status = bench.status()?;
     match status.fault.and_then(|fault| fault.known()) {
@@ -92,16 +96,17 @@ fn no_break(bench: &mut Bench) -> Result<Phase, String> {
 
 /// Result of a short circuit.
 struct Found {
-    /// The comparator that saw it, and the current in its shunt then, A.
+    /// The comparator that acted, and the current in its shunt at that moment, A. `None` where no comparator acted.
     seen: Option<(usize, f64)>,
-    /// From that moment, or from the short where no comparator saw it, to the outputs off, us.
+    /// Time in microseconds until the outputs were off, from the moment at which a comparator acted, or from the short where none
+    /// did.
     off_us: f64,
     /// Largest current in the short, A.
     largest_a: f64,
     code: Option<FaultCode>,
 }
 
-/// A short of an armed device, until it is latched.
+/// Shorts a phase of the armed device until the outputs are off, and returns what happened.
 fn short(
     bench: &mut Bench,
     phase: usize,
@@ -138,7 +143,7 @@ fn short(
     })
 }
 
-/// A current out of the motor through a lower transistor trips its phase's comparator, at once and at the promised
+/// Checks that a current out of the motor through a lower transistor trips the phase's comparator without delay, at the required
 /// current.
 fn to_supply(bench: &mut Bench, phase: usize) -> Result<String, String> {
     let found = short(bench, phase, Touched::Supply, WAY_OHM, LEADS_H)?;
@@ -168,11 +173,11 @@ fn to_supply(bench: &mut Bench, phase: usize) -> Result<String, String> {
     }
 }
 
-/// A current that ends just below the comparators' threshold does not trip them; the current loop acts on it.
+/// Checks that a current just below the comparators' threshold does not trip them, and that the current loop switches off instead.
 fn just_below(bench: &mut Bench) -> Result<String, String> {
     let bus_v = bench.machine.chip().board.supply_v;
     let amps = SWITCHES_OFF_A - STEP_A;
-    // The resistance ends it there; within a microsecond it is.
+    // The resistance limits the current to this value, which it reaches within a microsecond.
     let found = short(bench, 1, Touched::Supply, bus_v / amps, 1e-7)?;
     match (found.seen, found.code) {
         (None, Some(FaultCode::OverCurrent)) if found.largest_a > 0.99 * amps => Ok(format!(
@@ -183,8 +188,8 @@ fn just_below(bench: &mut Bench) -> Result<String, String> {
     }
 }
 
-/// A current into the motor comes through the upper transistor past the shunts, and through the lower one the other way: no comparator may
-/// see it, and the current loop's next sample does.
+/// Checks that no comparator acts on a current into the motor, and that the current loop switches off after its next sample. Such a
+/// current bypasses the shunt in the upper transistor, and flows the other way in the lower one.
 fn to_ground(bench: &mut Bench) -> Result<String, String> {
     let found = short(bench, 0, Touched::Ground, WAY_OHM, LEADS_H)?;
     match (found.seen, found.code) {

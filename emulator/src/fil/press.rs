@@ -1,4 +1,5 @@
-//! The thesis' press, played by a hand on the emulated device, and its forces compared with the law on this machine.
+//! The press of the thesis: a hand presses on the emulated device, and the device's forces are compared with the control law
+//! computed on the host.
 
 use touchstone_control::{Controller, CountScale, Fixed32, Position, Si};
 use touchstone_drive::change::law_settings;
@@ -13,22 +14,22 @@ use crate::bench::{Bench, MS};
 pub struct Press {
     /// Desired stiffness, N·m/rad.
     pub k_desired: Si,
-    /// Control ticks compared.
+    /// Number of control ticks whose values were compared.
     pub compared: usize,
-    /// How many of the ticks were in contact, that is with a force.
+    /// Number of the control ticks with a force.
     pub in_contact: usize,
     /// Largest force, N·m.
     pub max_force: f64,
-    /// Stiffness shown at the end of the hold: mean force over mean penetration, N·m/rad.
+    /// Rendered stiffness at the end of the hold: mean force over mean penetration, N·m/rad.
     pub shown: f64,
-    /// Largest less smallest count over the last tenth of the hold.
+    /// Difference between the largest and the smallest encoder count in the last tenth of the hold.
     pub moves: i32,
 }
 
-/// Changes the wall, calibrates, arms, presses for two seconds, and compares.
+/// Configures the wall's stiffness, calibrates, arms, presses for two seconds, and compares the forces with the control law.
 ///
 /// # Errors
-/// The first step that fails, or the first tick whose bits differ.
+/// The first step that fails, or the first control tick whose bits differ.
 pub fn press(bench: &mut Bench, k_desired: Si) -> Result<Press, String> {
     bench.release();
     let phase = bench.status()?.phase;
@@ -63,7 +64,7 @@ pub fn press(bench: &mut Bench, k_desired: Si) -> Result<Press, String> {
         board_named(bench.machine.chip().board.name)?,
         &armed,
     )?;
-    // The hand has pressed for 0.6 s and held for 0.8 s, a quarter of a second after the arming.
+    // The hand starts a quarter of a second after arming, presses for 0.6 s and holds for 0.8 s.
     let hold = armed.get(1_500..1_600).unwrap_or_default();
     let mean = |of: fn(&Telemetry) -> f64| {
         hold.iter().map(|record| of(record)).sum::<f64>() / hold.len().max(1) as f64
@@ -83,13 +84,14 @@ pub fn press(bench: &mut Bench, k_desired: Si) -> Result<Press, String> {
     })
 }
 
-/// A board by the name of its program.
+/// The board with this name of its program.
 pub fn board_named(name: &str) -> Result<Board, String> {
     let board = Board::ALL.into_iter().find(|board| board.name() == name);
     board.ok_or_else(|| format!("no board is called {name}"))
 }
 
-/// The law on this machine, given the counts that the device was given: penetration, force and offset equal bit for bit.
+/// Computes the control law on the host from the device's encoder counts. Penetration, force and offset must equal the device's,
+/// bit for bit. Returns the number of compared ticks.
 pub fn compare(
     settings: &DeviceSettings,
     board: Board,

@@ -1,9 +1,11 @@
-//! What the program leaves in the registers after its start, against what the manuals say should stand there.
+//! Compares the register values that the program leaves after its start with those that the manuals require.
 //!
-//! A second witness for the wiring: `registers.tsv` and `pins.tsv` say what each register should hold and why, from the reference
-//! manual (RM0440), the boards' schematics and what is connected. Where a field is, and which number a pin's function has, comes from
-//! the vendor's own description (`vendor.tsv`, written by `vendor.py`). Nothing in them is read from the firmware. Every register that
-//! the program writes has to be in the tables, with every bit that it changes: a register that nobody examined is an error.
+//! The tables `registers.tsv` and `pins.tsv` are a second witness for the wiring: what each register should hold, and why. Their
+//! contents come from the reference manual (RM0440) and the boards' schematics, not from the firmware. The position of each field,
+//! and the number of each pin's alternate function, come from the vendor's description (`vendor.tsv`, written by `vendor.py`).
+//!
+//! Every register that the program writes must be in the tables, with every bit that the program changes. A register that nobody
+//! examined is an error.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,7 +20,7 @@ const VENDOR: &str = include_str!("../../registers/vendor.tsv");
 
 const PORTS: std::ops::Range<u32> = 0x4800_0000..0x4800_1c00;
 
-/// Checks the registers against the tables.
+/// Checks the chip's registers against the tables.
 pub fn registers(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.check("registers after the start", compared(program, setup));
 }
@@ -88,7 +90,8 @@ fn compared(program: &Program, setup: &Setup) -> Result<String, String> {
     }
 }
 
-/// The pins in use are as the table wants them, and all others as a reset leaves them; how many are in use.
+/// Checks the pins in use against the table, and all other pins against their state after a reset. Returns the number of pins in
+/// use.
 fn pins(
     chip: &mut Chip,
     at_reset: &mut Chip,
@@ -156,7 +159,7 @@ struct Pin {
 }
 
 impl Pin {
-    /// `PA8`.
+    /// Parses a pin's name, for example `PA8`.
     fn named(name: &str) -> Result<Self, String> {
         let port = name.as_bytes().get(1);
         let port = port.map(|letter| u32::from(letter - b'A'));
@@ -182,7 +185,8 @@ impl Pin {
     }
 }
 
-/// Where the vendor says that things are: (register or pin, field or signal or nothing) to an address, a mask or a number.
+/// Numbers from the vendor's description. The key is (register or pin, field or signal, possibly empty); the value is an address, a
+/// mask or the number of an alternate function.
 struct Vendor(BTreeMap<(&'static str, &'static str), u32>);
 
 impl Vendor {
@@ -201,7 +205,7 @@ impl Vendor {
         self.get(register, "")
     }
 
-    /// The mask of a field; without a field's name, of the whole register.
+    /// Mask of a register's field. Without a name of a field, it covers the whole register.
     fn mask(&self, register: &str, field: &str) -> Result<u32, String> {
         match field {
             "" => Ok(u32::MAX),

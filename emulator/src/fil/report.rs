@@ -1,4 +1,4 @@
-//! Runs the work on all processors, and prints a table.
+//! Runs the campaign's jobs on all processor cores of the host, and prints a table of the results.
 
 use std::collections::BTreeSet;
 use std::sync::Mutex;
@@ -13,13 +13,13 @@ use super::tally::Tally;
 use crate::bench::{Bench, Setup};
 use crate::cpu::elf::Program;
 
-/// Exit code for a selection that does not exist.
+/// Exit code for a selection that matches no injection and no check.
 const USAGE: u8 = 2;
 
-/// How many pieces of work are listed with their times.
+/// Number of the slowest jobs that are listed with their times.
 const SLOWEST: usize = 10;
 
-/// Runs the selected work; returns the exit code. Progress goes to standard error, the table to standard output.
+/// Runs the selected jobs and returns the exit code. Progress goes to standard error, the table to standard output.
 #[must_use]
 pub fn run(programs: &Programs, asked: Asked<'_>) -> u8 {
     let started = Instant::now();
@@ -96,7 +96,7 @@ pub fn run(programs: &Programs, asked: Asked<'_>) -> u8 {
     u8::from(!wrong.is_empty())
 }
 
-/// Says which codes no injection latched; those that one should have are wrong.
+/// Prints the number of fault codes that an injection latched. Returns an error text for each fault code that none latched.
 fn codes(latched: &BTreeSet<&FaultCode>) -> Vec<String> {
     let mut wrong = Vec::new();
     for code in FaultCode::ALL.iter().filter(|code| !latched.contains(code)) {
@@ -110,7 +110,7 @@ fn codes(latched: &BTreeSet<&FaultCode>) -> Vec<String> {
     wrong
 }
 
-/// Boots a board's program, calibrates, arms, presses; returns the device's messages, line by line.
+/// Boots a board's program, calibrates, arms and presses; prints the device's replies, and returns a summary.
 ///
 /// # Errors
 /// The step that fails.

@@ -1,5 +1,5 @@
-//! An even turn of the shaft by something stronger than the motor, and the torque of motor and cogging that it feels.
-//! All values come from the simulated world, none from the device.
+//! Turns the shaft at constant speed, against any torque of the motor, and measures the torque of motor and cogging that resists
+//! the turn. All values come from the simulated world, none from the device.
 
 use std::f64::consts::TAU;
 
@@ -7,29 +7,32 @@ use touchstone_protocol::{DeviceCommand, Phase, Request};
 
 use crate::bench::{Bench, MS, US};
 
-/// How finely the torque is examined: 0.17 rad of 168 periods a turn at 10 rad/s.
+/// Time between two samples of the torque, in processor cycles. It resolves 168 cogging periods per turn at 10 rad/s: 0.17 rad of
+/// phase per sample.
 const SLICE: u64 = 100 * US;
-/// The force has faded in after this, by `limits.fade_in_s` of 0.2 s, and the shaft is past what came before.
+/// Time from arming until the force has faded in (`limits.fade_in_s` is 0.2 s) and the shaft has passed the start, in processor
+/// cycles.
 const FADED_IN: u64 = 400 * MS;
 
-/// The torque that is felt in such a turn.
+/// Torque that resists one turn of the shaft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Felt {
-    /// Effective value of the torque of motor and cogging together without its mean, all of it, N·m.
+    /// Effective value of the summed torque of motor and cogging, without its mean, N·m.
     pub ripple_n_m: f64,
-    /// Largest torque of the cogging alone in the same turn, N·m.
+    /// Effective value of the cogging torque alone in the same turn, without its mean, N·m.
     pub cogging_n_m: f64,
 }
 
 impl Felt {
-    /// The remaining torque as a share of the cogging.
+    /// Remaining torque as a fraction of the cogging torque: 1 means that nothing was compensated.
     #[must_use]
     pub fn left(&self) -> f64 {
         self.ripple_n_m / self.cogging_n_m
     }
 }
 
-/// Arms a calibrated device, whose wall must be far away, turns its shaft once at a speed, rad/s, and disarms it.
+/// Arms a calibrated device, turns its shaft once at a speed in rad/s, and disarms it. The wall must be far away from the shaft's
+/// position.
 ///
 /// # Errors
 /// The device does not arm, or does not stay armed.
@@ -72,7 +75,7 @@ pub fn slow_turn(bench: &mut Bench, rad_per_s: f64) -> Result<Felt, String> {
     })
 }
 
-/// Effective value without the mean.
+/// Accumulates values for their effective value without the mean.
 #[derive(Debug, Default)]
 struct Ripple {
     count: f64,

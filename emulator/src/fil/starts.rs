@@ -1,4 +1,4 @@
-//! The kept alignment and the unattended start: used where everything is in order, refused where something is not.
+//! Tests of the stored alignment and of the unattended start: used where all conditions hold, refused where one does not.
 
 use std::f64::consts::TAU;
 
@@ -19,17 +19,17 @@ use crate::board::Encoder;
 use crate::chip::ResetCause;
 use crate::cpu::elf::Program;
 
-/// By this time an unattended start has switched on (another row shows it): half a second and a quarter of rest, and
-/// the program's own start.
+/// Time within which an unattended start switches the outputs on: the program's start, half a second and a quarter of a second at
+/// rest. Another test shows that it is long enough.
 const WOULD_BE_ON: u64 = 1_200 * MS;
-/// Time by which an undisturbed start has armed.
+/// Time within which an undisturbed start arms the device, in processor cycles.
 const WOULD_BE_ARMED: u64 = 4_500 * MS;
-/// Time by which a shaft without a hand is at rest.
+/// Time within which a shaft without a hand comes to rest, in processor cycles.
 const AT_REST: u64 = 6_000 * MS;
-/// How long the desktop may be silent, s, once it has spoken.
+/// Longest silence of the desktop in seconds, once it has sent a message.
 const SILENCE_S: &str = "0.5";
 
-/// A kept alignment is checked at the next start.
+/// Tests that a stored alignment is used and checked at the next start.
 pub fn kept_alignment(program: &Program, setup: &Setup, tally: &mut Tally) {
     if !setup.board.is_large() || matches!(setup.board.encoder, Encoder::Incremental(_)) {
         return tally.check("kept alignment", is_not_kept(program, setup));
@@ -39,7 +39,7 @@ pub fn kept_alignment(program: &Program, setup: &Setup, tally: &mut Tally) {
         Err(error) => return tally.check("kept alignment", Err(error)),
     };
     tally.check("kept alignment, used", is_used(&mut bench));
-    // 24 degrees draw the rotor no eighth of a turn away: the mean alone tells.
+    // A slip of 24 degrees pulls the rotor away by less than an eighth of a turn, so only the mean reveals it.
     for degrees in [360.0, 24.0, 30.0, 90.0, 180.0] {
         let name = format!("kept alignment, a magnet that slipped by {degrees} electrical degrees");
         tally.check(&name, slipped(&mut bench, degrees));
@@ -51,7 +51,7 @@ pub fn kept_alignment(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.ran(&bench);
 }
 
-/// A board that starts unattended, and everything that prevents it.
+/// Tests a board that starts unattended, and each reason that prevents the start.
 pub fn start_by_itself(program: &Program, setup: &Setup, tally: &mut Tally) {
     // The larger motor and the reference board's small one; the Mini's program is the same.
     if !["nucleo-g474re", "nucleo-g474re-ihm16m1"].contains(&setup.board.name) {
@@ -142,7 +142,7 @@ const KEPT_FROM: [(&str, Case); 8] = [
     }),
 ];
 
-/// A device with an absolute encoder that keeps its alignment, saved.
+/// A device with an absolute encoder that has stored its alignment in flash.
 fn kept(program: &Program, setup: &Setup) -> Result<Bench, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;
@@ -151,7 +151,7 @@ fn kept(program: &Program, setup: &Setup) -> Result<Bench, String> {
         settings.encoder.kind = kind;
         settings.calibration.electrical_turns_per_s = setup.board.field_turns_per_s;
         settings.wall.surface_rad = Si::lit("0.3");
-        // The calibration's current may be held for ever: this is not about it.
+        // The calibration's current may be held for ever, because this test is not about heating.
         settings.motor.continuous_current_a = settings.calibration.current_a;
     })?;
     bench.calibrate()?;
@@ -161,7 +161,7 @@ fn kept(program: &Program, setup: &Setup) -> Result<Bench, String> {
     Ok(bench)
 }
 
-/// The power goes, and comes on when the shaft is at rest.
+/// Switches the power off, and on again when the shaft is at rest.
 pub fn power_on(bench: &mut Bench) {
     bench.release();
     let until = bench.now() + AT_REST;
@@ -175,7 +175,7 @@ pub fn power_on(bench: &mut Bench) {
     }
     bench.machine.power_on(ResetCause::PowerOn);
     bench.halted = None;
-    // Whatever was begun before.
+    // Ends a frame that the link may have begun before the power cut.
     bench.send(&[0]);
 }
 
@@ -186,7 +186,7 @@ fn report(bench: &mut Bench) -> Result<StartReport, String> {
     }
 }
 
-/// An incremental encoder: said clearly, and on a board without room the request is not known.
+/// Checks that the device refuses to store the alignment of an incremental encoder. A board without room does not know the request.
 fn is_not_kept(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;
@@ -216,7 +216,7 @@ fn is_used(bench: &mut Bench) -> Result<String, String> {
         return Err("it was looked for, not checked".into());
     }
     let degrees = most.to_degrees();
-    // An eighth of an electrical turn of seven pole pairs is 6.4 degrees.
+    // An eighth of an electrical turn is 6.4 degrees of the shaft with seven pole pairs.
     if degrees > 8.0 {
         return Err(format!("the shaft moved by {degrees:.1} degrees"));
     }
@@ -234,7 +234,7 @@ fn arms(bench: &mut Bench) -> Result<(), String> {
         .map(|_| ())
 }
 
-/// The reason of a check that failed.
+/// The reason for which a calibration failed. Errors: the fault is not a failed calibration.
 fn why(fault: Option<Fault>) -> Result<Reason, String> {
     let reason = fault.and_then(|fault| {
         (fault.known() == Some(FaultCode::CalibrationFailed))
@@ -243,7 +243,8 @@ fn why(fault: Option<Fault>) -> Result<Reason, String> {
     reason.ok_or_else(|| format!("{fault:?} instead of a check that failed"))
 }
 
-/// A whole electrical turn is no difference; anything else is found, and nothing arms.
+/// Lets the encoder's magnet slip by electrical degrees. A whole electrical turn must make no difference; any other angle must be
+/// detected, and the device must not arm.
 fn slipped(bench: &mut Bench, degrees: f64) -> Result<String, String> {
     bench.machine.chip_mut().world.slip(degrees.to_radians());
     let judged = judged(bench, degrees == 360.0);
@@ -279,8 +280,8 @@ fn judged(bench: &mut Bench, is_harmless: bool) -> Result<String, String> {
     Ok(format!("{why:?}, and no arming"))
 }
 
-/// An alignment that was measured with other pole pairs is not used: the whole search runs, and finds that the
-/// settings are wrong.
+/// Checks that the device does not use an alignment that was measured with another number of pole pairs. Its full search then finds
+/// that the settings are wrong.
 fn other_pole_pairs(bench: &mut Bench) -> Result<String, String> {
     power_on(bench);
     bench.boot()?;
@@ -302,7 +303,7 @@ fn other_pole_pairs(bench: &mut Bench) -> Result<String, String> {
     }
 }
 
-/// The telemetry since a record, with nothing missing.
+/// The telemetry from record `from` on. Errors: records are missing.
 fn told(bench: &Bench, from: usize) -> Result<Vec<&Telemetry>, String> {
     match bench.link.gaps(from) {
         0 => Ok(bench.link.telemetry[from..].iter().collect()),
@@ -310,7 +311,7 @@ fn told(bench: &Bench, from: usize) -> Result<Vec<&Telemetry>, String> {
     }
 }
 
-/// Waits until it has armed, without a word.
+/// Waits until the device has armed without any message from the desktop.
 fn armed_by_itself(bench: &mut Bench) -> Result<(), String> {
     let is_armed = |bench: &mut Bench| {
         let last = bench.link.telemetry.last();
@@ -323,7 +324,7 @@ fn starts(bench: &mut Bench) -> Result<String, String> {
     let settings = bench.settings()?;
     power_on(bench);
     let begun = bench.now();
-    // Past what was told before the power went.
+    // Skips the telemetry from before the power cut.
     bench.run(100 * MS)?;
     let from = bench.link.telemetry.len();
     bench.run_until("the outputs on", WOULD_BE_ON - 200 * MS, |bench| {
@@ -337,7 +338,7 @@ fn starts(bench: &mut Bench) -> Result<String, String> {
     let surface = number(settings.wall.surface_rad);
     let stiffness = number(settings.wall.k_desired_n_m_per_rad);
     bench.press_at(&MEDIUM, torque, 0.6, 0.8, surface, counts, stiffness)?;
-    // Longer than a desktop may be silent.
+    // Longer than the allowed silence of the desktop.
     bench.run(2_200 * MS)?;
     if !bench.is_on() {
         return Err("off again, with nobody there".into());
@@ -356,7 +357,7 @@ fn starts(bench: &mut Bench) -> Result<String, String> {
     if force < 0.8 * torque {
         return Err(format!("{force:.3} N·m of {torque}"));
     }
-    // A desktop comes, and its cable is pulled.
+    // A desktop connects, then its cable is pulled.
     let status = bench.status()?;
     let started = report(bench)?;
     if status.phase != Phase::Armed || started.self_start != SelfStart::Started {
@@ -392,7 +393,7 @@ fn stops(bench: &mut Bench) -> Result<String, String> {
     }
 }
 
-/// Checks that the outputs stay off for this time.
+/// Checks that the outputs stay off for `time`, in processor cycles.
 fn is_off_for(bench: &mut Bench, time: u64) -> Result<(), String> {
     let begun = bench.now();
     bench.run(time)?;
@@ -403,7 +404,7 @@ fn is_off_for(bench: &mut Bench, time: u64) -> Result<(), String> {
     }
 }
 
-/// Checks that the outputs stay off and that the device gives this reason.
+/// Checks that the outputs stay off for `time`, in processor cycles, and that the device reports the reason `because`.
 fn stays_off(bench: &mut Bench, time: u64, because: SelfStart) -> Result<String, String> {
     is_off_for(bench, time)?;
     match report(bench)?.self_start {
@@ -419,7 +420,7 @@ fn reset(bench: &mut Bench, cause: ResetCause, because: SelfStart) -> Result<Str
     stays_off(bench, WOULD_BE_ON, because)
 }
 
-/// The check fails, and that was it.
+/// Checks that the device tries an unattended start once: its check fails, and the outputs then stay off.
 fn tries_once(bench: &mut Bench) -> Result<String, String> {
     bench.run_until("the outputs on", WOULD_BE_ON, |bench| bench.is_on())?;
     bench.run_until("the outputs off", WOULD_BE_ARMED, |bench| !bench.is_on())?;

@@ -1,4 +1,4 @@
-//! Settings in flash whose bits are damaged.
+//! Tests of damaged bits in the settings in flash.
 
 use touchstone_control::Si;
 use touchstone_protocol::settings::DeviceSettings;
@@ -9,7 +9,7 @@ use crate::bench::{Bench, MS, Setup};
 use crate::chip::ResetCause;
 use crate::cpu::elf::Program;
 
-/// Where the program keeps its settings, and how many bytes: `memory.x` says it to the linker.
+/// Address and length in bytes of the settings in flash, from symbols of the linker script `memory.x`.
 fn place(program: &Program) -> Result<(u32, usize), String> {
     let named = |name: &str| {
         let missing = || format!("the program has no {name}");
@@ -19,15 +19,15 @@ fn place(program: &Program) -> Result<(u32, usize), String> {
     Ok((start, (named("_settings_end")? - start) as usize))
 }
 
-/// Something to tell apart from the defaults, and from one another.
+/// Sets the wall's stiffness to `k`, to make the settings differ from the defaults and from earlier ones.
 ///
 /// # Errors
-/// The change is refused.
+/// The device refuses the change.
 pub fn changed(bench: &mut Bench, k: Si) -> Result<(), String> {
     bench.configure(|settings| settings.wall.k_desired_n_m_per_rad = k)
 }
 
-/// The power comes back.
+/// Switches the power on again and boots the device.
 ///
 /// # Errors
 /// The device does not answer.
@@ -37,12 +37,12 @@ pub fn restart(bench: &mut Bench) -> Result<(), String> {
     bench.boot().map(|_| ())
 }
 
-/// Damages the settings in flash in `ways` ways, one after the other, by flipping written bits. After each, the device
-/// either has the saved settings (another copy holds), or reports `SettingsInvalid` and does not arm. Returns how many
-/// damages were noticed.
+/// Damages the settings in flash `ways` times by flipping written bits, and restarts the device after each. The device must then
+/// use the saved settings from another copy, or report `SettingsInvalid` and not arm. Returns the number of damages that the device
+/// reported.
 ///
 /// # Errors
-/// The damage after which something else happened.
+/// The damaged bits after which the device reacted otherwise.
 pub fn damage(program: &Program, setup: &Setup, ways: usize) -> Result<usize, String> {
     let (start, bytes) = place(program)?;
     let mut bench = Bench::new(program, setup)?;
@@ -51,7 +51,7 @@ pub fn damage(program: &Program, setup: &Setup, ways: usize) -> Result<usize, St
     };
     let defaults = DeviceSettings::defaults(identity.board);
     changed(&mut bench, Si::lit("2"))?;
-    // Twice: what damages one copy only must do no harm.
+    // Saved twice: damage to one of the two copies must have no effect.
     bench.demand(Request::Save)?;
     bench.demand(Request::Save)?;
     let saved = bench.settings()?;
@@ -64,7 +64,7 @@ pub fn damage(program: &Program, setup: &Setup, ways: usize) -> Result<usize, St
     let mut noticed = 0;
     for way in 0..ways {
         let mut bytes = clean.clone();
-        // From a single bit to sixteen of them.
+        // Flips one to sixteen bits.
         let mut places = Vec::new();
         for _ in 0..=(way % 16) {
             let at = written[(random.bits() % written.len() as u64) as usize];
@@ -83,7 +83,7 @@ pub fn damage(program: &Program, setup: &Setup, ways: usize) -> Result<usize, St
     Ok(noticed)
 }
 
-/// Whether the damage was noticed. If it was not, everything must be as it was saved: not only the value that was changed.
+/// Returns whether the device reported the damage. If it did not, all settings must equal the saved ones.
 fn is_safe(
     bench: &mut Bench,
     saved: &DeviceSettings,
@@ -100,7 +100,7 @@ fn is_safe(
                 return Err("neither the saved settings nor the defaults".into());
             }
             bench.demand(Request::Command(DeviceCommand::Stop))?;
-            // A calibration with refused settings ends in the fault again.
+            // A calibration with invalid settings ends in the same fault again.
             let _ = bench.command(DeviceCommand::Calibrate)?;
             bench.run(50 * MS)?;
             if bench.command(DeviceCommand::Arm)? || bench.is_on() {

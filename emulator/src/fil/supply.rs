@@ -1,6 +1,8 @@
-//! The supply goes away: at each change of the flash in a save, twice in a row, and in every state with the outputs on or off. The device
-//! comes up with the settings that were saved before or those that were being saved, all of them, never with others and never with
-//! none; and its outputs stay off until somebody asks for them.
+//! Tests in which the supply fails: at each change of the flash during a save, twice in a row, and in every state with the outputs
+//! on or off.
+//!
+//! After each failure the device must start with all of the old saved settings or all of the new ones. Its outputs must stay off
+//! until the desktop requests them.
 
 use touchstone_control::Si;
 use touchstone_protocol::settings::DeviceSettings;
@@ -13,23 +15,23 @@ use crate::bench::{Bench, MS, Setup, US};
 use crate::cpu::elf::Program;
 use crate::machine::Halt;
 
-/// A number larger than the changes of the flash in one save.
+/// A number larger than the number of flash changes in one save.
 const MOST_CHANGES: u64 = 400;
-/// Of the other boards' changes and moments, one in this many is tried.
+/// On boards other than the reference board, the tests use one of this many flash changes, and one of [`SAMPLED_MOMENTS`] states.
 const SAMPLED_CHANGES: u64 = 5;
 const SAMPLED_MOMENTS: usize = 3;
-/// Durations of the supply's absence: the current has gone, and the knob has come to rest or not.
+/// Time in processor cycles for which the supply is absent. The motor's current has then ended; the knob may still be moving.
 const AWAY: u64 = 200 * MS;
-/// The value that was saved last, and the one in use.
+/// Stiffness that was saved last, N·m/rad; [`UNSAVED`] is the one in use.
 const SAVED: Si = Si::lit("1.25");
 const UNSAVED: Si = Si::lit("0.75");
 
-/// Whether all is played on it; of the other boards, whose program is the same but for pins, a sample.
+/// Whether all tests run on this board. On the other boards, whose program differs only in its pins, a sample runs.
 fn is_reference(setup: &Setup) -> bool {
     setup.board.name == "nucleo-g474re-ihm16m1"
 }
 
-/// The supply is cut at the changes of the flash in a save, and once more in the save after that.
+/// Cuts the supply at flash changes of a save, and once more in the save after the restart.
 pub fn power_cuts(program: &Program, setup: &Setup, tally: &mut Tally) {
     let every = match is_reference(setup) {
         true => 1,
@@ -50,7 +52,7 @@ pub fn power_cuts(program: &Program, setup: &Setup, tally: &mut Tally) {
     );
 }
 
-/// The motor's field turns on command, and ends on command.
+/// Checks that the motor's field starts to turn at the command to calibrate, and stops at the command to stop.
 fn starts(bench: &mut Bench) -> Result<(), String> {
     bench.demand(Request::Command(DeviceCommand::Calibrate))?;
     let on = bench.run_until("the outputs on", 200 * MS, |bench| bench.is_on());
@@ -61,7 +63,8 @@ fn starts(bench: &mut Bench) -> Result<(), String> {
         .map(|_| ())
 }
 
-/// After a start: nothing is on or latched, arming is refused, and the settings are one of these.
+/// Checks the device after a restart: no outputs on since `since`, no fault latched, arming refused, and the settings among
+/// `may_be`.
 fn came_up(bench: &mut Bench, since: u64, may_be: &[&DeviceSettings]) -> Result<(), String> {
     let status = bench.status()?;
     if status.phase != Phase::Boot {
@@ -85,14 +88,14 @@ fn came_up(bench: &mut Bench, since: u64, may_be: &[&DeviceSettings]) -> Result<
     }
 }
 
-/// A save with a cut at a change, counted from the next one; whether it came to that.
+/// Saves the settings and cuts the supply at flash change `cut`, counted from the next one. Returns whether the cut happened.
 fn saves_until(bench: &mut Bench, cut: u64) -> Result<bool, String> {
     let flash = &mut bench.machine.chip_mut().flash;
     flash.cut_at = Some(flash.count + cut);
     let saved = bench.demand(Request::Save);
     bench.machine.chip_mut().flash.cut_at = None;
     match (saved, bench.halted.take()) {
-        // All its changes came before the cut.
+        // The save made all its changes before the cut.
         (Ok(_), None) => Ok(false),
         (Err(_), Some(Halt::PowerCut)) => Ok(true),
         (Err(error), _) => Err(error),
@@ -100,15 +103,15 @@ fn saves_until(bench: &mut Bench, cut: u64) -> Result<bool, String> {
     }
 }
 
-/// A board with settings that differ from its defaults and from all earlier saves, saved; returns them.
+/// Saves settings that differ from the defaults and from all earlier saves, and returns them.
 fn saved(bench: &mut Bench, turn: usize) -> Result<DeviceSettings, String> {
     changed(bench, SAVED + Si::lit("0.01") * turn as i64)?;
     bench.demand(Request::Save)?;
     bench.settings()
 }
 
-/// Cuts the power at each `every`th change of the flash during a save, until there are no more; how many were cut. After each the
-/// device must take and keep further settings.
+/// Cuts the supply at each `every`th flash change of a save, until the save has no more. Returns the number of cuts. After each cut
+/// the device must accept and keep further settings.
 fn in_a_save(program: &Program, setup: &Setup, every: u64) -> Result<usize, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;
@@ -123,13 +126,13 @@ fn in_a_save(program: &Program, setup: &Setup, every: u64) -> Result<usize, Stri
         let since = bench.now();
         restart(&mut bench).map_err(said)?;
         came_up(&mut bench, since, &[&old, &new]).map_err(said)?;
-        // A word that was torn interrupts when it is read, and pulls the system's break: it must be over by now.
+        // A torn word raises an interrupt and the system break when it is read. The device must have handled it by now.
         starts(&mut bench).map_err(said)?;
     }
     Err(format!("a save of more than {MOST_CHANGES} changes"))
 }
 
-/// A save that is cut, and after the start another one that is cut, at some places of each.
+/// Cuts the supply in a save, and again in the save after the restart, at several changes of each.
 fn cut_twice(program: &Program, setup: &Setup) -> Result<usize, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;
@@ -155,27 +158,27 @@ fn cut_twice(program: &Program, setup: &Setup) -> Result<usize, String> {
     Ok(pairs)
 }
 
-/// The moment at which the supply is cut.
+/// State of the device in which the supply is cut.
 #[derive(Debug, Clone, Copy)]
 enum Moment {
     /// No request since the start.
     Booted,
-    /// This long after the command to calibrate, ms.
+    /// This many milliseconds after the command to calibrate.
     Calibrating(u64),
-    /// Calibrated.
+    /// Calibrated, with the outputs off.
     Ready,
     /// Armed, with no hand at the knob.
     Free,
-    /// A hand presses into the wall; this many us after a control tick.
+    /// Armed while a hand presses into the wall; the cut comes this many microseconds after a control tick.
     Pressed(u64),
-    /// Switched off by command.
+    /// Outputs switched off by the command to stop.
     Stopped,
-    /// Switched off by a fault.
+    /// Outputs switched off by a fault.
     Fault,
 }
 
-/// All moments; in a calibration while the sensors' offsets are measured, while the field is switched on, and while it
-/// turns.
+/// All states in which the supply is cut. The calibration has five: while the sensors' offsets are measured, while the field is
+/// switched on, and while it turns.
 const MOMENTS: [Moment; 12] = [
     Moment::Booted,
     Moment::Calibrating(5),
@@ -191,7 +194,7 @@ const MOMENTS: [Moment; 12] = [
     Moment::Fault,
 ];
 
-/// The supply is cut in each state.
+/// Cuts the supply in each state.
 pub fn supply_cut(program: &Program, setup: &Setup, tally: &mut Tally) {
     let cut = || -> Result<String, String> {
         let mut bench = Bench::new(program, setup)?;
@@ -216,10 +219,10 @@ pub fn supply_cut(program: &Program, setup: &Setup, tally: &mut Tally) {
             goes_away(&mut bench, conducted).map_err(said)?;
             let since = bench.now();
             restart(&mut bench).map_err(said)?;
-            // What was not saved is gone.
+            // The unsaved settings are lost.
             came_up(&mut bench, since, &[&old]).map_err(said)?;
             starts(&mut bench).map_err(said)?;
-            // A rotor that coasts would not let the next calibration begin.
+            // The next calibration needs a rotor at rest.
             bench.run(500 * MS)?;
         }
         Ok(format!(
@@ -230,7 +233,7 @@ pub fn supply_cut(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.check("supply cut", cut());
 }
 
-/// Brings the device to a moment; whether the outputs are on then, as they have to be.
+/// Brings the device to a state. Returns whether the outputs are on in it, as they have to be.
 fn come_to(bench: &mut Bench, moment: Moment) -> Result<bool, String> {
     let calibrate = Request::Command(DeviceCommand::Calibrate);
     match moment {
@@ -273,7 +276,7 @@ fn come_to(bench: &mut Bench, moment: Moment) -> Result<bool, String> {
     }
 }
 
-/// The supply goes: no transistor conducts any more, and the motor's currents end.
+/// Cuts the supply, and checks that no transistor conducts any more and that the motor's currents end.
 fn goes_away(bench: &mut Bench, conducted: bool) -> Result<(), String> {
     if bench.is_on() != conducted {
         return Err(format!("the outputs were on: {}", bench.is_on()));

@@ -53,7 +53,7 @@ impl Machine {
             .memory(stack.wrapping_sub(EXTENDED_BYTES + 4), 4)
             .is_empty()
         {
-            // The frame cannot be stacked, nor that of the fault which this is.
+            // Neither this frame nor that of the resulting fault can be stacked.
             self.lock_up(format!(
                 "exception {exception} with the stack at 0x{stack:08x}"
             ));
@@ -118,7 +118,7 @@ impl Machine {
         let vectors = self.chip().vectors();
         let handler = self.word(vectors + 4 * exception as u32);
         self.set_register(RegisterARM::LR, return_value);
-        // Thumb, no IT block, no flags: as after reset.
+        // Thumb mode, no IT block and no flags, as after a reset.
         self.set_register(RegisterARM::XPSR, 1 << 24);
         self.set_register(RegisterARM::PC, handler | 1);
         self.chip_mut().begin_handler(exception);
@@ -135,7 +135,7 @@ impl Machine {
             return Err(Halt::BadReturn(format!("a return to 0x{value:08x}")));
         }
         self.set_register(RegisterARM::FAULTMASK, 0);
-        // Tail-chaining: the next handler is entered with the frame as it is.
+        // Tail-chaining: the next handler is entered without changing the stacked frame.
         let masks = self.masks();
         if let Some(exception) = self.chip().nvic.next(masks) {
             self.chip_mut().core.spend_cycles(TAIL_CHAIN);

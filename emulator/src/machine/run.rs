@@ -29,7 +29,7 @@ impl Machine {
         let chip = self.chip_mut();
         let next = chip.next_event().min(until);
         if chip.flash.busy_until() > chip.core.now {
-            // Fetches from the bank that is written wait, and so does everything else.
+            // Fetches from the flash bank wait while it is written, so the processor stands still.
             chip.core.now = next.min(chip.flash.busy_until());
             return Ok(());
         }
@@ -64,7 +64,7 @@ impl Machine {
         let start = u64::from(self.register(RegisterARM::PC) | 1);
         let ended = self.unicorn.emu_start(start, NEVER >> 1, 0, 0);
         let pc = self.register(RegisterARM::PC);
-        // Unicorn does not fetch from there, but raises an exception of its own.
+        // Unicorn does not fetch from this address, but raises an exception of its own.
         if pc & 0xffff_ff80 == 0xffff_ff80 {
             return self.leave(pc | 1);
         }
@@ -97,11 +97,12 @@ impl Machine {
             match change {
                 Change::Program(address, bytes) => {
                     let before = self.memory(address, 8);
-                    // The error correction forbids to program twice, but for zeros.
+                    // The error correction allows a second programming only with zeros.
                     if before.iter().any(|byte| *byte != 0xff) && bytes != [0; 8] {
                         self.chip_mut().flash.refuse();
                     } else if cut {
-                        // Cut in the middle: some bits have fallen, others each time, and the check bits are wrong.
+                        // The power was cut during the change: some bits keep their value, different ones in each cut.
+                        // The check bits are wrong.
                         let not_yet = self.chip().flash.not_yet();
                         let torn = bytes.iter().zip(not_yet.to_le_bytes());
                         let torn: Vec<u8> = torn.map(|(byte, not_yet)| byte | not_yet).collect();

@@ -131,7 +131,7 @@ impl Machine {
             if let Some(place) = here.filter(|place| u64::from(*place) < block + BLOCK) {
                 uc.get_data_mut().read_flash(place);
             }
-            // The read goes on, and finds what the tearing has left.
+            // The read continues, and returns the bits that the power cut has left.
             uc.mem_protect(block, BLOCK, Prot::READ | Prot::EXEC)
                 .is_ok()
         };
@@ -173,7 +173,7 @@ impl Machine {
     }
 
     pub(super) fn set_register(&mut self, register: RegisterARM, value: u32) {
-        // Only an unknown register is refused.
+        // Unicorn fails only for an unknown register.
         let _ = self.unicorn.reg_write(register, u64::from(value));
     }
 

@@ -138,7 +138,7 @@ impl Adc {
         }
         match self.running {
             Some(sequence) if sequence.injected => self.missed += 1,
-            // An injected sequence interrupts a regular one, which starts again afterwards; here it comes to nothing.
+            // On the chip an injected sequence interrupts a regular one, which then starts again. Here the regular one is lost.
             _ => self.begin(true, 0, now),
         }
     }
@@ -207,10 +207,10 @@ impl Peripheral for Adc {
 
     fn write(&mut self, offset: u32, value: u32, now: u64) {
         match offset {
-            // Ones clear.
+            // Written ones clear the flags.
             ISR => self.status &= !value,
             CR => {
-                // These are set by ones and cleared by the converter.
+                // Written ones set these bits, and the converter clears them.
                 const SET: u32 = ADEN | ADDIS | ADSTART | JADSTART | STOPS | ADCAL;
                 let rising = value & SET & !self.control;
                 self.control = (self.control & SET) | value & !SET | rising;

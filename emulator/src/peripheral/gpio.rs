@@ -76,7 +76,7 @@ impl Peripheral for Port {
     fn write(&mut self, offset: u32, value: u32, now: u64) {
         match offset {
             ODR => self.out = value & 0xffff,
-            // Setting wins over resetting.
+            // A bit that is set and reset at once is set.
             BSRR => self.out = (self.out & !(value >> 16)) | (value & 0xffff),
             BRR => self.out &= !value,
             IDR => {}

@@ -90,7 +90,7 @@ impl Rcc {
             (_, Some(before)) => before.flags,
         };
         Self {
-            // HSI16 is on and the system's clock.
+            // HSI16 is on, and is the system clock.
             registers: BTreeMap::from([
                 (CR, 0x0000_0500),
                 (CFGR, 0x0000_0005),
@@ -121,7 +121,8 @@ impl Rcc {
                 let m = u64::from(pll >> 4 & 15) + 1;
                 let n = u64::from(pll >> 8 & 127);
                 let r = 2 * (u64::from(pll >> 25 & 3) + 1);
-                // 3 is HSE, which no board here has but with 24 MHz or 8 MHz; not modelled apart.
+                // The model assumes HSI16 as the PLL's source.
+                // The crystal HSE (PLLSRC 3; 24 or 8 MHz on the boards) is not modelled.
                 HSI * n / m / r
             }
             _ => HSI,
@@ -189,7 +190,7 @@ impl Peripheral for Rcc {
             }
         }
         if offset == CFGR {
-            // The switch is done when SWS says so: a few cycles of the slower clock.
+            // The clock switch is complete when SWS shows it, after a few cycles of the slower clock.
             value = (value & !0xc) | (before & 0xc);
             self.coming.retain(|(_, register, _)| *register != CFGR);
             self.coming.push((now + 20, CFGR, (value & 3) << 2));

@@ -204,7 +204,7 @@ impl Peripheral for Uart {
 
     fn lines(&self) -> u128 {
         let (cr1, flags) = (self.registers.get(CR1), self.flags());
-        // IDLEIE, RXNEIE, TCIE and TXEIE have their flags' places; an overrun counts as received.
+        // IDLEIE, RXNEIE, TCIE and TXEIE are at the bit positions of their flags. An overrun raises the receive interrupt.
         let mut up = flags & cr1 & (IDLE | RXNE | TC | TXE) != 0;
         up |= cr1 & RXNE != 0 && flags & ORE != 0;
         // EIE.

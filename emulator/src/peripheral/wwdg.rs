@@ -86,7 +86,7 @@ impl Peripheral for Wwdg {
         match offset {
             CR => self.counter(now) | u32::from(self.active) << 7,
             CFR => self.configuration,
-            // The early interrupt's flag.
+            // The flag of the early wake-up interrupt.
             SR => u32::from(self.counter(now) <= T6),
             _ => 0,
         }
@@ -94,12 +94,12 @@ impl Peripheral for Wwdg {
 
     fn write(&mut self, offset: u32, value: u32, now: u64) {
         match offset {
-            // Without its clock a register takes nothing.
+            // Without the bus clock a write has no effect.
             _ if self.clock_hz == 0 => {}
             CR => {
                 let early = self.counter(now) > self.configuration & 0x7f;
                 self.refused |= self.active && early;
-                // Only a reset clears it.
+                // Only a reset clears this bit.
                 self.active |= value & WDGA != 0;
                 self.refused |= self.active && value & T6 == 0;
                 self.set(value & 0x7f, now);
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn bites_after_its_counts_unless_refreshed() {
-        // Half a count later than the divider's last.
+        // Started half a count after the last count of the divider.
         let mut dog = started(0, 2_048);
         let time = 11 * 4_096;
         assert_eq!(dog.next_event(), time);
@@ -146,7 +146,7 @@ mod tests {
         assert_eq!(dog.read(CR, time - 1), WDGA | T6);
         dog.write(CR, WDGA | T6 | 10, time - 1);
         assert!(!dog.bites(time) && dog.bites(time + 10 * 4_096));
-        // It cannot be stopped.
+        // The watchdog cannot be stopped.
         dog.write(CR, 0x7f, time);
         assert!(dog.bites(time + 64 * 4_096));
     }

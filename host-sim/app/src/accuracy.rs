@@ -1,4 +1,4 @@
-//! `touchstone accuracy`: what accuracy costs in time.
+//! `touchstone accuracy`: measures how much computing time each gain in accuracy of the simulation costs.
 
 use super::out::{json, quiet, say};
 use super::report_options::program;
@@ -9,21 +9,21 @@ use touchstone_lab::accuracy::{Machine, Options as Asked, figures, measure, tabl
 use touchstone_lab::report::{check_folder, folder};
 use touchstone_sim::error::Result;
 
-/// Options of `accuracy`.
+/// Options of the command `touchstone accuracy`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// Folder for the diagrams as SVG and all figures as JSON; without it they are only printed.
+    /// Folder for the diagrams as SVG and all figures as JSON; without it, the figures are only printed.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Fewer substeps, rates and repeats, to see that it works; not to be published.
+    /// Uses fewer substeps, rates and repeats, to try the command out; such results are not fit for publication.
     #[arg(long)]
     quick: bool,
-    /// Replaces what another command left in the folder.
+    /// Replaces the files that another command left in the folder.
     #[arg(long)]
     force: bool,
 }
 
-/// Runs the command.
+/// Runs the command `touchstone accuracy`.
 pub fn main(options: &Options) -> Result<()> {
     let command = command_line();
     if let Some(folder) = &options.out {

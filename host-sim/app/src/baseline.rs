@@ -1,4 +1,5 @@
-//! Runs held against those of before: no verdict may have changed, no measure may be worse by more than a margin.
+//! Compares simulation runs with those of an earlier results file. The verdict must be the same, and no measure may be worse by
+//! more than a margin.
 
 use super::check::{Check, name};
 use serde_json::Value;
@@ -6,17 +7,17 @@ use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run::record::Summary;
 
-/// The direction in which a measure is worse.
+/// Whether a smaller or a larger value of a measure is the worse one.
 #[derive(Clone, Copy)]
 enum Worse {
     Less,
     More,
 }
 
-/// Fields of a run's results that are compared, each with a slack for values that are next to nothing.
+/// Fields of a run's results that are compared, each with an absolute slack in the field's unit for values near zero.
 ///
-/// Angles: a hundredth of a count of the finest shipped encoder. Energies: a thousandth of what a press of 0.1 N·m
-/// stores at 5 N·m/rad. Torques: a tenth of a thousandth of that press. Times: one tick of 1 kHz.
+/// Angles: a hundredth of a count of the finest shipped encoder. Energies: a thousandth of the energy that a press of 0.1 N·m
+/// stores in a wall of 5 N·m/rad. Torques: a ten-thousandth of 0.1 N·m. Times: one control period at 1 kHz.
 const MEASURES: [(&str, Worse, f64); 10] = [
     ("k_displayed", Worse::Less, 0.0),
     ("peak_penetration_ratio", Worse::More, 0.0),
@@ -29,9 +30,9 @@ const MEASURES: [(&str, Worse, f64); 10] = [
     ("energy_out", Worse::More, 1e-6),
     ("energy_out_worst_window_j", Worse::More, 1e-6),
 ];
-/// Results that were written before runs had names have none.
+/// Field with a run's name. Older results files do not have the field; a run without it matches a run of any name.
 const NAME: &str = "name";
-/// What makes two runs the same run.
+/// Fields that must be equal in two results for them to count as the same run.
 const SAME: [&str; 7] = [
     "scene",
     NAME,
@@ -42,7 +43,7 @@ const SAME: [&str; 7] = [
     "rate_hz",
 ];
 
-/// The runs of a results file.
+/// Reads the runs of a results file. Errors: the file is no JSON, or has no runs.
 pub fn read(file: &Path) -> Result<Vec<Value>> {
     let wrong = |problem: String| Error::Io {
         path: file.to_owned(),
@@ -60,7 +61,7 @@ pub fn read(file: &Path) -> Result<Vec<Value>> {
     }
 }
 
-/// Compares a run with the earlier one; a run that did not exist then is refused.
+/// Compares a run with the same run of the baseline. A run that is missing from the baseline gives a check that is not met.
 pub fn on(run: &Summary, before: &[Value], margin: f64) -> Vec<Check> {
     let mut now = serde_json::to_value(run).unwrap_or_default();
     now[NAME] = run.word().into();
@@ -108,7 +109,7 @@ pub fn on(run: &Summary, before: &[Value], margin: f64) -> Vec<Check> {
     checks
 }
 
-/// Six digits, and no more than a person reads.
+/// A number as text: six decimals, or an exponent where the number is very large or very small.
 fn shown(value: f64) -> String {
     match value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
         true => format!("{value:.6}"),

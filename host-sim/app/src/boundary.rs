@@ -1,4 +1,4 @@
-//! `touchstone boundary`: where a tuned wall ends, over damping and delay.
+//! `touchstone boundary`: maps the stiffest wall that a tuned control law renders, over damping and delay of the device.
 
 use super::out::{self, say, tell};
 use super::report_options::program;
@@ -11,19 +11,20 @@ use touchstone_lab::scorecard::rivals::Rival;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::Scene;
 
-/// Options of `boundary`.
+/// Options of the command `touchstone boundary`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// Name of a shipped scene or path of a TOML file with a scene or only its device: inertia, rate, encoder, friction and press are its.
+    /// Name of a shipped scene, or path of a TOML file with a scene or only its device. Inertia, rate, encoder, friction and press
+    /// come from it.
     #[arg(default_value = "thesis-knob")]
     scene: String,
     /// Changes a field of the scene, e.g. device.inertia_kg_m2=2e-4; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
-    /// Law that is tuned for every cell.
+    /// Control law that is tuned for every cell.
     #[arg(long, value_name = "NAME", default_value = "spring-damper-estimated", value_parser = super::law_name::of_scorecard())]
     law: String,
-    /// Delays, ticks, with commas between; a panel each.
+    /// Delays in control periods, with commas between; each gets a panel of its own.
     #[arg(
         long,
         value_name = "TICKS,…",
@@ -31,27 +32,27 @@ pub struct Options {
         default_value = "0,0.5,1"
     )]
     delays: Vec<f64>,
-    /// Columns: dampings b T/J from 0.0001 to 1.
+    /// Number of columns: dampings b T/J from 0.0001 to 1.
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u16).range(2..=200))]
     columns: u16,
-    /// Rows: stiffnesses T sqrt(k_de/J) from 0.1 to 2.
+    /// Number of rows: stiffnesses T sqrt(k_de/J) from 0.1 to 2.
     #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u16).range(2..=200))]
     rows: u16,
-    /// How long a search may look at a cell, simulated ticks.
+    /// Longest search for one cell, in simulated control periods.
     #[arg(long, value_name = "TICKS", default_value_t = 1e6)]
     ticks: f64,
-    /// Seed of the searches.
+    /// Seed of the random numbers of the searches.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Folder for the page, the drawing and the cells. One with a part of the cells goes on where it was ended.
+    /// Folder for the page, the drawing and the cells. If it has a part of the cells already, the search goes on from them.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Replaces what another command left in the folder.
+    /// Replaces the files that another command left in the folder.
     #[arg(long)]
     force: bool,
 }
 
-/// Fields that the cells replace.
+/// Fields of the scene that every cell of the map sets itself, so that a user may not set them.
 const REPLACED: [(&str, &str); 6] = [
     ("law.kind", "laws"),
     ("operator.grip", "grips"),
@@ -61,10 +62,10 @@ const REPLACED: [(&str, &str); 6] = [
     ("wall.k_desired_n_m_per_rad", "stiffnesses"),
 ];
 
-/// File in which finished cells are kept.
+/// Name of the file in which finished cells are kept.
 const CELLS: &str = "cells.csv";
 
-/// Runs the command.
+/// Runs the command `touchstone boundary`.
 pub fn main(options: &Options) -> Result<()> {
     refuse_replaced("a boundary", &options.sets, &REPLACED)?;
     let scene = Scene::load(&options.scene)?.with_overrides(&options.sets)?;

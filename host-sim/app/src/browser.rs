@@ -1,9 +1,9 @@
-//! The desktop's browser.
+//! Opens pages in the desktop's browser.
 
 use std::ffi::OsStr;
 use std::process::{Command, Stdio};
 
-/// Hands a file or an address to the desktop's browser; whether something took it.
+/// Hands a file or an address to the desktop's browser. Returns whether a program accepted it.
 pub fn open(page: &OsStr) -> bool {
     let openers: &[&[&str]] = if cfg!(target_os = "macos") {
         &[&["open"]]

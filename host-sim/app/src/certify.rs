@@ -1,4 +1,4 @@
-//! `touchstone certify`: does a wall rest, how does it feel, and in whose hand?
+//! `touchstone certify`: checks whether a wall comes to rest, how its stiffness is rendered, and with which grips of the hand.
 
 use super::SceneOptions;
 use super::out::{json, say};
@@ -8,7 +8,7 @@ use touchstone_lab::certify::{Certificate, Options as Asked, certify};
 use touchstone_lab::tune::outcome::Outcome;
 use touchstone_sim::error::{Error, Result};
 
-/// Options of `certify`.
+/// Options of the command `touchstone certify`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
     /// Name of a shipped scene or path of a scene's TOML file.
@@ -16,18 +16,18 @@ pub struct Options {
     scene: String,
     #[command(flatten)]
     changes: SceneOptions,
-    /// Leaves out the search for the worst hand of the whole family, which is hypothetical.
+    /// Leaves out the search for the worst hand of a whole family of hypothetical hands.
     #[arg(long)]
     grips: bool,
-    /// Leaves out the margins, which take most of the time.
+    /// Leaves out the stability margins, which take most of the time.
     #[arg(long)]
     no_margins: bool,
-    /// Bandwidth of a current loop, Hz.
+    /// Bandwidth of a simulated current loop, Hz.
     #[arg(long, value_name = "HZ")]
     current_loop_hz: Option<f64>,
 }
 
-/// Runs the command.
+/// Runs the command `touchstone certify`.
 pub fn main(options: &Options) -> Result<()> {
     if let Some(bandwidth) = options
         .current_loop_hz
@@ -61,7 +61,7 @@ pub fn main(options: &Options) -> Result<()> {
     print(&certificate, &feel)
 }
 
-/// The lines that come first: whether the wall rests with each grip, and how it feels.
+/// The first lines of the report: whether the wall comes to rest with each grip, and how it feels.
 fn verdicts(certificate: &Certificate, feel: &Outcome) -> Vec<String> {
     let worst = &certificate.hands[certificate.worst];
     let mut said = vec![

@@ -1,23 +1,23 @@
-//! One demand on one run, and its result.
+//! One demand of an option such as `--expect` on one simulation run, and whether the run meets it.
 
 use touchstone_sim::run::record::Summary;
 
-/// One demand on one run.
+/// One demand on one simulation run, with the measured value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Check {
-    /// The run's [`name`].
+    /// The [`name`] of the run.
     pub run: String,
-    /// The option that made the demand.
+    /// The command-line option that made the demand.
     pub option: &'static str,
-    /// The demanded value.
+    /// The demanded value or limit, as text.
     pub wanted: String,
-    /// The measured value.
+    /// The measured value, as text.
     pub came: String,
     /// Whether the demand is met.
     pub met: bool,
 }
 
-/// A name that distinguishes a run from others of the same command.
+/// A name that distinguishes a simulation run from the others of the same command.
 pub fn name(run: &Summary) -> String {
     let counts = run.encoder_counts_per_rev.map_or_else(
         || "exact position".to_owned(),

@@ -75,7 +75,7 @@ const REPLACED: [(&str, &str); 2] = [
     ("wall.surface_rad", "the device's surface"),
 ];
 
-/// Runs the command.
+/// Runs the command `touchstone compare`.
 pub fn main(options: &Options) -> Result<ExitCode> {
     options.changes.refuse_replaced("compare", &REPLACED)?;
     report::check_folder(&options.out, &crate::command_line(), options.force)?;

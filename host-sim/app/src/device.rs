@@ -103,7 +103,7 @@ enum BoardAction {
     },
 }
 
-/// Runs the command.
+/// Runs the command `touchstone device`.
 pub fn main(options: &Options) -> Result<ExitCode> {
     match &options.action {
         Action::Haptic(action) => {

@@ -36,7 +36,7 @@ pub struct Options {
     lines: Option<u64>,
 }
 
-/// Runs the command.
+/// Runs the command `touchstone events`.
 pub fn main(options: &Options) -> Result<()> {
     let stop = super::interrupt::noted()?;
     let mut client = options.port.connect()?;

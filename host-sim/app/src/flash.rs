@@ -175,7 +175,7 @@ impl BoardName {
     }
 }
 
-/// Runs the command.
+/// Runs the command `touchstone flash`.
 pub fn main(options: &Options) -> Result<()> {
     let job = Job::new(options.board, options.elf.clone(), options.probe.as_deref())?;
     if !options.force {

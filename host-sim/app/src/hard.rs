@@ -25,7 +25,7 @@ pub struct Options {
     long: bool,
 }
 
-/// Runs the command.
+/// Runs the command `touchstone hard`.
 pub fn main(options: &Options) -> Result<ExitCode> {
     let all = cases();
     let names: Vec<&str> = all.iter().map(|case| case.name).collect();

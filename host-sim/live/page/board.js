@@ -1,4 +1,4 @@
-// The board's page: what the device says, what it is told, what is drawn.
+// The page for a connected device: shows its messages and records, and sends it commands.
 const COLUMNS = content.columns, WINDOW_S = 4, PLANE_S = 2;
 let hello = null, state = null, connected = false, deviceLost = null, run = null, troubles = { dropped: 0, damaged: 0 };
 let took = { records: 0, missing: 0, at: 0, rate: 0 }, recent = { records: 0, since: performance.now() }, worst = 0;
@@ -51,7 +51,7 @@ function begin(message) {
   fields(message.fields);
 }
 
-// Settings: one row of the device's own table each.
+// Settings: one input for each field that the device reports.
 const inputs = new Map();
 function fields(all) {
   if (!inputs.size) {
@@ -176,16 +176,16 @@ function frame(now) {
   $("status").textContent = !connected ? `No connection to ${BoardLink.peer}.` : link.silent ? `From ${BoardLink.peer} comes nothing any more.` : quiet > 300 ? `No record for ${(quiet / 1000).toFixed(1)} s.` : `Records arrive, ${took.records} so far.`;
 }
 
-// The stop comes first, wherever the focus is: nothing here needs a space.
+// Escape and the space bar stop the device, whichever element has the focus. No element of this page needs a space.
 addEventListener("keydown", (event) => {
   if (event.key !== "Escape" && event.key !== " ") return;
   event.preventDefault();
   event.stopImmediatePropagation();
   if (!event.repeat) stop();
 }, { capture: true });
-// A button that has the focus would be pressed when the space is let go.
+// Keeps the space bar from pressing the focused button when the key is released.
 addEventListener("keyup", (event) => { if (event.key === " ") event.preventDefault(); }, { capture: true });
-// Not when the button is let go: at once.
+// The stop acts when the button is pressed, not when it is released.
 $("stop").addEventListener("pointerdown", stop);
 $("stop").addEventListener("click", (event) => { if (event.detail === 0) stop(); });
 for (const button of document.querySelectorAll("[data-do]")) button.addEventListener("click", () => ask({ do: button.dataset.do }));

@@ -1,9 +1,9 @@
-// The one socket to the program: what comes over it, what is asked, and when nothing comes any more.
+// The WebSocket to the program `touchstone live`: receives messages and records, sends commands, and notices when nothing arrives any more.
 const content = JSON.parse(document.getElementById("content").textContent);
 const $ = (id) => document.getElementById(id);
 const AGAIN_MS = 1000, SILENT_MS = 500;
 
-/** Calls `on.open`, `on.closed`, `on.words(message)` and `on.rows(numbers)`. */
+/** Connection to the program. Calls `on.open`, `on.closed`, `on.words(message)` and `on.rows(numbers)`. */
 class BoardLink {
   static peer = "the program";
   static lost = "NO CONNECTION TO THE PROGRAM. It disarms the device when this page is gone; if it has ended itself, look at the board: its power switch is the stop that always works.";
@@ -21,13 +21,13 @@ class BoardLink {
       this.heard = performance.now();
       if (typeof data === "string") { this.on.words(JSON.parse(data)); return; }
       const numbers = new Float64Array(data);
-      // Acknowledged when it is taken, so that a page that hangs is noticed by the program.
+      // Acknowledges the records after they are processed, so that the program notices a page that hangs.
       this.on.rows(numbers.subarray(1));
       this.send({ seen: numbers[0] });
     };
     socket.onclose = () => { this.on.closed(); setTimeout(() => this.open(), AGAIN_MS); };
   }
-  /** Whether it went out. */
+  /** Sends a command; returns whether the socket was open. */
   send(order) {
     if (this.socket.readyState !== WebSocket.OPEN) return false;
     this.socket.send(JSON.stringify(order));

@@ -1,4 +1,4 @@
-// Texts and numbers in the module's memory, which moves when it grows: every view is made anew.
+// Texts and numbers in the memory of the WebAssembly module. The memory moves when it grows, so every view of it is made anew.
 let wasm;
 
 const text = (address, bytes) => new TextDecoder().decode(new Uint8Array(wasm.memory.buffer, address, bytes));

@@ -1,7 +1,7 @@
-// A trace or a recording of a board, opened beside the run: drawn in its time, and where it has the hand's rest points, they move the hand.
+// Opens a trace of a simulation or a record of a board beside the run on the page, and draws it at its own times. If the file has the hand's rest points, they also move the hand of the run.
 let openedFile = null;
 
-/** Reads a CSV with a header: a trace of this program, a record of this page, or a file of `touchstone monitor`. */
+/** Reads a CSV file with a header: a simulation's trace, a record of this page, or a file of `touchstone monitor`. */
 function readCsv(text, surface) {
   const [head, ...lines] = text.trim().split(/\r?\n/), names = head.split(",");
   const column = (name) => { const at = names.indexOf(name); return at < 0 ? null : Float64Array.from(lines, (line) => { const cell = line.split(",")[at]; return cell === "" || cell === undefined ? NaN : Number(cell); }); };
@@ -26,7 +26,7 @@ async function openFile(file) {
     aim = null;
     run(false);
     open(false);
-    // After the opening and before it runs: the hand is moved from the first tick on.
+    // After the opening and before the first tick, so that the file moves the hand from the first tick on.
     tell("play", { rests });
     run(true);
     $("record-told").textContent = `${file.name}: ${length} rows beside the run${rests ? ", and its hand moves this one" : ""}.`;
@@ -40,13 +40,13 @@ function closeFile() {
   tell("play", { rests: null });
 }
 
-/** The run that the file is, beside the one that is made here. */
+/** Makes the second run on the page, which shows the file's data. */
 function fileRun(side) {
   const length = Math.max(2000, Math.ceil(Math.min(side.facts.rate_hz, 4000) * WINDOW_S * 1.1));
   return { facts: side.facts, warnings: "", title: openedFile.name, ring: new Ring(COLUMNS, length), second: true, last: null, peak: 0, got: 0, file: true };
 }
 
-/** Gives the file's run the rows up to now, and compares forces where it moved the hand. */
+/** Adds the file's rows up to the present time to the file's run, and counts the ticks at which its force differs from that of the page's run. */
 function follow(rows) {
   const beside = runs[1], n = COLUMNS.length, [clock, time, force] = ["clock", "time_s", "force_n_m"].map((name) => COLUMNS.indexOf(name));
   if (!beside?.file || !openedFile) return;

@@ -1,24 +1,24 @@
-// Ticks in real time, in a worker: beside the page's own thread, so that drawing never delays a tick. A worker has `rateHz`, which is
-// undefined while there is no loop, `tick` and `post`.
+// Runs the ticks in real time in a worker thread, so that drawing the page never delays a tick. The worker's script defines `tick`,
+// `post` and `rateHz`, which is undefined while there is no loop.
 //
-// A tick is late when it is done more than LATE_MS after its time; ticks for which there was no time at all (the machine slept, the
-// page was hidden) are skipped and counted apart.
+// A tick is late if it runs more than LATE_MS after its time. Ticks without any time to run (the machine slept, the page was hidden)
+// are skipped and counted separately.
 
 const LATE_MS = 10, MOST_BEHIND_MS = 250, POST_MS = 15;
-// A pointer is read some 60 times a second; a hand moves smoothly up to some 10 Hz.
+// Cut-off frequency of the hand's motion, Hz. A pointer is read some 60 times a second; a hand moves smoothly, up to some 10 Hz.
 const HAND_HZ = 8;
 
 let running = false, speed = 1, origin = 0, due = 0, posted = 0;
 let count = { done: 0, late: 0, skipped: 0 };
 
-/** Moves a hand towards its goal as a hand does: a low-pass of second order. */
+/** Moves the hand towards a goal for one tick, through a low-pass of second order that makes the motion smooth. */
 function follow(hand, goal, period) {
   const w = Math.min(2 * Math.PI * HAND_HZ, 0.5 / period);
   hand.v += (w * w * (goal - hand.x) - 2 * w * hand.v) * period;
   hand.x += hand.v * period;
 }
 
-/** Time starts anew at the next tick: what passed while nothing ran is not made up for. */
+/** Restarts the clock, so that the time in which nothing ran is not made up for. */
 function clock() {
   origin = performance.now();
   due = 0;
@@ -36,7 +36,7 @@ function work() {
     }
     const last = Math.floor((now - origin) * perMs);
     while (due < last) {
-      // Judged when it is done, not when the batch began.
+      // Lateness counts when the tick is run, not when the batch of ticks began.
       const lateness = performance.now() - origin - (due + 1) / perMs;
       if (lateness > LATE_MS) count.late += 1;
       due += 1;

@@ -1,11 +1,11 @@
-// The page: what is chosen, what the loop says, what is drawn.
+// The page of one axis: keeps the user's choices, controls the simulation loop and shows its results.
 const content = JSON.parse(document.getElementById("content").textContent);
 const $ = (id) => document.getElementById(id);
 const COLUMNS = ["clock", ...content.row];
 const WINDOW_S = 4, PLANE_S = 2;
 const ENCODERS = [["none", "exact position"], ["1024", "1,024 counts a turn"], ["4096", "4,096 (12 bit)"], ["16384", "16,384 (14 bit)"], ["40000", "40,000 (optical disc)"], ["1000000", "1,000,000"]];
 
-/** What is chosen: a scene, changes of it, changes of the run beside it (null: there is none). */
+/** The user's choices: base scene, changes of it (`sets`), and changes for the second run (`b`; null: no second run). */
 let chosen = { base: "own", step: 0, sets: new Map(), b: null, automatic: false, speed: 1, strength: 0.3 };
 let good = null, pending = false, restoring = false, running = true, recording = false, recorded = null, hiddenPause = false;
 let runs = [], fields = new Map(), aim = null, counted = { done: 0, late: 0, skipped: 0 }, rate = { at: 0, done: 0, ticks: 0, frames: 0, fps: 0 };
@@ -31,7 +31,7 @@ function complain(text) {
   $("error").hidden = !text;
 }
 
-/** Reads a scene's printed text: every field with value, meaning and, where it has some, its words. */
+/** Parses a scene's printed text: every field with its value, its meaning and, if it has a choice of words, these words. */
 function parse(printed) {
   const out = new Map();
   let table = "";
@@ -66,7 +66,7 @@ function options(select, list, value) {
   select.value = value;
 }
 
-/** Shows what the running scene has. */
+/** Shows the settings of the running scene in the page's controls. */
 function show() {
   const words = (path) => (fields.get(path)?.words ?? []).map((word) => [word, word]);
   options($("feel"), [["", `of this page: ${content.name}`], ...content.feels.map(([name]) => [name, name])], feelOf(chosen.base) ? chosen.base : "");
@@ -100,8 +100,8 @@ function show() {
   if ($("draw").open) showProfile();
 }
 
-// The knob that somebody draws.
-/** A first feel to draw on: five clicks in a turn, in the place of the wall. */
+// The drawn knob: a torque profile that the user draws.
+/** Starts with a torque profile to change by drawing: five clicks in a turn, in place of the wall. */
 function startDrawing() {
   closeFile();
   const shape = `[${SHAPES[0][1].map((v) => v.toFixed(1)).join(", ")}]`;
@@ -145,7 +145,7 @@ function showAll() {
   $("fields").replaceChildren(...rows);
 }
 
-/** Nobody holds the knob, or somebody does: without a hand there is no motion of it either. */
+/** Sets how the knob is held. The grip `none` also removes the hand's motion. */
 function setGrip(grip) {
   chosen.sets.delete("operator.grip");
   chosen.sets.delete("operator.motion.kind");
@@ -156,7 +156,7 @@ function setGrip(grip) {
   set("operator.grip", grip);
 }
 
-/** Changes a setting while it runs. */
+/** Changes a setting while the simulation runs. */
 function set(path, value) {
   chosen.sets.delete(path);
   if (value === "none" || path === path.split(".")[0]) for (const key of [...chosen.sets.keys()]) if (key.startsWith(`${path}.`)) chosen.sets.delete(key);
@@ -170,7 +170,7 @@ function setOther(law) {
   open(true);
 }
 
-/** Whether the reader wants things still: then nothing moves until somebody moves it. */
+/** Whether the user's system asks for reduced motion. The knob then moves only when the user moves it. */
 const wantsStill = matchMedia("(prefers-reduced-motion: reduce)").matches;
 function preset(step, demonstrate) {
   closeFile();
@@ -179,7 +179,7 @@ function preset(step, demonstrate) {
   begin();
 }
 
-/** A knob that clicks, switches or springs back, in the place of the wall; the page's own scene for none. */
+/** Starts a shipped knob feel (clicks, switches, spring return) in place of the wall; without a name, the page's own scene. */
 function feel(name) {
   if (!name) { preset(0); return; }
   closeFile();
@@ -188,7 +188,7 @@ function feel(name) {
 }
 const feelOf = (name) => content.feels.find(([own]) => own === name);
 
-/** Starts what is chosen from its beginning. */
+/** Starts the chosen scene from its beginning. */
 function begin() {
   aim = null;
   for (const button of $("story").children) {
@@ -230,7 +230,7 @@ function record(on) {
   if (on) { for (const one of runs) one.ring.end = 0; letGo(); $("csv").disabled = $("scene").disabled = true; $("record-told").textContent = "Recording every tick from the start of the run."; }
   tell("record", { on });
 }
-/** Back in time: pauses first. */
+/** Turns the run back by a number of ticks, after pausing it. */
 function turnBack(ticks) {
   closeFile();
   if (running) run(false);
@@ -255,7 +255,7 @@ function restart() {
   tell("reset");
 }
 
-// The pointer and the keys.
+// Pointer and keys move the hand.
 function setAim(angle) {
   closeFile();
   if (chosen.automatic) automatic(false);
@@ -266,13 +266,13 @@ function setAim(angle) {
 function letGo() { aim = null; tell("aim", { rad: null }); }
 const standing = () => aim ?? runs[0]?.last?.angle_rad ?? 0;
 
-/** A word as a shell takes it for that word and nothing else: an address comes from others. Control characters and marks of writing direction are shown as U+FFFD. */
+/** Quotes a text for a shell, so that it is a single word. The page's address may come from a stranger. Control characters and marks of writing direction become U+FFFD. */
 function shellWord(text) {
   if (/^[\w.,/:=+@%-]+$/.test(text)) return text;
   return `'${text.replace(/[\u0000-\u001f\u007f-\u009f\u200e\u200f\u2028-\u202e\u2066-\u2069]/g, "\ufffd").replaceAll("'", "'\\''")}'`;
 }
 
-/** The address with these settings, and the shell's command for them. */
+/** Writes the chosen settings into the page's address, and shows the shell command for them. */
 function share() {
   const query = new URLSearchParams();
   if (chosen.base !== "own") query.set("base", chosen.base);
@@ -300,7 +300,7 @@ function fromAddress() {
 function opened({ a, b, keep }) {
   pending = false;
   good = copy(chosen);
-  // What was refused is shown until something is taken.
+  // The message on refused settings stays until settings are accepted.
   if (!restoring) complain("");
   restoring = false;
   fields = parse(a.printed);
@@ -314,7 +314,7 @@ function opened({ a, b, keep }) {
     const ring = before && before.ring.length === length ? before.ring : new Ring(COLUMNS, length);
     return { ...side, title, ring, profile: profileOf(laws), second: i === 1, last: before?.last ?? null, peak: 0, got: 0 };
   });
-  // A changed setting or a law beside it is another run than the file's.
+  // With a changed setting or a second law, the run is no longer comparable with the opened file.
   if (openedFile && !keep && !b) runs.push(fileRun(a)); else closeFile();
   if (chosen.automatic && !runs[0].facts.motion_s) automatic(false);
   if (!keep) $("draw").open = Boolean(runs[0].profile);
@@ -329,7 +329,7 @@ function took({ a, b, count, recorded: ticks }) {
     one.ring.push(rows);
     seen.rows += rows.length / COLUMNS.length;
     one.last = Object.fromEntries(COLUMNS.map((name) => [name, one.ring.at(name, 0)]));
-    // Most that the hand got out in any window of time: from the highest account so far down to here.
+    // Most energy that the hand got out in any window of time, J: the largest fall of `energy_hand_j` from an earlier peak.
     for (let at = COLUMNS.indexOf("energy_hand_j"); at < rows.length; at += COLUMNS.length) {
       one.peak = Math.max(one.peak, rows[at]);
       one.got = Math.max(one.got, one.peak - rows[at]);
@@ -363,7 +363,7 @@ worker.onmessage = ({ data }) => {
 };
 worker.onerror = (event) => complain(`the loop stopped: ${event.message}`);
 
-// Files.
+// Saves recorded runs as files.
 function save(name, type, text) {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(new Blob([text], { type }));
@@ -380,7 +380,7 @@ function csv({ rows }) {
   return `${lines.join("\n")}\n`;
 }
 
-// The force as sound: what a motor would play. Steady force is silent, a limit cycle is heard.
+// Plays the motor's force as sound. A steady force is silent; a limit cycle is audible.
 let audio = null, mean = 0, next = 0;
 function play(rows) {
   if (!audio || audio.state !== "running") return;

@@ -1,4 +1,4 @@
-// The story in seven steps. `sets` are changes of the shipped scene thesis-knob, `b` are those of the run beside it on top of them.
+// The steps of the page's tour. `sets` are changes of the shipped scene thesis-knob; `b` are further changes for the second run beside it.
 const PRESETS = [
   { name: "A spring that rings", sets: ["preset=thesis", "law.kind=spring"],
     text: "A plain spring of 5 N·m/rad, sampled a thousand times a second: five times what the device's damping makes up for. Touch it and it rings: each sample comes too late, and gives back more than it took." },

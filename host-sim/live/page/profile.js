@@ -1,20 +1,20 @@
-// A torque profile: how it is read from a scene, drawn around the knob, and drawn by hand.
+// A torque profile, torque over angle: read from a scene, drawn around the knob, edited by hand.
 
-/** The profile of a printed scene: copies in a turn (0: once), first and last point's place, rad, largest torque, N·m, and points of -1 to 1; null without one. */
+/** Reads the profile of a printed scene; null without one. `copies` is per turn (0: the profile occurs once), `start` and `end` are in rad, `strength` is the largest torque in N·m, `shape` has values of -1 to 1. */
 function profileOf(printed) {
   const of = (name) => printed.get(`environment.profile.${name}`)?.value;
   if (!of("shape")) return null;
   const [copies, start, end, strength] = ["per_rev", "start_rad", "end_rad", "strength_n_m"].map((name) => Number(of(name)));
   const shape = JSON.parse(of("shape")).map(Number), steps = copies > 0 ? shape.length : shape.length - 1;
   const length = copies > 0 ? (2 * Math.PI) / copies : end - start;
-  // The landscape whose slope the torque is: a ball on it would roll as the knob is pushed. From 0 to 1, at every point.
+  // Potential energy of the profile at every point, scaled to 0 to 1. The torque pushes the knob towards lower energy, as a ball rolls downhill.
   const heights = [0];
   for (let i = 0; i < steps; i += 1) heights.push(heights[i] - (shape[i] + shape[(i + 1) % shape.length]) / 2);
   const least = Math.min(...heights), wide = Math.max(...heights) - least || 1;
   return { copies, start, end, strength, shape, steps, length, heights: heights.map((h) => (strength > 0 ? (h - least) / wide : 0)) };
 }
 
-/** The place of an angle among a profile's points. */
+/** Position of an angle in a profile, counted in points, with a fraction. */
 function placeIn(profile, angle) {
   const share = (angle - profile.start) / profile.length;
   return profile.steps * (profile.copies > 0 ? share - Math.floor(share) : Math.max(0, Math.min(1, share)));
@@ -25,7 +25,7 @@ function between(list, place) {
 }
 const heightAt = (profile, angle) => between(profile.heights, placeIn(profile, angle));
 
-/** Shapes to start from, with their points. */
+/** Profiles to start from: name and points, as fractions (-1 to 1) of the largest torque. */
 const SHAPES = [
   ["click", [0, -0.5, -1, -0.5, 0, 0.5, 1, 0.5]],
   ["magnetic detent", [0, -1, 0, 0, 0, 0, 0, 1]],
@@ -35,7 +35,7 @@ const SHAPES = [
 ];
 const PROFILE = "environment.profile";
 
-/** Draws a profile with the pointer or the keys. `change(path, value)` changes the scene. */
+/** Editor of a profile for pointer and keys. `change(path, value)` changes a field of the scene. */
 class ProfileEditor {
   constructor(canvas, change) {
     Object.assign(this, { canvas, change, shape: SHAPES[0][1].slice(), chosen: 0, before: null, sentAt: 0 });
@@ -44,14 +44,14 @@ class ProfileEditor {
     for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, () => { this.before = null; this.send(); });
     canvas.addEventListener("keydown", (event) => { if (this.key(event)) { event.preventDefault(); event.stopPropagation(); } });
   }
-  /** Takes over what the scene has, unless it is being drawn. */
+  /** Takes over the scene's profile, unless the user is drawing. */
   take(profile) { if (this.before) return; if (this.shape.join() !== profile.shape.join()) this.shape = profile.shape.slice(); this.chosen = Math.min(this.chosen, this.shape.length - 1); this.say(); }
   at(event) {
     const box = this.canvas.getBoundingClientRect();
     const value = 1 - (2.2 * (event.clientY - box.top)) / box.height + 0.1;
     return { index: Math.max(0, Math.min(this.shape.length - 1, Math.round(((event.clientX - box.left) / box.width) * this.shape.length))), value: Math.max(-1, Math.min(1, Math.round(value * 20) / 20)) };
   }
-  /** Every point that the pointer has passed since the last event. */
+  /** Sets every point that the pointer has passed since the last event. */
   dragged(event) {
     const to = this.at(event), from = this.before ?? to;
     const [low, high] = [from, to].sort((a, b) => a.index - b.index);
@@ -80,7 +80,7 @@ class ProfileEditor {
     this.canvas.setAttribute("aria-valuenow", Math.round(100 * value));
     this.canvas.setAttribute("aria-valuetext", `point ${this.chosen + 1} of ${this.shape.length}: ${(100 * value).toFixed(0)} % of the torque, ${value > 0 ? "towards larger angles" : value < 0 ? "towards smaller angles" : "no push"}`);
   }
-  /** Another number of points, with the same lines. */
+  /** Changes the number of points; the new points lie on the old lines. */
   resample(n) { this.shape = Array.from({ length: n }, (_, i) => Number(between(this.shape, (i * this.shape.length) / n).toFixed(2))); this.chosen = 0; this.send(); }
   draw(profile, angle) {
     const { g, width, height } = sheet(this.canvas), n = this.shape.length;

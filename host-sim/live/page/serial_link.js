@@ -1,10 +1,10 @@
-// The port itself, where the browser has WebSerial: its bytes go to the module, which has the conversation with the device. Nobody
-// else stands between page and device.
+// The serial port, in browsers with WebSerial. The WebAssembly module encodes and decodes the protocol with the device; no program
+// stands between page and device.
 const content = JSON.parse(document.getElementById("content").textContent);
 const $ = (id) => document.getElementById(id);
 const BAUD = 921600, TURN_MS = 20, AGAIN_MS = 1000, SILENT_MS = 500;
 
-/** Calls `on.open`, `on.closed`, `on.words(message)` and `on.rows(numbers)`. */
+/** Connection to the serial port. Calls `on.open`, `on.closed`, `on.words(message)` and `on.rows(numbers)`. */
 class BoardLink {
   static peer = "the port";
   static lost = "NO PORT IS OPEN: press Connect. What a device does that was armed is not known here: its power switch is the stop that always works.";
@@ -21,10 +21,10 @@ class BoardLink {
       setInterval(() => this.turn(), TURN_MS);
       setInterval(() => this.again(), AGAIN_MS);
     }, (error) => complain(`this browser cannot run WebAssembly: ${error}`));
-    // The device is not left on behind a page that is gone, as far as a page can say anything then.
+    // Stops an armed device when the page is closed, as far as the browser still sends then.
     addEventListener("pagehide", () => this.leave());
   }
-  /** A person chooses the port, which is asked for once. */
+  /** Lets the user choose the port. The browser asks once. */
   async choose() {
     try {
       this.wanted = await navigator.serial.requestPort();
@@ -34,7 +34,7 @@ class BoardLink {
     }
     this.run();
   }
-  /** A port that was pulled out and is there again is another object of the same device. */
+  /** Opens the chosen port again. A port that was unplugged and plugged in again is a new object of the same device. */
   async again() {
     if (this.port || this.trying || !this.wanted) return;
     const there = await navigator.serial.getPorts(), id = JSON.stringify(this.wanted.getInfo());
@@ -57,7 +57,7 @@ class BoardLink {
       wasm.live_board_opened(performance.now());
       this.on.open();
       this.flush();
-      // A damaged byte ends a reader, a pulled cable the stream of them.
+      // A damaged byte ends the reader, and a new reader is made. An unplugged cable ends the port's stream.
       while (port.readable) {
         try { await this.read(port); } catch (error) { why = error.message; }
       }
@@ -67,7 +67,7 @@ class BoardLink {
     this.port = this.writer = null;
     $("connect").disabled = false;
     if (!was) {
-      // It is tried again by itself.
+      // A timer repeats the attempt to open the port.
       this.refused = true;
       complain(`The port does not open: ${why} Does another program or page have it, or is its cable out?`);
       return;
@@ -97,7 +97,7 @@ class BoardLink {
     wasm.live_board_turn(performance.now());
     this.flush();
   }
-  /** What the conversation has for port and page. */
+  /** Writes the module's bytes to the port, and passes its messages and records to the page. */
   flush() {
     const bytes = wasm.live_board_out();
     if (bytes && this.writer) this.writer.write(new Uint8Array(wasm.memory.buffer, wasm.live_text(), bytes).slice()).catch(() => {});
@@ -105,7 +105,7 @@ class BoardLink {
     const rows = wasm.live_board_rows();
     if (rows) this.on.rows(numbers(wasm.live_board_numbers(), rows).slice());
   }
-  /** Whether it went out. */
+  /** Gives a command to the module; returns whether the port was open. */
   send(order) {
     if (!this.writer) return false;
     put(JSON.stringify(order));

@@ -1,10 +1,10 @@
-// The page of three axes: what is chosen, what the loop says, what is drawn.
+// The page of three axes: keeps the user's choices, controls the simulation loop and shows its results.
 const content = JSON.parse(document.getElementById("content").textContent);
 const $ = (id) => document.getElementById(id);
 const COLUMNS = ["clock", ...content.row], WINDOW_S = 4;
 const NORMALS = { plane: [0, 0, 1], inclined: [2 / 7, -3 / 7, 6 / 7] };
 
-/** What is chosen: the program's scene, and changes of it. */
+/** The user's choices: the program's scene, and changes of it. */
 let chosen = { object: content.object, changes: new Map(), automatic: false, speed: 1 };
 let run = null, runs = [], running = true, aim = null, pending = true;
 let counted = { done: 0, late: 0, skipped: 0 }, rate = { at: 0, done: 0, frames: 0 }, drawn = 0;
@@ -48,9 +48,9 @@ function opened({ facts, keep }) {
   $("guard").checked = facts.guard;
 }
 worker.onmessage = ({ data }) => {
-  // It moves by itself until somebody touches it, but not for a reader who wants things still.
+  // The hand moves by itself until the user moves it, unless the user's system asks for reduced motion.
   if (data.type === "ready") { open(false); go(true); automatic(!matchMedia("(prefers-reduced-motion: reduce)").matches); }
-  // What was refused is shown until something is taken.
+  // The message on refused settings stays until settings are accepted.
   if (data.type === "opened") { if (!restoring) complain(""); restoring = false; opened(data); }
   if (data.type === "rows" && run && !pending) {
     run.ring.push(data.rows);
@@ -87,7 +87,7 @@ function letGo() {
   aim = null;
   tell("aim", { mm: null });
 }
-/** Moves the hand's rest point across the view and away, mm. */
+/** Moves the hand's rest point in the view, mm: to the right, upwards and away from the viewer. */
 function move(right, up, away) {
   if (!run) return;
   if (chosen.automatic) automatic(false);
@@ -148,7 +148,7 @@ function frame(now) {
   rate = { at: now, done: counted.done, frames: 0 };
 }
 
-// Keys that are held move the hand or turn the view.
+// Keys that are held down move the hand or turn the view.
 const held = new Set();
 function steer(s) {
   const way = (more, less) => Number(held.has(more)) - Number(held.has(less)), mm = s * (held.has("Shift") ? 8 : 45);

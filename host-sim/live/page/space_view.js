@@ -1,6 +1,6 @@
-// Three axes on a sheet: an orthographic view that can be turned; lengths in mm.
+// Draws three axes as an orthographic view that the user can turn; lengths in mm.
 
-/** Where one stands: to the right, upwards and away from whoever looks. */
+/** Direction of the view: unit vectors to the right, upwards and away from the viewer. */
 class Camera {
   constructor() { this.yaw = 0.5; this.pitch = 0.45; this.span = 110; }
   turn(yaw, pitch) {
@@ -10,13 +10,13 @@ class Camera {
   get right() { return [Math.cos(this.yaw), Math.sin(this.yaw), 0]; }
   get up() { return [-Math.sin(this.yaw) * Math.sin(this.pitch), Math.cos(this.yaw) * Math.sin(this.pitch), Math.cos(this.pitch)]; }
   get away() { return [-Math.sin(this.yaw) * Math.cos(this.pitch), Math.cos(this.yaw) * Math.cos(this.pitch), -Math.sin(this.pitch)]; }
-  /** Pixels a millimetre. */
+  /** Pixels per millimetre. */
   scale(width, height) { return Math.min(width, height) / this.span; }
 }
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const PATH_S = 2, NEWTON_MM = 3;
 
-/** The object, the hand and what goes on between them. */
+/** Draws the virtual object, the hand, and the force between them. */
 class SpaceView {
   constructor(canvas) {
     this.canvas = canvas;
@@ -32,7 +32,7 @@ class SpaceView {
     if (!row) return;
     const place = (name, r = row) => ["x", "y", "z"].map((axis) => r[`${name}_${axis}_mm`]);
     const hip = place("hip"), surface = place("surface"), touching = row.depth_mm > 0, hidden = this.behind(hip, run.facts);
-    // Where it was: every pixel of the way, no more.
+    // Path of the last seconds, drawn with at most one point per pixel.
     const { columns } = run.ring;
     let last = [-9, -9];
     stroke(g, ink.a, 1.6, [], () => run.ring.since(PATH_S, (i) => {
@@ -75,13 +75,13 @@ class SpaceView {
     for (const [d, w] of [[0, 0], [-head, 6], [-head, -6]]) g.lineTo(to[0] + d * ux - w * uy, to[1] + d * uy + w * ux);
     g.fill();
   }
-  /** Whether the object is before a place, as seen from here. */
+  /** Whether the object hides a point from the viewer. */
   behind(p, { radius_mm, normal }) {
     const { away, right, up } = this.camera;
     if (radius_mm) return dot(p, away) > 0 && Math.hypot(dot(p, right), dot(p, up)) < radius_mm;
     return dot(normal, away) > 0;
   }
-  /** What stands still is drawn once for every view of it. */
+  /** Draws the object. It stands still, so its picture is kept until the view changes. */
   object(g, facts, at, s, width, height) {
     const { camera } = this, ratio = window.devicePixelRatio || 1;
     const drawn = JSON.stringify([camera.yaw, camera.pitch, camera.span, facts.radius_mm, facts.normal, width, height, ratio, ink.panel]);

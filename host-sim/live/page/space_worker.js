@@ -1,4 +1,4 @@
-// The loop of three axes.
+// The simulation loop of three axes.
 
 let ROW;
 let facts = null, rows = [], ticks = 0, autoTick = 0, dirty = 0;
@@ -7,7 +7,7 @@ let hands = [0, 0, 0].map((x) => ({ x, v: 0 }));
 
 const rateHz = () => facts?.rate_hz;
 
-/** How a hand tries a surface: in, around, out; x, y and z in mm at a time. */
+/** The hand's automatic motion on a surface: in, around, out; returns x, y and z in mm at the time `t` in s. */
 const CYCLE_S = 7, DEEP_MM = 20;
 function own(t) {
   const smooth = (s) => { const c = Math.max(0, Math.min(1, s)); return c * c * (3 - 2 * c); };

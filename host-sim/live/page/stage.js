@@ -1,18 +1,18 @@
-// The stage: the knob as one sees it, the lens on the wall's surface, and the last moments as a strip below.
+// The stage: the knob, an enlarged view (lens) of the wall's surface, and the last 0.6 s as a strip below.
 
 const STRIP_S = 0.6, STRIP_ROW = 1.5;
 
-/** Every wall of a run: its surface, rad, and 1 where it is solid above it, -1 where below. */
+/** All walls of a run: the surface's angle in rad, and 1 if the wall is solid at larger angles, -1 if at smaller ones. */
 const walls = (f) => [[f.has_wall === 0 ? NaN : f.surface_rad, 1], [f.wall2_rad, f.wall2_side], [f.wall3_rad, f.wall3_side], [f.wall4_rad, f.wall4_side], [f.lower_end_rad, -1], [f.upper_end_rad, 1]]
   .filter(([at]) => Number.isFinite(at));
-/** What a lens and a pointer are about: the wall of the scene, else the knob where it is. */
+/** Angle at the centre of lens and pointer, rad: the wall's surface, or the knob's angle if there is no wall. */
 const middle = ({ facts, last }) => (facts.has_wall === 0 ? last?.angle_rad ?? facts.angle_rad : facts.surface_rad);
-/** Half the width of a lens on a knob without that wall, rad. */
+/** Half the width of the lens in rad, for a knob without a wall. */
 const FEEL_HALF = 0.35;
-/** More detents than these in a turn are no marks any more but a ring. */
+/** Largest number of detents in a turn that are drawn as marks; more are drawn as a ring. */
 const MOST_MARKS = 120;
 
-/** Shows a run's last row in a part of the canvas. */
+/** Draws the last tick of each run in a part of the canvas. */
 class Stage {
   constructor(canvas) {
     this.canvas = canvas;
@@ -31,7 +31,7 @@ class Stage {
       this.side(g, box, run, this.views[i], hand, n > 1);
     });
   }
-  /** Half the width that a lens shows, rad: the same for all lenses, so that what is side by side can be compared. */
+  /** Adjusts half the width of the lenses, rad. All lenses have the same width, so that two runs can be compared. */
   follow(runs) {
     let widest = 0.01;
     for (const run of runs) {
@@ -39,7 +39,7 @@ class Stage {
       if (facts.has_wall === 0) { widest = Math.max(widest, FEEL_HALF / 1.25); continue; }
       ring.since(STRIP_S, (i) => { widest = Math.max(widest, Math.min(0.6, Math.abs(ring.columns.angle_rad[i] - at))); });
     }
-    // Steps of the scale that last: a lens that breathes cannot be read.
+    // The width changes in round steps, because a lens that zooms all the time cannot be read.
     const wanted = round(widest * 1.25);
     this.half += (wanted > this.half ? 0.4 : 0.15) * (wanted - this.half);
   }
@@ -64,7 +64,7 @@ class Stage {
     this.knobs.push({ x, y, r });
     const turn = (angle) => angle - Math.PI / 2, at = (angle, d) => [x + d * Math.cos(turn(angle)), y + d * Math.sin(turn(angle))];
     const { surface_rad: surface } = run.facts, row = run.last;
-    // Each wall: a hatched sector from its surface on. One that is more than half a turn away is not there yet.
+    // Each wall is a hatched sector that begins at its surface. A wall more than half a turn away is not drawn.
     for (const [from, way] of walls(run.facts)) {
       if (row && Math.abs(from - row.angle_rad) > Math.PI) continue;
       const low = Math.min(from, from + 0.9 * way), high = low + 0.9;
@@ -77,7 +77,7 @@ class Stage {
       stroke(g, ink.hatch, 1, [], () => { for (let a = low; a < high; a += 0.09) { g.moveTo(...at(a, r * 1.08)); g.lineTo(...at(a + 0.07, r * 1.4)); } });
       stroke(g, ink.text, 2.5, [], () => { g.moveTo(...at(from, r * 1.04)); g.lineTo(...at(from, r * 1.44)); });
     }
-    // A profile: the landscape that it makes of the turn, low where the knob rests.
+    // A torque profile is drawn as its potential energy around the knob: low where the knob rests.
     const { profile } = run;
     if (profile && row) {
       stroke(g, ink.force, 2, [], () => {
@@ -87,7 +87,7 @@ class Stage {
         }
       });
     }
-    // Detents: a mark at each.
+    // Each detent is drawn as a mark.
     const { detents_per_rev: detents, detent_rad: detent } = run.facts;
     if (detents > 0) {
       stroke(g, ink.muted, 2, [], () => { for (let i = 0; i < Math.min(detents, MOST_MARKS); i += 1) { const a = detent + (i * 2 * Math.PI) / detents; g.moveTo(...at(a, r * 1.03)); g.lineTo(...at(a, r * 1.12)); } });
@@ -99,12 +99,12 @@ class Stage {
     stroke(g, ink.muted, 2, [], () => g.arc(x, y, r, 0, 7));
     if (!row) return;
     stroke(g, ink.line, 2, [], () => { for (let i = 0; i < 24; i += 1) { const a = row.angle_rad + (i * Math.PI) / 12; g.moveTo(...at(a, r * 0.9)); g.lineTo(...at(a, r * 0.98)); } });
-    // Where the law sees its surface: moved outwards by the offset.
+    // The surface that the law uses, moved outwards by the law's offset.
     if (run.facts.has_wall !== 0 && row.surface_shifted_rad < surface - 1e-4) {
       const moved = Math.max(row.surface_shifted_rad, surface - 2.5);
       stroke(g, ink.shift, 2.5, [4, 3], () => { g.moveTo(...at(moved, r * 1.04)); g.lineTo(...at(moved, r * 1.36)); });
     }
-    // The hand's aim, on its own ring, and the spring that pulls the knob there.
+    // The hand's rest point on a ring of its own, and the spring that pulls the knob to it.
     if (run.facts.reach_rad_per_n_m > 0 && hand !== null) {
       const aim = run.facts.has_wall === 0 ? Math.max(row.angle_rad - 2.8, Math.min(hand, row.angle_rad + 2.8)) : Math.max(-2.8, Math.min(hand, surface + 2.2));
       stroke(g, ink.hand, 2, [2, 4], () => g.arc(x, y, r * 1.2, turn(Math.min(aim, row.angle_rad)), turn(Math.max(aim, row.angle_rad))));
@@ -113,7 +113,7 @@ class Stage {
       g.arc(...at(aim, r * 1.2), 7, 0, 7);
       g.fill();
     }
-    // The force, as an arc backwards from the pointer.
+    // The force is drawn as an arc from the pointer in the direction in which the motor pushes.
     const push = Math.min(1.4, Math.abs(row.motor_force_n_m) * 4) * Math.sign(row.motor_force_n_m);
     if (Math.abs(push) > 0.01) {
       const from = row.angle_rad, to = from - push;
@@ -132,7 +132,7 @@ class Stage {
   }
 }
 
-/** What happens at the surface, enlarged: to the right is into the wall. */
+/** The lens: what happens at the wall's surface, enlarged. To the right is into the wall. */
 class Lens {
   constructor() { this.bins = new Bins(); }
   draw(g, box, run, colour, half, titled) {
@@ -164,7 +164,7 @@ class Lens {
         }
       });
     }
-    // Detents: a line at each, so far as they can be told apart.
+    // Each detent is a line, as long as the lines can be told apart.
     const { detents_per_rev: detents, detent_rad: detent } = facts, pitch = (2 * Math.PI) / detents;
     if (detents > 0 && X(pitch) - X(0) > 6) {
       stroke(g, ink.muted, 1, [2, 3], () => {
@@ -192,7 +192,7 @@ class Lens {
     }
     g.restore();
   }
-  /** The last 0.6 s, falling: a limit cycle is a zigzag. Least and most of each row of pixels, so that no tick is lost and no row is drawn twice. */
+  /** The last 0.6 s, the newest at the top: a limit cycle is a zigzag. Each row of pixels spans the lowest to the highest value, so that no tick is lost. */
   strip(g, { ring, facts }, X, top, low, colour) {
     const rows = Math.max(2, Math.floor((low - top) / STRIP_ROW)), now = ring.at("clock", 0), { clock } = ring.columns;
     g.lineJoin = "bevel";
@@ -209,10 +209,10 @@ class Lens {
       stroke(g, paint, wide, [], () => {
         let pen = false, at = 0;
         for (let row = 0; row < rows; row += 1) {
-          // Dashes are rows without a line: those of the canvas are measured along each zigzag, which takes longer than all else here.
+          // A dash is a group of rows that are drawn, followed by rows that are not. The canvas' own dashes take too long on a zigzag.
           if (least[row] === Infinity || (dash && row % (2 * dash) >= dash)) { pen = pen && least[row] === Infinity; continue; }
           const y = top + ((rows - 1 - row) / (rows - 1)) * (low - top), a = X(least[row]), b = X(most[row]);
-          // From the end that is nearer to where the pen stands.
+          // Begins each row at the end that is nearer to the pen.
           const [first, second] = pen && Math.abs(at - b) < Math.abs(at - a) ? [b, a] : [a, b];
           if (pen) g.lineTo(first, y); else g.moveTo(first, y);
           if (second !== first) g.lineTo(second, y);
@@ -226,7 +226,7 @@ class Lens {
   parts(g, box, run, row, X, top, line, strip, colour) {
     const x = X(row.angle_rad), left = box.x + 4, right = box.x + box.w - 4;
     const shown = Math.max(left, Math.min(right, x));
-    // The surface that the law uses.
+    // The surface that the law uses, moved by the law's offset.
     const shifted = X(row.surface_shifted_rad);
     if (run.facts.has_wall !== 0 && row.surface_shifted_rad < run.facts.surface_rad - 1e-7) {
       const at = Math.max(left, shifted);
@@ -236,12 +236,12 @@ class Lens {
       g.textBaseline = "bottom";
       g.fillText(shifted < left ? "◂ offset surface" : "offset surface", at + 4, strip - 2);
     }
-    // Where a real wall of the desired stiffness would hold the knob against this force.
+    // The position at which a real wall of the desired stiffness would hold the knob against this force.
     if (run.facts.has_wall !== 0 && row.force_n_m > 1e-4) {
       const ideal = X(run.facts.surface_rad + row.force_n_m / run.facts.k_desired_n_m_per_rad);
       stroke(g, ink.muted, 1.6, [], () => { g.moveTo(ideal, line - 16); g.lineTo(ideal - 6, line - 24); g.lineTo(ideal + 6, line - 24); g.closePath(); });
     }
-    // The virtual mass on its spring.
+    // The virtual mass of the enhanced law, and its spring.
     if (Math.abs(row.mass_rad - row.angle_rad) > 1e-6) {
       const m = Math.max(left, Math.min(right, X(row.mass_rad))), y = line + 24;
       stroke(g, ink.mass, 1.4, [], () => { for (let i = 0; i <= 8; i += 1) g.lineTo(m + ((shown - m) * i) / 8, y + (i % 2 ? 4 : -4) * (i > 0 && i < 8)); });

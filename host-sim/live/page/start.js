@@ -1,7 +1,7 @@
-// What is wired to what, and the frame that is drawn again and again.
+// Connects controls, figures and keys, and draws the frames.
 const E = (c, i, name) => c[name][i];
 const isWall = (run) => run.facts.has_wall !== 0;
-/** Where an angle is from the wall's surface; where there is no wall, from zero. */
+/** Angle from the wall's surface, rad; from zero if there is no wall. */
 const fromSurface = (rad, run) => rad - (isWall(run) ? run.facts.surface_rad : 0);
 const inside = (c, i, run) => fromSurface(E(c, i, "angle_rad"), run);
 const inHand = (c, i, run) => fromSurface(E(c, i, "hand_rad"), run);
@@ -85,12 +85,12 @@ const watch = new IntersectionObserver((entries) => { for (const entry of entrie
 for (const figure of figures) watch.observe(figure.canvas);
 
 let wordsAt = 0, drawn = 0, frames = 0;
-/** Ticks go before pictures: while ticks come late, only every second, third … frame is drawn. */
+/** Ticks have priority over drawing: while ticks come late, only every second, third … frame is drawn. */
 const ease = { every: 1, at: 0, done: 0, late: 0, quiet: 0 };
 const MOST_EASED = 6, LATE_SHARE = 0.002;
 function easeOff(now) {
   if (now - ease.at < 1000) return;
-  // Counts start again with some runs.
+  // The counts of ticks start again at 0 with some runs.
   const late = Math.max(0, counted.late + counted.skipped - ease.late), done = Math.max(0, counted.done - ease.done);
   ease.quiet = late > LATE_SHARE * done ? 0 : ease.quiet + 1;
   if (ease.quiet === 0) ease.every = Math.min(MOST_EASED, ease.every + 1);
@@ -108,18 +108,18 @@ function frame(now) {
   const hand = runs[0].last?.rest_rad ?? null;
   const pointed = aim ?? (hand === null ? null : chosen.automatic ? unmapped(hand) : hand);
   stage.draw(runs, pointed);
-  // The stage in every frame, the figures in turn, and only those that are in sight: drawing must leave room for the ticks.
+  // Draws the stage in every frame, and of the figures one at a time, only if it is in sight. So drawing leaves time for the ticks.
   const figure = figures[drawn++ % figures.length];
   if (inSight.has(figure.canvas)) figure.act();
   if (now - wordsAt > 120) { wordsAt = now; words(now); }
 }
-/** The pointer that would give this rest point. */
+/** The pointer's angle, rad, that gives this rest point of the hand, the inverse of the worker's `target`. */
 function unmapped(rest) {
   const { surface_rad, reach_rad_per_n_m } = runs[0].facts, deep = rest - surface_rad;
   return isWall(runs[0]) && deep > 0 ? surface_rad + deep / Math.max(1, chosen.strength * reach_rad_per_n_m) : rest;
 }
 
-// Keys that are held turn the knob.
+// Keys that are held down turn the knob.
 const held = new Set();
 let turned = 0;
 function turn(now) {
@@ -142,7 +142,7 @@ addEventListener("keydown", (event) => {
 addEventListener("keyup", (event) => held.delete(event.key));
 addEventListener("blur", () => held.clear());
 
-// The pointer turns by the angle that it passes around the knob's middle.
+// The pointer turns the knob by the angle that it moves around the knob's centre.
 let grabbed = null;
 $("stage").addEventListener("pointerdown", (event) => {
   const at = place(event), knob = stage.knobs.reduce((best, k) => (!best || Math.hypot(at.x - k.x, at.y - k.y) < Math.hypot(at.x - best.x, at.y - best.y) ? k : best), null);
@@ -155,7 +155,7 @@ $("stage").addEventListener("pointermove", (event) => {
   if (!grabbed) return;
   const at = place(event), { knob, at: before } = grabbed;
   const angle = (p) => Math.atan2(p.y - knob.y, p.x - knob.x);
-  // Beside the knob, as on the lens, to the right is into the wall.
+  // A pointer that starts beside the knob moves along a line, as in the lens: to the right is into the wall.
   let way = grabbed.around ? angle(at) - angle(before) : (at.x - before.x) / (2.5 * knob.r);
   if (way > Math.PI) way -= 2 * Math.PI;
   if (way < -Math.PI) way += 2 * Math.PI;

@@ -1,4 +1,4 @@
-/** The module of the page: base64 of a zlib stream. */
+/** Unpacks and compiles the page's WebAssembly module from base64 of a zlib stream. */
 async function unpacked() {
   const packed = Uint8Array.from(atob(document.getElementById("module").textContent), (c) => c.charCodeAt(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));

@@ -1,4 +1,4 @@
-// Drawing: the stage with knob and lens, scrolling plots, the plane of position and force. Each line differs in dash as well as in
+// Drawing tools: canvases, ring buffers, scrolling plots, and the plot of force over position. Lines differ in dash as well as in
 // colour.
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 let ink = {};
@@ -7,14 +7,14 @@ function readInk() {
 }
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", readInk);
 
-/** A canvas' context in CSS pixels, as sharp as the screen. */
+/** Prepares a canvas for drawing in CSS pixels at the screen's resolution. */
 function sheet(canvas) {
   const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
   if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
     canvas.width = Math.round(width * ratio);
     canvas.height = Math.round(height * ratio);
   }
-  // Opaque: what is below need not be mixed in.
+  // An opaque canvas is faster, because nothing below it is mixed in.
   const g = canvas.getContext("2d", { alpha: false });
   g.setTransform(ratio, 0, 0, ratio, 0, 0);
   g.fillStyle = ink.panel;
@@ -34,7 +34,7 @@ function stroke(g, colour, width, dash, path) {
   g.setLineDash([]);
 }
 
-/** Least and most of each column or row of pixels; its room is taken once. */
+/** Lowest and highest value for each column or row of pixels; the arrays are reused. */
 class Bins {
   constructor() { this.least = this.most = new Float64Array(0); this.broken = new Uint8Array(0); }
   clear(n) {
@@ -46,7 +46,7 @@ class Bins {
   }
 }
 
-/** The last numbers of a run, a column each, in a ring. */
+/** Ring buffer of a run's last rows, with one array for each column. */
 class Ring {
   constructor(names, length) {
     this.names = names;
@@ -64,7 +64,7 @@ class Ring {
   }
   get size() { return Math.min(this.end, this.length); }
   at(name, back) { return this.columns[name][(this.end - 1 - back) % this.length]; }
-  /** Calls with every row from `seconds` ago, the oldest first. */
+  /** Calls a function for every row of the last `seconds`, the oldest first. */
   since(seconds, act) {
     if (!this.size) return;
     const from = this.at("clock", 0) - seconds;
@@ -80,13 +80,13 @@ class Ring {
   }
 }
 
-/** A round number at or above a value: 1, 2 or 5 times a power of ten. */
+/** The next round number at or above a value: 1, 2, 5 or 10 times a power of ten. */
 function round(value) {
   const power = 10 ** Math.floor(Math.log10(value));
   return [1, 2, 5, 10].map((n) => n * power).find((n) => n >= value * 0.999999);
 }
 
-/** Ticks of an axis. */
+/** Values at which an axis has a tick mark. */
 function marks(low, high, wanted) {
   const step = round((high - low) / wanted), out = [];
   for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i += 1) out.push(i * step);
@@ -95,7 +95,7 @@ function marks(low, high, wanted) {
 
 const number = (x) => (x === 0 ? "0" : Math.abs(x) >= 1e5 || Math.abs(x) < 1e-4 ? x.toExponential(1) : String(Number(x.toPrecision(4))));
 
-/** Grows at once with what is shown, and shrinks slowly. */
+/** Range of an axis: it grows at once with the values shown, and shrinks slowly. */
 class Range {
   constructor(least) { this.low = -least * 0.1; this.high = least; this.least = least; }
   follow(low, high) {
@@ -130,7 +130,7 @@ function axes(g, box, x, y, xName, yName) {
 
 const BOX = (width, height) => ({ x: 46, y: 16, w: width - 54, h: height - 46 });
 
-/** A scrolling plot. `series`: {name, colour, dash, wide, of(side, ring columns, i)}. */
+/** A scrolling plot over time. `series`: {name, colour, dash, wide, of(columns, i, run)}. */
 class Plot {
   constructor(canvas, unit, least, series) {
     Object.assign(this, { canvas, unit, series, range: new Range(least), rooms: [] });
@@ -145,7 +145,7 @@ class Plot {
       const now = runs[0].ring.at("clock", 0), columns = run.ring.columns;
       for (const line of this.series) {
         if (run.second && line.first) continue;
-        // Lowest and highest value in each column of pixels: nothing is lost, whatever the rate.
+        // Draws the lowest to the highest value in each column of pixels, so that no peak is lost at any rate.
         const n = Math.max(1, Math.floor(box.w)), { least, most, broken } = (this.rooms[lines.length] ??= new Bins()).clear(n);
         run.ring.since(seconds, (i) => {
           const value = line.of(columns, i, run);
@@ -177,7 +177,7 @@ class Plot {
           if (least[i] === Infinity) { gap += 1; if (gap > Math.max(3, n / 100)) pen = false; continue; }
           gap = 0;
           const px = box.x + i;
-          // No line across what is missing.
+          // No line is drawn across missing records.
           if (broken[i]) pen = false;
           if (pen) g.lineTo(px, yAt(least[i])); else g.moveTo(px, yAt(least[i]));
           if (most[i] !== least[i]) g.lineTo(px, yAt(most[i]));
@@ -187,7 +187,7 @@ class Plot {
     }
     g.restore();
   }
-  /** A band where records of a board are missing: from the last one before to the first one after. */
+  /** Draws a band over the time in which a board's records are missing: from the last record before the gap to the first after it. */
   holes(g, box, run, seconds) {
     const { clock, missing } = run.ring.columns;
     if (!missing || !run.ring.size) return;
@@ -201,7 +201,7 @@ class Plot {
   }
 }
 
-/** Two columns against each other, over the last seconds. */
+/** Plots two quantities against each other over the last seconds. */
 class Plane {
   constructor(canvas, xName, yName, xLeast, yLeast, of) {
     Object.assign(this, { canvas, xName, yName, of, x: new Range(xLeast), y: new Range(yLeast) });
@@ -242,7 +242,7 @@ class Plane {
   }
 }
 
-/** A figure with its name and a key for each line; gives its canvas. */
+/** Makes a figure with its title and a key for each line; returns its canvas. */
 function figureFor(title, keys, tall) {
   const figure = document.createElement("figure"), caption = document.createElement("figcaption"), canvas = document.createElement("canvas");
   const name = document.createElement("strong");

@@ -1,8 +1,8 @@
-// The loop of one axis: one run or two under the same hand.
+// The simulation loop of one axis: one run, or two runs under the same hand.
 
-// Ten minutes at 1 kHz with 13 columns are 62 MB.
+// Largest number of recorded ticks. Ten minutes at 1 kHz with 13 columns take 62 MB.
 const MOST_RECORDED = 600000;
-// A run can be turned back as long as all its rest points are known; this much of it is drawn again.
+// Largest number of ticks that a run can be turned back, and the time in s that is then drawn again. A run can be turned back while all its rest points are kept.
 const MOST_PAST = 600000, DRAWN_S = 5;
 
 let ROW, FACTS, TRACE;
@@ -10,9 +10,9 @@ const sides = [null, null];
 let aim = null, strength = 0.3, automatic = false;
 let hand = { x: 0, v: 0 }, ticks = 0, autoTick = 0, dirty = 0;
 let record = null, every = 1;
-/** Rest points since the start of the run; null where a setting was changed since, or there are too many. */
+/** Rest points of the hand in rad since the start of the run; null after a changed setting, or if there are too many. */
 let past = null;
-/** Rest points of a file, one a tick from the start of the run on. */
+/** Rest points of an opened file in rad, one per tick from the start of the run. */
 let played = null, playedTick = 0;
 
 function factsOf(side) {
@@ -20,7 +20,7 @@ function factsOf(side) {
   return Object.fromEntries(FACTS.map((name, i) => [name, values[i]]));
 }
 
-/** Opens, changes or closes a side; an error leaves it as it was. */
+/** Opens, changes or closes one of the two runs. After an error the run is unchanged. */
 function setSide(index, scene, keep) {
   const side = sides[index];
   if (scene === null) {
@@ -67,7 +67,7 @@ function open({ a, b, keep }) {
   postMessage({ type: "opened", a: told(0), b: told(1), keep });
 }
 
-/** The hand lets go and waits where the loop starts. */
+/** Makes the hand let go and wait at the start angle of the loop. */
 function rest() {
   hand = { x: sides[0].facts.angle_rad, v: 0 };
   aim = null;
@@ -81,7 +81,7 @@ function reset() {
   clock();
 }
 
-/** So many ticks back: the run is made again from its start up to there, which gives the same to the bit. */
+/** Turns the run back by `count` ticks: simulates it again from its start, which gives the same bits. */
 function back(count) {
   if (past === null) {
     postMessage({ type: "back", a: null, b: null, why: "A setting was changed during the run, or it is longer than ten minutes: start again to be able to go back." });
@@ -116,14 +116,14 @@ function back(count) {
   postMessage({ type: "back", a: all[0], b: all[1], most, why: `Tick ${to} of the run.` });
 }
 
-/** Where the hand means to be: outside with the pointer, inside as far as the pointer's push needs against a perfect wall. */
+/** The hand's rest point, rad. Outside the wall it is the pointer's angle; inside it is as deep as the pointer's push needs against a perfect wall. */
 function target() {
   const { surface_rad, reach_rad_per_n_m, motion_s, rate_hz, angle_rad, has_wall } = sides[0].facts;
   if (automatic && motion_s > 0) {
     const time = (autoTick / rate_hz) % (motion_s + 0.3);
     return wasm.live_own_rest(sides[0].handle, Math.min(time, motion_s));
   }
-  // Without that wall the hand stays where it is, and the knob follows the pointer as the hand lets it.
+  // Without a wall the rest point is the pointer's angle, or stays where the hand is.
   if (has_wall === 0) return aim ?? hand.x;
   const at = aim ?? Math.min(angle_rad, surface_rad - 0.05);
   const inside = at - surface_rad;
@@ -138,7 +138,7 @@ function tick() {
   if (played) {
     hand = { x: goal, v: 0 };
   } else if (automatic) {
-    // The scene's own motion is smooth, and is played as it stands.
+    // The scene's own motion is smooth and needs no low-pass.
     autoTick += 1;
     hand = { x: goal, v: 0 };
   } else {

@@ -1,15 +1,15 @@
-//! Texts from files, boards and services, as they may come to a terminal or a log.
+//! Makes texts from files, boards and services safe to print on a terminal or in a log.
 
-/// Whether a terminal could obey a letter, or show the letters around it in another order: control characters, line and paragraph
-/// separators, and marks of writing direction.
+/// Whether a terminal could interpret the character as a command, or show neighbouring characters in another order. Such characters
+/// are control characters, line and paragraph separators, and marks of writing direction.
 #[must_use]
 pub fn is_harmful(letter: char) -> bool {
     letter.is_control()
         || matches!(letter, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// A name as one line: a space instead of each end of a line or tab, U+FFFD instead of any other harmful letter. A log of CI obeys lines
-/// that begin as its commands do.
+/// Returns the text as one line: line ends and tabs become spaces, other harmful characters U+FFFD. One line matters because
+/// continuous-integration services interpret some lines of a log as commands.
 #[must_use]
 pub fn one_line(text: &str) -> String {
     let harmless = |letter: char| match letter {

@@ -39,7 +39,7 @@ fn read(path: &Path, most: u64, text: bool) -> Result<Vec<u8>> {
     }
     let mut file = File::open(path)?;
     let meta = file.metadata()?;
-    // Said before anything is read, where the length is known.
+    // A regular file's length is known, so a file that is too long is refused before reading.
     if meta.is_file() && meta.len() > most {
         return Err(too_long(most));
     }
@@ -96,7 +96,7 @@ mod tests {
         assert_eq!(endless.kind(), ErrorKind::FileTooLarge);
 
         let file = std::env::temp_dir().join(format!("touchstone-input-{}", std::process::id()));
-        // Sparse: ten gigabytes that take no room, and no time to refuse.
+        // A sparse file of ten gigabytes takes no room, and is refused at once.
         File::create(&file)
             .unwrap()
             .set_len(10_000_000_000)

@@ -1,5 +1,6 @@
 //! Writes users' files so that each is complete or absent. The content first goes to a temporary file in the same folder, which is
 //! then moved to its place. A link at that place is never followed, and an older file is replaced only if the caller says so.
+//! Exceptions are devices and pipes, and the files of [`begun`], which are written in place.
 
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{ErrorKind, Result, Write};
@@ -17,7 +18,7 @@ struct Beside {
 
 impl Drop for Beside {
     fn drop(&mut self) {
-        // After the move it is gone, which is what is wanted.
+        // After the move the temporary file no longer exists, and the error is ignored.
         let _ = std::fs::remove_file(&self.path);
     }
 }
@@ -79,7 +80,7 @@ fn put(path: &Path, content: &[u8], replaces: bool) -> Result<()> {
         return std::fs::rename(&beside.path, path);
     }
     match std::fs::hard_link(&beside.path, path) {
-        // A file system without links; between the look and the move somebody may come.
+        // The file system has no hard links. Another process may still create the file between check and move.
         Err(error) if error.kind() != ErrorKind::AlreadyExists => {
             is_free(path)?;
             std::fs::rename(&beside.path, path)
@@ -98,13 +99,13 @@ fn beside(path: &Path) -> Result<Beside> {
     let hidden = path.with_file_name(hidden);
     sweep(path, &hidden);
     let file = File::create_new(&hidden)?;
-    // On a file system without locks nothing is swept.
+    // On a file system without locks, temporary files of killed processes stay.
     let _ = file.try_lock();
     Ok(Beside { path: hidden, file })
 }
 
 fn sweep(path: &Path, own: &Path) {
-    // Of a process with this number that was killed.
+    // A killed process with the same number may have left the same name.
     let _ = std::fs::remove_file(own);
     let folder = path.parent().filter(|dir| !dir.as_os_str().is_empty());
     let entries = std::fs::read_dir(folder.unwrap_or(Path::new(".")));
@@ -138,7 +139,7 @@ pub fn begun(path: &Path, replaces: bool) -> Result<File> {
     {
         return Err(ErrorKind::PermissionDenied.into());
     }
-    // A link goes, and not what it leads to.
+    // A link is deleted, not the file that it leads to.
     if replaces && place.is_ok_and(|meta| !meta.is_dir()) {
         std::fs::remove_file(path)?;
     }
@@ -220,7 +221,7 @@ mod tests {
         write(&link, "new").unwrap();
         assert_eq!(fs::read(&other).unwrap(), b"mine");
         assert_eq!(fs::read(&link).unwrap(), b"new");
-        // One that leads nowhere, too.
+        // A link that leads nowhere is treated in the same way.
         let nowhere = folder.join("nowhere");
         std::os::unix::fs::symlink(folder.join("none"), &nowhere).unwrap();
         assert!(write_new(&nowhere, "x").is_err());

@@ -49,7 +49,7 @@ fn with(scene: &Scene, sets: &[&str]) -> Scene {
 fn without(effect: &Effect) -> Scene {
     let scene = ideal();
     match effect.name {
-        // A knob by itself, which turns.
+        // A knob without a hand that starts with a speed.
         "hand" => with(
             &scene.with(effect.remove).unwrap(),
             &["device.initial_velocity_rad_per_s=0.5"],
@@ -88,7 +88,7 @@ fn an_effect_of_no_amplitude_is_its_absence_to_the_bit() {
         let scene = ideal().with(silence).unwrap();
         assert!(bits(&scene) == plain, "{name}");
     }
-    // And where the effect is a part of another one.
+    // The same for an effect that is a part of another effect.
     let sticky = with(&ideal(), &["device.friction.kinetic_n_m=1e-3"]);
     for set in [
         "device.friction.asymmetry_n_m=0",
@@ -153,7 +153,7 @@ fn noise_has_the_variance_that_it_names_and_a_period_its_amplitude() {
     for (error, angle) in periodic.iter().zip(&trace.angle_rad) {
         assert!((error - 1e-3 * angle.sin()).abs() < 1e-15);
     }
-    // A second part of twice as many periods, alone and beside the first.
+    // A second part with twice as many periods, alone and together with the first part.
     for first in [0.0, 1e-3] {
         let asked = [
             &*format!("sensor.periodic.amplitude_rad={first}"),
@@ -235,7 +235,7 @@ fn the_same_seed_gives_the_same_bits_and_another_others() {
         );
         assert!(bits(&scene) != bits(&with(&scene, &["seed=2"])), "{set}");
     }
-    // A source of noise takes nothing from another: where the second does nothing, the first is as it was.
+    // Sources of noise are independent: if the second has amplitude zero, the first gives the same numbers as alone.
     let noisy = with(&ideal(), &["sensor.noise.rms_rad=1e-4"]);
     let both = with(
         &noisy,
@@ -267,7 +267,7 @@ fn late_commands_lie_between_the_least_and_the_greatest_delay() {
             .0
             .unwrap()
     };
-    // The share of the first tick in contact in which its command acted already.
+    // Fraction of the first tick in contact during which the command acted.
     let fixed = first_force(&["timing.computational_delay_s=2.5e-4"]);
     assert!((fixed - 0.75).abs() < 1e-12);
     let nearly = first_force(&[

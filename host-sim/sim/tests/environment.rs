@@ -58,7 +58,7 @@ fn a_knob_thrown_either_way_does_the_mirror_image_to_the_bit() {
                 let mirrored = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| *a == -b);
                 assert!(mirrored(&there.angle_rad, &back.angle_rad), "{sets:?}");
                 assert!(mirrored(&there.force_n_m, &back.force_n_m), "{sets:?}");
-                // And it is no walk in the open: it meets the wall, and is thrown back to the other side.
+                // The knob reaches the wall at 0.3 rad and is thrown back.
                 let reached = |most: f64| there.angle_rad.iter().any(|x| *x > most);
                 assert!(reached(0.3) && there.angle_rad.iter().any(|x| *x < 0.25));
             }
@@ -77,10 +77,10 @@ fn an_environment_with_nothing_in_it_is_the_wall() {
         ] {
             assert!(plain == bits(&with(&scene, &[set])), "{name} {set}");
         }
-        // A wall that nobody comes to goes through the whole of it, and is not there either.
+        // A wall that the knob never reaches changes nothing.
         let far = ["environment.wall2.at_rad=-2"];
         assert!(plain == bits(&with(&scene, &far)), "{name}");
-        // Nor is the wall itself, where it is taken away: the knob goes through.
+        // Without the first wall the knob passes its place.
         let open = with(&scene, &["environment.first_wall=false"]);
         assert!(trace(&open).force_n_m.iter().all(|force| *force == 0.0));
     }
@@ -88,7 +88,7 @@ fn an_environment_with_nothing_in_it_is_the_wall() {
 
 #[test]
 fn each_of_several_walls_is_the_wall_of_its_own_scene() {
-    // One press into the second wall of three; the first, which lies before it, is gone.
+    // One press into the second of three walls; the first wall, which would come before it, is removed.
     let scene = Scene::load("press-hold").unwrap();
     let alone = bits(&scene);
     let among = with(
@@ -104,7 +104,7 @@ fn each_of_several_walls_is_the_wall_of_its_own_scene() {
     );
     assert_eq!(scene.wall.surface_rad, 0.5);
     assert!(alone == bits(&among));
-    // Without a stiffness of its own it has the first one's, by which the hand aims too.
+    // A further wall without a stiffness has that of the first wall, from which the hand's rest point is computed too.
     let two = "wall.k_desired_n_m_per_rad=2";
     let soft = bits(&with(&scene, &[two]));
     assert!(soft == bits(&with(&among, &[two])) && soft != alone);

@@ -12,7 +12,7 @@ fn campaign(number: usize, seed: u64) {
     let mut seeded = Seeded(seed);
     let read = (0..number).filter(|_| is_read(&made(&mut seeded))).count();
     println!("{read} of {number} were read");
-    // Both ways are tried, or the generator is worth nothing.
+    // The generator must make both recordings that are read and recordings that are refused.
     assert!(
         read > number / 20 && read < number - number / 20,
         "{read} of {number} were read"

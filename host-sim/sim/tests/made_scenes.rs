@@ -51,7 +51,7 @@ fn campaign(number: usize, seed: u64) {
         wrong.len(),
         wrong.join("\n")
     );
-    // Both are tried, or the generator is worth nothing.
+    // The generator must make both scenes that run and scenes that are refused.
     assert!(runs > number / 10 && refused > number / 10 && long < number / 10);
 }
 
@@ -88,7 +88,7 @@ fn scenes_beyond_all_numbers_end() {
         ),
     ] {
         let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
-        // Whether it runs or is refused: neither panics, and neither takes long.
+        // The scene may run or be refused, but must neither panic nor take long.
         tried(base, &sets);
     }
 }

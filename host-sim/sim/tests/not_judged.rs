@@ -111,7 +111,7 @@ fn a_trembling_hand_is_not_the_walls_fault() {
     assert_eq!(trembling.verdict, Verdict::NotJudged, "{trembling:?}");
     let why = trembling.not_judged.unwrap();
     assert!(why.contains("moves by 100.00 mrad"), "{why}");
-    // The wall's own motion is seen beside a tremor that is small.
+    // The wall's oscillation is detected beside a small tremor.
     let own = of(
         "thesis-knob",
         &["law.kind=\"spring\"", "operator.tremor.amplitude_rad=0.001"],

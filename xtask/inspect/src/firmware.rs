@@ -102,7 +102,7 @@ pub fn inspect(programs: &[&str]) -> Result<Answer, String> {
         let program = ProgramCode::open(Path::new(path))?;
         println!("{board}:");
         let mut report = examine(&program, *room);
-        // By it `touchstone flash` refuses the program for another board.
+        // `touchstone flash` reads this symbol to refuse firmware of another board.
         let mark = format!("touchstone_board_{}", board.replace('-', "_"));
         if program.symbol(&mark).is_none() {
             report.wrong.push(format!("no symbol {mark} is in it"));
@@ -145,7 +145,7 @@ fn examine(program: &ProgramCode, room: Room) -> Report {
             .filter(|name| float(name))
             .map(|name| format!("a float: {name}")),
     );
-    // The drivers' handlers do hold interrupts off: a check that does not see it there would not see it in the others.
+    // The drivers' handlers do disable interrupts. If the check found none of that, it could not find it in other handlers.
     let mut masking = drivers(program).filter_map(|address| program.reach_from(address));
     if !masking.any(|reach| !reach.masks.is_empty()) {
         report
@@ -169,7 +169,7 @@ fn sizes(program: &ProgramCode, report: &mut Report) {
     report.stack_room = symbol("_stack_start").saturating_sub(symbol("_stack_end"));
     let Room { flash, memory } = report.room;
     let used = report.data + report.bss + report.stack_room;
-    // The linker keeps to the map that it is given: it must be this chip's, and all of it.
+    // The linker obeys its memory map, so the map must cover exactly this chip's memory.
     let settings = symbol("_settings_start");
     let crash = symbol("_crash_record");
     for (what, bytes, most) in [
@@ -249,8 +249,8 @@ fn stack(program: &ProgramCode, report: &mut Report) {
         report.wrong.push("the program has no `Reset`".into());
         return;
     };
-    // The executor calls a task, a task its wakers or a formatter: two calls through registers inside each other. A driver's
-    // handler calls a waker: one.
+    // Calls through registers: the executor calls a task, and a task calls its wakers or a formatter, so two are nested. A driver's
+    // handler calls a waker, so one.
     let starting = depths.nested(reset, 2);
     let starting_path = depths.path(reset, 2);
     depths.leave_out(START);

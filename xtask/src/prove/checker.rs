@@ -71,12 +71,12 @@ pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Le
         .canonicalize()
         .map_err(|why| format!("{}: {why}", target.display()))?;
     let report = target.join("report.json");
-    // An old one must not be taken for this run's.
+    // Removes an old report, which must not be read as this run's.
     let _ = std::fs::remove_file(&report);
     let (jobs, seconds) = (how.jobs.to_string(), format!("{TIMEOUT_S}s"));
     let path = std::env::var_os("PATH").unwrap_or_default();
     let path = solvers::first(&target, path)?;
-    // The shell's limit is inherited by all that is started. A shell that cannot set it does not run the checker.
+    // All processes started by the shell inherit its limits. If the shell cannot set them, it does not start the checker.
     let mut command = Command::new("sh");
     command
         .current_dir(workspace)
@@ -94,7 +94,7 @@ pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Le
             "terse",
         ])
         .args(["-Z", "unstable-options", "--harness-timeout", &seconds])
-        // The properties' own assertions are covers as well, and the gate reads those; of the code's it does not ask it.
+        // The gate requires covers for the properties' own assertions; assertions in the code need no test of reachability.
         .arg("--no-assertion-reach-checks")
         .arg("--export-json")
         .arg(&report)
@@ -118,7 +118,7 @@ pub fn run(workspace: &Path, target: &Path, which: Which, how: How) -> Result<Le
     let watch = Watch::start(&target);
     let why = to_end(&mut command, how.progress)?;
     let taken = watch.finish();
-    // The exit code says nothing that the report does not: it is 0 for an empty proof and 1 for a refutation.
+    // The exit code adds nothing to the report: it is 0 also for an empty proof, and 1 for a refutation.
     if !report.is_file() {
         return Err(format!(
             "no report from the checker (Kani 0.67 or newer with --export-json): {why}"
@@ -169,7 +169,7 @@ fn reason(errors: &[String]) -> Option<String> {
     if let Some(error) = lines.find(|line| line.to_lowercase().contains("error:")) {
         return Some(error.trim_start().to_owned());
     }
-    // Cargo's words of progress stand to the right of a column of spaces.
+    // Cargo indents its lines of progress with spaces.
     let is_other = |line: &&String| {
         let advice = ["note:", "help:", "warning:"];
         !line.trim().is_empty()
@@ -195,16 +195,16 @@ pub fn list(target: &Path) -> Result<PathBuf, String> {
     let newest = newest
         .filter_map(|entry| changed(&entry.ok()?.path()))
         .max();
-    // Making it compiles everything once more.
+    // A new list is made only if sources changed, since it compiles everything once more.
     if changed(&list) > newest {
         return Ok(list);
     }
     let made = Path::new("kani-list.json");
     let _ = std::fs::remove_file(made);
     let mut command = Command::new("cargo");
-    // It knows neither packages nor a target, and takes the folder's package.
+    // `cargo kani list` has no options for package and target folder; it takes the package of the current folder.
     command
-        // It does not read the package's settings, where this stands for a run.
+        // `cargo kani list` does not read the package's settings for runs, so the option for stubs is given here.
         .args(["kani", "list", "--format", "json", "-Z", "stubbing"])
         .current_dir("proofs")
         .env("CARGO_TARGET_DIR", target)
@@ -238,7 +238,7 @@ pub fn refutes(workspace: &Path, target: &Path, harness: &str) -> Result<bool, S
 
 /// Prints a line for each harness as it ends, to show the progress; the verdicts are later read from the report.
 fn show_progress(output: impl BufRead, show: bool) {
-    // Several harnesses run at a time; a line belongs to the thread that was named last.
+    // Several harnesses run at the same time; a line belongs to the thread that was named last.
     let mut thread = String::new();
     let mut current = BTreeMap::<String, String>::new();
     let mut count = 0;

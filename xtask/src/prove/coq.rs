@@ -128,7 +128,7 @@ fn fresh(folder: &Path) -> Result<(), Broken> {
         std::fs::copy(&path, folder.join(&name)).map_err(said)?;
         found.extend(name.to_string_lossy().strip_suffix(".v").map(str::to_owned));
     }
-    // A file that nobody compiles would look like a proof.
+    // A file that is not compiled would look like a proof.
     match found.iter().find(|file| !FILES.contains(&file.as_str())) {
         Some(file) => Err(broken(file, "is not in the list of files to compile")),
         None => Ok(()),
@@ -192,7 +192,7 @@ fn all_asked(text: &str) -> Result<Vec<&str>, String> {
 
 /// Checks that Coq's answers name no assumption.
 fn nothing_assumed(answers: &str) -> Result<(), String> {
-    // What is assumed follows this word.
+    // Coq prints the assumptions after this word.
     if let Some(at) = answers.find("Axioms:") {
         let assumed = answers[at..].lines().nth(1).unwrap_or_default();
         return Err(format!("a theorem rests on more: {assumed}"));
@@ -212,7 +212,7 @@ fn as_claimed(folder: &Path, answers: &str) -> Result<(), Broken> {
     if claimed.eq(said) {
         return Ok(());
     }
-    // For who wants to read what is different, and to commit it.
+    // Writes the new answers to a file, to be compared and committed.
     let now = folder.join("claims.now.txt");
     std::fs::write(&now, answers).map_err(|why| broken(SAID, why))?;
     let line = claims
@@ -243,12 +243,12 @@ fn compared(folder: &Path) -> Result<String, String> {
         return Err(String::from_utf8_lossy(&built.stderr).trim().to_owned());
     }
     let mut trace = shell::cargo_locked("run");
-    // As the trials of all inputs are built, so that the code is compiled once for both.
+    // Uses the same build profile as `cargo xtask prove --every`, so that the code is compiled only once.
     trace.args(["--profile", "every", "-q", "-p", "touchstone-proofs"]);
     trace.args(["--example", "trace", "--", TICKS]);
     let (output, input) = std::io::pipe().map_err(|why| why.to_string())?;
     let mut writes = trace.stdout(input).spawn().map_err(|why| why.to_string())?;
-    // The command holds the end that is written to: without it, the reading ends when the program has.
+    // `trace` holds the writing end of the pipe. Dropped here, the pipe ends when the program ends.
     drop(trace);
     let reads = Command::new(folder.join("compare")).stdin(output).output();
     let reads = reads.map_err(|why| why.to_string())?;

@@ -28,7 +28,7 @@ pub fn run(board: &str, part: &str) -> Outcome {
 /// Runs the tick functions in the machine code on sample inputs, without a proof. It shows that checker, specification and program
 /// still fit together.
 pub fn readings() -> Outcome {
-    // Whether a program can be built is what `cargo xtask firmware` says.
+    // A failed build is not reported as an error here: `cargo xtask firmware` does that.
     if firmware::build(BOARD).is_err() {
         return Outcome::NotRun(format!("the program of {BOARD} is not built here"));
     }
@@ -93,7 +93,7 @@ pub fn read(python: &Path) -> Outcome {
 /// Records ticks of the Rust code in a file and returns the file's path.
 fn traced() -> Result<PathBuf, Outcome> {
     let mut command = shell::cargo_locked("run");
-    // As the trials of all inputs are built, so that the code is compiled once for both.
+    // Uses the same build profile as `cargo xtask prove --every`, so that the code is compiled only once.
     command.args(["--profile", "every", "-q", "-p", "touchstone-proofs"]);
     command.args(["--example", "trace", "--", TICKS]);
     let path = shell::target("elf-trace.txt");

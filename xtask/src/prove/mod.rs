@@ -55,7 +55,7 @@ pub fn run(args: &[String]) -> Outcome {
         ["--every"] => return every::run(""),
         ["--every", part] => return every::run(part),
         ["--mutants", "--theorems"] | ["--theorems", "--mutants"] => return coq::mutants(),
-        // Tests need no checker.
+        // The tests need no model checker.
         ["--mutants", "--tests", rest @ ..] => {
             return part(rest).map_or_else(usage, mutants::by_tests);
         }
@@ -93,13 +93,13 @@ pub fn run(args: &[String]) -> Outcome {
         ["--harness", part] => some(part, jobs),
         _ => {
             let (bless, resume) = (words.contains(&"--bless"), words.contains(&"--resume"));
-            // The checker's compiler has one core to do with for minutes: integer obligations and Coq have the other. The trials of all
-            // inputs have what is left over, at the end too, when the last harness has one core.
+            // The checker's compiler uses one core for minutes, so the integer obligations and Coq run on another. The trials of
+            // all inputs have low priority and use what is left.
             let (tell, told) = mpsc::channel();
             let beside = std::thread::spawn(move || {
                 let obligations = obligations();
                 println!("integer obligations: {obligations}");
-                // Nobody waits for it where the checker did not start.
+                // Nobody receives the message if the checker did not start.
                 let _ = tell.send(obligations.is_failure());
                 inspect::build();
                 let theorems = coq::run();
@@ -107,7 +107,7 @@ pub fn run(args: &[String]) -> Outcome {
                 println!("all inputs: {every}");
                 (obligations, theorems, every)
             });
-            // Nothing is blessed that rests on what does not hold.
+            // The lock is not updated if the integer obligations, on which harnesses rest, have failed.
             let bless = || bless && !told.recv().unwrap_or(true);
             let harnesses = whole(bless, resume, jobs);
             println!("harnesses: {harnesses}");
@@ -229,7 +229,7 @@ fn whole(bless: impl FnOnce() -> bool, resume: bool, jobs: u32) -> Outcome {
     let left = if resume {
         remaining(jobs)
     } else {
-        // What an older run proved does not count in a whole one.
+        // A whole run does not count the results of earlier runs.
         let _ = std::fs::remove_file(target().join(MEMO));
         checker::run(Path::new("."), &target(), Which::All, How::jobs(jobs))
             .map(|left| (left, None))
@@ -278,7 +278,7 @@ fn remaining(jobs: u32) -> Result<(Left, Option<PathBuf>), String> {
         println!("{outcome}");
         last = Some(left);
     }
-    // Nothing was left to run: a run of one, for the gate to read.
+    // If no harness was left to run, one short harness runs, so that the gate has a report to read.
     let left = match last {
         Some(left) => left,
         None => checker::run(
@@ -327,7 +327,7 @@ fn without_checker() -> Outcome {
 }
 
 fn without_harnesses() -> Outcome {
-    // `cargo xtask test` has run them before, among all others.
+    // In `cargo xtask test` these tests have already run among all others.
     if !unit::all_passed() {
         let mut tests = shell::cargo_locked("test");
         let sampled = shell::run(tests.args(["--quiet", "-p", "touchstone-proofs"]));
@@ -377,7 +377,7 @@ fn with_wheels(folder: &str, list: &str) -> Result<PathBuf, Outcome> {
     let folder = shell::target(folder);
     let (python, made_of) = (folder.join("bin/python"), folder.join("made-of.txt"));
     let wanted = std::fs::read_to_string(list).ok();
-    // One that was broken off, or made of another list, is made anew.
+    // An environment that is incomplete, or was made from another list, is made again.
     if wanted.is_none() || std::fs::read_to_string(&made_of).ok() != wanted {
         let _ = std::fs::remove_dir_all(&folder);
         let mut venv = shell::program("python3");
@@ -386,7 +386,7 @@ fn with_wheels(folder: &str, list: &str) -> Result<PathBuf, Outcome> {
         if shell::run(venv.args(["-m", "venv"]).arg(&folder)).is_failure()
             || shell::run(&mut install).is_failure()
         {
-            // Half a folder must not count as a whole one the next time.
+            // Removes an incomplete environment, so that the next run does not use it.
             let _ = std::fs::remove_dir_all(&folder);
             return Err(Outcome::NotRun(
                 "no Python with the solvers' wheels; `apt-get install python3-venv`, network"

@@ -44,7 +44,7 @@ impl Watch {
                     if stop.load(Ordering::Relaxed) {
                         break;
                     }
-                    // A number is given again.
+                    // The kernel may give an old id to a new process, so the known ids are forgotten after 50 readings.
                     if looks % 50 == 0 {
                         kernels.clear();
                     }
@@ -62,7 +62,7 @@ impl Watch {
         self.stop.store(true, Ordering::Relaxed);
         let mut sums = HashMap::<String, Usage>::new();
         for ((harness, _), usage) in self.thread.join().unwrap_or_default() {
-            // The tools run one after the other.
+            // The tools of a harness run one after the other: the highest memory counts, and the times are added.
             let sum = sums.entry(harness).or_default();
             sum.memory_kib = sum.memory_kib.max(usage.memory_kib);
             sum.processor_s += usage.processor_s;
@@ -82,8 +82,8 @@ struct Process {
 fn process(folder: &Path) -> Option<Process> {
     let stat = std::fs::read(folder.join("stat")).ok()?;
     let stat = String::from_utf8_lossy(&stat);
-    // The second field is a name in brackets and may hold anything. Parent, field 4; user and system time, own and of ended children,
-    // are fields 14 to 17, in hundredths of a second on every Linux; memory, field 23.
+    // Field 2 is a name in brackets and may contain anything. Field 4 is the parent. Fields 14 to 17 are user and system time of
+    // the process and of its ended children, in hundredths of a second on every Linux. Field 23 is the memory.
     let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
     let of = |field: usize| fields.get(field - 3)?.parse::<u64>().ok();
     let ticks: u64 = (14..=17).filter_map(of).sum();
@@ -128,7 +128,7 @@ fn look(folder: &str, seen: &mut Seen, kernels: &mut HashSet<u32>) {
     for (id, harness) in of_harness {
         let below = |process: &u32| {
             let mut process = *process;
-            // A chain of parents, cut off should the ids have been reused in a ring meanwhile.
+            // Follows the parents, at most 16, in case reused ids form a ring.
             for _ in 0..16 {
                 if process == id {
                     return true;

@@ -1,4 +1,4 @@
-//! Injections with the AS5047P on the bus: faults of the encoder.
+//! Fault injections into the encoder AS5047P on the SPI bus.
 
 use super::Expect::{GoesOn, Off, OffAtLast};
 use super::When::{Calibrating, Free, Pressed, Ready};
@@ -10,10 +10,11 @@ use crate::fil::fault::Fault;
 use crate::peripheral::spi::SlaveFault;
 use touchstone_protocol::FaultCode::*;
 
-/// The injections with the AS5047P on the bus.
+/// Injections on a NUCLEO-G474RE with an AS5047P on the SPI bus.
 pub const WITH_AS5047P: &[Injection] = &[
-    // All zeros have the right parity. Which of a reading's two frames comes first decides what is seen: the field's answer says nothing of a
-    // magnet, the angle's is an angle, and far from the last one. So not at a moment, which another program has elsewhere in its tick.
+    // An answer of all zeros has the right parity. As the field's answer it confirms no valid magnet; as the angle's answer it is an
+    // angle far from the last one. Which of the two frames meets the fault first decides the fault code. So the fault begins at the
+    // control tick and not at a fixed time, because programs read the encoder at different times in the tick.
     row(
         "encoder's line low",
         Pressed,

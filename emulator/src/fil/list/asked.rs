@@ -1,9 +1,9 @@
-//! Injections that sabotaged firmware made necessary (`cargo xtask fil --sabotage`): without them a part of its safety
-//! could be missing.
+//! Fault injections that were added because of sabotaged firmware (`cargo xtask fil --sabotage`). Without them the tests would not
+//! notice that parts of the firmware's safety functions are missing.
 //!
-//! A cleared bit of the interrupt controller is the mildest way in which a stage can stop: nothing hangs, and a
-//! watchdog that any running code feeds does not act. A break within the current loop must not be undone by what the
-//! loop decided before.
+//! Clearing an enable bit of the interrupt controller is the mildest way to stop a part of the program: nothing hangs, and a
+//! watchdog that any running code refreshes does not act. A break during the current loop must not be undone by a decision that the
+//! loop made before.
 
 use super::Expect::{Off, Reset};
 use super::When::{Calibrating, Free, Measuring, Pressed, Starting};
@@ -11,16 +11,16 @@ use super::{Injection, TICK, WATCHDOG, WINDOW_WATCHDOG, row};
 use crate::fil::fault::{CURRENT_LOOP, Fault, LPTIM1};
 use touchstone_protocol::FaultCode::*;
 
-/// The current loop's interrupt, the serial port's, the time driver's.
+/// Number of the current loop's interrupt, ADC1_2.
 const ADC1_2: u32 = 18;
 const LPUART1: u32 = 91;
 const TIM5: u32 = 50;
 
-/// The link's task is not missed before its send buffer of 768 bytes is full and it waits: with one telemetry record a ms, whose
-/// frame has 24 bytes at least, after 32 ms.
+/// Limit in microseconds for a stopped link task. The task is missed when its send buffer of 768 bytes is full and it waits: after
+/// 32 ms, with one telemetry record per ms of at least 24 bytes.
 const LINK: u64 = WATCHDOG + 768 / 24 * 1_000;
 
-/// The injections with the AS5047P on the bus.
+/// Injections on a NUCLEO-G474RE with an AS5047P on the SPI bus.
 pub const ASKED_FOR: &[Injection] = &[
     row(
         "current loop comes no more",

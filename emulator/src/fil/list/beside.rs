@@ -1,4 +1,4 @@
-//! Injections that concern neither a sensor nor the processor: a person at the button, a brisk flick.
+//! Tests that concern neither a sensor nor the processor: a person presses the stop button or flicks the knob.
 
 use super::Expect::{GoesOn, Off};
 use super::When::{Calibrating, Free, Pressed, Ready};
@@ -6,7 +6,7 @@ use super::{Injection, TICK, row};
 use crate::fil::fault::Fault;
 use touchstone_protocol::FaultCode::*;
 
-/// The injections with the AS5047P on the bus, on the board with a button.
+/// Injections on boards with a stop button and with an AS5047P on the SPI bus.
 pub const BESIDE: &[Injection] = &[
     row(
         "stop button, 50 ms",
@@ -31,7 +31,7 @@ pub const BESIDE: &[Injection] = &[
         Off(TICK, &[StopButton]),
     ),
     row(
-        // A knob of 40 mm whose rim moves at 1.8 m/s: away from the wall, and let go.
+        // A hand flicks a knob of 40 mm away from the wall, its rim moving at 1.8 m/s, and releases it.
         "flicked at 90 rad/s",
         Free,
         456,

@@ -1,5 +1,5 @@
-//! Injections on the B-G431B-ESC1: currents through its amplifiers, the break through its comparators, an incremental
-//! encoder.
+//! Fault injections on the B-G431B-ESC1. The board measures currents through its amplifiers, has the break from its comparators,
+//! and uses an incremental encoder.
 
 use super::Expect::{GoesOn, Off, Reset};
 use super::When::{Calibrating, Free, Pressed, Ready, Starting};
@@ -8,11 +8,11 @@ use crate::chip::ResetCause;
 use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault, Level, SERIAL_ESC1};
 use touchstone_protocol::FaultCode::*;
 
-/// The serial port's interrupt, and the time driver's.
+/// Number of the interrupt of the serial port, USART2.
 const USART2: u32 = 38;
 const TIM3: u32 = 29;
 
-/// The injections with the board's incremental encoder.
+/// Injections with the board's incremental encoder.
 pub const ON_ESC1: &[Injection] = &[
     row(
         "phase A reads +8 A",
@@ -180,7 +180,7 @@ pub const ON_ESC1: &[Injection] = &[
         Pressed,
         52,
         Fault::Hang(CONTROL_TICK),
-        // Two ticks where it hangs at its end, after its command was sent.
+        // Two ticks, in case the control tick hangs at its end, after it has sent its command.
         Off(2 * TICK, &[Watchdog]),
     ),
     row(

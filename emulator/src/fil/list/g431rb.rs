@@ -1,6 +1,7 @@
-//! Injections on the NUCLEO-G431RB with the X-NUCLEO-IHM16M1, which has the shield of one board and the chip of the
-//! B-G431B-ESC1. Those that depend on the shield are in `ihm16m1.rs`; those that depend on the chip, and on having its
-//! own program, are here.
+//! Fault injections on the NUCLEO-G431RB with the shield X-NUCLEO-IHM16M1. The board has the same chip as the B-G431B-ESC1.
+//!
+//! Injections that depend on the shield are in `ihm16m1.rs`. This module has those that depend on the chip and on the board's own
+//! program.
 
 use super::Expect::{GoesOn, Off, Reset};
 use super::When::{Calibrating, Free, Pressed};
@@ -10,11 +11,11 @@ use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault, Level, SERIAL};
 use crate::peripheral::spi::SlaveFault;
 use touchstone_protocol::FaultCode::*;
 
-/// The serial port's interrupt, and the time driver's.
+/// Number of the interrupt of the serial port, LPUART1.
 const LPUART1: u32 = 91;
 const TIM3: u32 = 29;
 
-/// Injections in addition to those of the shield.
+/// Injections on this board in addition to those of the shield.
 pub const ON_G431RB: &[Injection] = &[
     row(
         "encoder stuck while the field turns",
@@ -79,7 +80,7 @@ pub const ON_G431RB: &[Injection] = &[
         Fault::Undefined(CURRENT_LOOP),
         Reset(TICK, &[Panic]),
     ),
-    // The enables fall with the timer's main output: no processor is left that could lower them.
+    // The timer's main output lowers the enables, because the processor in lockup cannot.
     row(
         "supply gone for a moment",
         Pressed,

@@ -1,5 +1,5 @@
-//! Injections on the X-NUCLEO-IHM16M1: enables instead of lower inputs, a driver with its own fault line, small
-//! currents, a supply of 12 V.
+//! Fault injections on the shield X-NUCLEO-IHM16M1. Its driver has enable inputs instead of lower inputs, and its own fault line;
+//! the currents are small and the supply is 12 V.
 
 use super::Expect::{GoesOn, Off, OffAtLast, Reset};
 use super::When::{Calibrating, Free, Measuring, Pressed, Ready, Starting};
@@ -12,10 +12,10 @@ use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault};
 use crate::peripheral::spi::SlaveFault;
 use touchstone_protocol::FaultCode::*;
 
-/// Limit for a driver that switches itself off: its line ends the same PWM period.
+/// Limit in microseconds for a fault at which the driver switches itself off. Its fault line acts in the same PWM period.
 const BY_ITSELF: u64 = 60;
 
-/// Injections of the shield on either NUCLEO, with EN\FAULT at PB12, the break, and an AS5047P on the bus.
+/// Injections on the shield with either NUCLEO, an AS5047P on the SPI bus, and the line EN\FAULT at PB12, the break input.
 pub const ON_IHM16M1: &[Injection] = &[
     row(
         "driver's line low, 2 us long",
@@ -121,7 +121,7 @@ pub const ON_IHM16M1: &[Injection] = &[
         Pressed,
         52,
         Fault::Hang(CONTROL_TICK),
-        // Two ticks where it hangs at its end, after its command was sent.
+        // Two ticks, in case the control tick hangs at its end, after it has sent its command.
         Off(2 * TICK, &[Watchdog]),
     ),
     row(
@@ -131,7 +131,7 @@ pub const ON_IHM16M1: &[Injection] = &[
         Fault::Hang(CURRENT_LOOP),
         Reset(WINDOW_WATCHDOG, &[Watchdog]),
     ),
-    // The enables fall with the timer's main output: no processor is left that could lower them.
+    // The timer's main output lowers the enables, because the processor in lockup cannot.
     row(
         "stack overflows",
         Pressed,
@@ -163,7 +163,7 @@ pub const ON_IHM16M1: &[Injection] = &[
     ),
 ];
 
-/// Further injections of the shield, played with the NUCLEO-G474RE alone.
+/// Further injections on the shield, which run with the NUCLEO-G474RE only.
 pub const MORE_ON_IHM16M1: &[Injection] = &[
     row(
         "driver's line low, 300 us long",
@@ -202,7 +202,7 @@ pub const MORE_ON_IHM16M1: &[Injection] = &[
     ),
 ];
 
-/// The injections with EN\FAULT at PA11, which the current loop reads, and an MT6701 on the bus.
+/// Injections on the shield with an MT6701 on the SPI bus and the line EN\FAULT at PA11, which the current loop reads.
 pub const WITH_LINK_R35: &[Injection] = &[
     row(
         "driver's line low, 300 us long",

@@ -1,4 +1,4 @@
-//! What differs with the other encoders.
+//! Fault injections that differ between the encoders: MT6701 and incremental encoder.
 
 use super::Expect::Off;
 use super::When::{Calibrating, Free, Pressed};
@@ -7,7 +7,7 @@ use crate::fil::fault::Fault;
 use crate::peripheral::spi::SlaveFault;
 use touchstone_protocol::FaultCode::*;
 
-/// The injections with an MT6701 on the bus.
+/// Injections with an MT6701 on the SPI bus.
 pub const WITH_MT6701: &[Injection] = &[
     row(
         "encoder's check sum, bit 0",
@@ -74,7 +74,7 @@ pub const WITH_MT6701: &[Injection] = &[
     ),
 ];
 
-/// The injections with an incremental encoder at the timer.
+/// Injections with an incremental encoder at the timer.
 pub const WITH_TRACKS: &[Injection] = &[
     row(
         "encoder held",

@@ -1,4 +1,4 @@
-//! Currents, bus voltage, temperature, and the break that the board pulls.
+//! Fault injections into currents, bus voltage and temperature, and into the break signal of the board.
 
 use super::Expect::{GoesOn, Off};
 use super::When::{Calibrating, Free, Pressed, Ready};
@@ -6,7 +6,7 @@ use super::{Injection, TICK, row};
 use crate::fil::fault::Fault;
 use touchstone_protocol::FaultCode::*;
 
-/// The injections on the shield, with the AS5047P on the bus.
+/// Injections on the NUCLEO-G474RE with an AS5047P on the SPI bus.
 pub const POWER: &[Injection] = &[
     row(
         "phase A reads +8 A",

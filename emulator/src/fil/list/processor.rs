@@ -1,4 +1,5 @@
-//! The processor, its program and its supply: too slow, hanging, interrupted without end, reset, or spoken to in noise.
+//! Fault injections into the processor, its program and its supply: too slow, hanging, endless interrupts, resets, noise on the
+//! serial line.
 
 use super::Expect::{GoesOn, Off, Reset};
 use super::When::{Calibrating, Free, Pressed};
@@ -7,7 +8,7 @@ use crate::chip::ResetCause;
 use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault, Level, SERIAL};
 use touchstone_protocol::FaultCode::*;
 
-/// The injections on the NUCLEO-G474RE, with the AS5047P on the bus.
+/// Injections on the NUCLEO-G474RE with an AS5047P on the SPI bus.
 pub const PROCESSOR: &[Injection] = &[
     row(
         "processor 25 times slower",
@@ -63,7 +64,7 @@ pub const PROCESSOR: &[Injection] = &[
         Pressed,
         50,
         Fault::Hang(CONTROL_TICK),
-        // Two ticks where it hangs at its end, after its command was sent.
+        // Two ticks, in case the control tick hangs at its end, after it has sent its command.
         Off(2 * TICK, &[Watchdog]),
     ),
     row(
@@ -71,7 +72,7 @@ pub const PROCESSOR: &[Injection] = &[
         Calibrating,
         900,
         Fault::Hang(CONTROL_TICK),
-        // Two ticks where it hangs at its end, after its command was sent.
+        // Two ticks, in case the control tick hangs at its end, after it has sent its command.
         Off(2 * TICK, &[Watchdog]),
     ),
     row(

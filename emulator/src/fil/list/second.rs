@@ -1,4 +1,5 @@
-//! A second fault while the first is latched: the outputs stay off, the first cause stays, and only `Stop` leaves it.
+//! Injections of a second fault while the first is latched. The outputs must stay off, the first cause must stay, and only `Stop`
+//! clears the fault.
 
 use super::Expect::Off;
 use super::When::{Calibrating, Free, Pressed, Ready};
@@ -7,7 +8,7 @@ use crate::fil::fault::Fault;
 use crate::peripheral::spi::SlaveFault;
 use touchstone_protocol::FaultCode::*;
 
-/// Pairs of faults: the second 30 ms after the first is latched.
+/// Pairs of faults. The second is injected 30 ms after the first is latched.
 pub const SECOND: &[Injection] = &[
     row(
         "phase A reads +8 A, then the break",

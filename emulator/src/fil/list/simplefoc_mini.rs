@@ -1,5 +1,5 @@
-//! On the NUCLEO-G474RE with a SimpleFOC Mini: no current is measured and no temperature, the driver's line is all that is known of both.
-//! Here also stand the faults that this board does not find.
+//! Fault injections on the NUCLEO-G474RE with a SimpleFOC Mini. That board measures neither current nor temperature, so the
+//! driver's fault line is the only information about both. Some injections are faults that the board cannot detect.
 
 use super::Expect::{GoesOn, Off, OffAtLast, Reset};
 use super::When::{Calibrating, Free, Pressed, Ready};
@@ -11,10 +11,10 @@ use crate::fil::fault::{CONTROL_TICK, CURRENT_LOOP, Fault};
 use crate::peripheral::spi::SlaveFault;
 use touchstone_protocol::FaultCode::*;
 
-/// Limit for a driver that switches itself off: its line ends the same PWM period.
+/// Limit in microseconds for a fault at which the driver switches itself off. Its fault line acts in the same PWM period.
 const BY_ITSELF: u64 = 60;
 
-/// The injections with nFAULT at PB12 (the break input) and an AS5047P on the bus.
+/// Injections with nFAULT at PB12 (the break input) and an AS5047P on the SPI bus.
 pub const ON_SIMPLEFOC_MINI: &[Injection] = &[
     row(
         "driver's line low, 2 us long",
@@ -45,7 +45,7 @@ pub const ON_SIMPLEFOC_MINI: &[Injection] = &[
         Fault::Temperature(160.0),
         Off(BY_ITSELF, &[GateDriver]),
     ),
-    // What is not found here: nobody reads a temperature.
+    // Not detected on this board: it measures no temperature.
     row(
         "driver at 95 degrees C: nobody knows",
         Pressed,
@@ -67,7 +67,7 @@ pub const ON_SIMPLEFOC_MINI: &[Injection] = &[
         Fault::Bus(8.0, 0),
         Off(TICK, &[UnderVoltage]),
     ),
-    // Within its limits another supply is no other force: duties follow it.
+    // A supply voltage within its limits does not change the force, because the duty cycles follow the voltage.
     row("bus at 15 V", Pressed, 77, Fault::Bus(15.0, 0), GoesOn),
     row(
         "encoder's parity",
@@ -83,7 +83,8 @@ pub const ON_SIMPLEFOC_MINI: &[Injection] = &[
         Fault::Encoder(SlaveFault::Stuck),
         Off(8_000_000, &[EncoderStuck]),
     ),
-    // Elsewhere the back-EMF in the voltage gives it away; here the voltage is what was asked for. The field stands still then, and holds.
+    // Boards that measure currents detect the stuck encoder by the back-EMF in the voltage. This board commands the voltage
+    // itself, so nothing shows the fault. The motor's field then stands still and holds the shaft.
     row(
         "encoder stuck under a press: nobody knows",
         Pressed,
@@ -112,7 +113,7 @@ pub const ON_SIMPLEFOC_MINI: &[Injection] = &[
         Fault::Hang(CURRENT_LOOP),
         Reset(WINDOW_WATCHDOG, &[Watchdog]),
     ),
-    // EN falls with the timer's main output: no processor is left that could lower it.
+    // The timer's main output lowers EN, because the processor in lockup cannot.
     row(
         "stack overflows",
         Pressed,

@@ -163,7 +163,7 @@ impl BridgeTimer {
     fn levels(&self, phase: usize, reference: bool) -> Option<(bool, bool)> {
         let outputs = self.registers.get(CCER) >> (4 * phase);
         let bdtr = self.registers.get(BDTR);
-        // What an output is while it is not active: its polarity's bit.
+        // Level of an inactive output: the bit of its polarity.
         let inactive = (outputs & 2 != 0, outputs & 8 != 0);
         if self.main_output {
             match outputs & 5 {
@@ -216,7 +216,7 @@ impl BridgeTimer {
         let active_high = bdtr & BKP != 0;
         let inverted = sources >> 9 & 1 != 0;
         let pin = sources & 1 != 0 && self.break_pin == (active_high != inverted);
-        // BKCMP1P to BKCMP4P turn a comparator's level over.
+        // BKCMP1P to BKCMP4P invert the level of a comparator.
         let levels = self.comparators ^ (sources >> 10 & 15);
         let active = if active_high { levels } else { !levels };
         bdtr & BKE != 0 && (pin || active & (sources >> 1 & 15) != 0)
@@ -425,7 +425,7 @@ impl Peripheral for BridgeTimer {
             _ => {
                 let value = self.unlocked(offset, value);
                 self.registers.write(offset, value, now);
-                // Without preload a compare value counts at once.
+                // Without preload a compare value takes effect at once.
                 let channel = offset.wrapping_sub(CCR1) / 4;
                 if channel < 4 {
                     let register = self.registers.get(if channel < 2 { CCMR1 } else { CCMR2 });

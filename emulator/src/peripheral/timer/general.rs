@@ -103,7 +103,7 @@ impl Peripheral for Timer {
     fn write(&mut self, offset: u32, value: u32, now: u64) {
         self.sync(now);
         match offset {
-            // A zero clears, a one leaves alone.
+            // A written zero clears the flag, a one leaves it.
             SR => self.status &= value,
             CNT => {
                 self.count = u64::from(value & self.mask);
@@ -113,7 +113,7 @@ impl Peripheral for Timer {
                 self.count = 0;
                 self.since = now;
                 self.prescaler = u64::from(self.registers.get(PSC) & 0xffff) + 1;
-                // Not with URS: then only an overflow sets the flag.
+                // With URS set, only an overflow sets the flag.
                 if self.registers.get(CR1) & 4 == 0 {
                     self.status |= 1;
                 }

@@ -1,4 +1,5 @@
-//! The device's side: records as they come, the model beside them, and the connection that may break.
+//! The device's side of the page: reads the device's records, runs the simulated copy beside them, and connects again after a lost
+//! connection.
 
 use crate::config;
 use crate::device::status_of;
@@ -15,33 +16,33 @@ use touchstone_protocol::{
 };
 use touchstone_sim::error::{Error, Result};
 
-/// A connection that broke is tried again this often.
+/// Time between two attempts to connect again after the connection to the device was lost.
 const AGAIN: Duration = Duration::from_secs(1);
-/// What happened in a turn.
+/// Change that one turn of the loop noticed about the device.
 #[derive(Debug, Clone, PartialEq)]
 pub enum News {
-    /// Only records are requested.
+    /// Nothing changed, except that a record may have come.
     None,
-    /// The device is in another state.
+    /// The device's phase or its fault changed.
     State,
-    /// The connection is gone.
+    /// The connection was lost; holds the reason.
     Lost(String),
-    /// The connection is back; with what was done about the device.
+    /// The connection is restored; holds what was done to switch the device off, if anything was done.
     Back(Option<String>),
 }
 
-/// The connection to the device.
+/// Connection to the device, with the settings and records that the page shows.
 pub struct DeviceSide {
     address: Address,
     client: Option<Client>,
-    /// All settings of the device.
+    /// All settings of the device, as last read from it.
     pub settings: DeviceSettings,
-    /// Control ticks between two records.
+    /// Control periods between two telemetry records.
     pub decimation: u16,
-    /// Records since the last batch.
+    /// Records received since the last batch that was sent to the page.
     pub rows: RecordRows,
     state: Option<(Phase, u8)>,
-    /// Whether it moved or might have moved something when it was last heard of: kept when the connection breaks.
+    /// Whether the device drove the motor, or could have, at its last record. The value outlives a lost connection.
     was_on: bool,
     heard: Instant,
     tried: Instant,
@@ -64,7 +65,7 @@ impl DeviceSide {
         Ok(link)
     }
 
-    /// Takes a connection that was just made.
+    /// Reads the settings over a new connection, switches telemetry on, and uses the connection from now on.
     fn begin(&mut self, mut client: Client) -> Result<()> {
         self.settings = client.settings()?;
         self.decimation = decimation(&self.settings);
@@ -79,7 +80,7 @@ impl DeviceSide {
         Ok(())
     }
 
-    /// The model of these settings.
+    /// Starts the simulated copy of the device with the present settings.
     fn model(&mut self) {
         let twin = self
             .client
@@ -88,7 +89,7 @@ impl DeviceSide {
         self.rows.begin(twin, self.decimation, &self.settings);
     }
 
-    /// Waits some 20 ms at most for records, or tries to connect again.
+    /// Runs one turn of the loop: waits at most about 20 ms for a record, or tries to connect again.
     pub fn turn(&mut self) -> News {
         let Some(client) = &mut self.client else {
             return self.again();
@@ -149,10 +150,10 @@ impl DeviceSide {
         }
     }
 
-    /// Switches the device off if it moves or may move something, and confirms it; returns what was done, in words.
+    /// Switches the device off if it drives the motor or could do so, and confirms that it is off. Returns what was done, in words.
     ///
     /// # Errors
-    /// The device may still be on.
+    /// The request failed: the device may still be on.
     pub fn off(&mut self) -> Result<Option<&'static str>> {
         if self.client.is_none() {
             // The page's connection is gone: one of its own is tried, since nobody else will switch it off.
@@ -171,7 +172,7 @@ impl DeviceSide {
         done
     }
 
-    /// Same as [`DeviceSide::off`], with an error as words for a page that goes on.
+    /// Does the same as [`DeviceSide::off`], but returns an error as text that the page shows.
     fn off_in_words(&mut self) -> Option<String> {
         match self.off() {
             Ok(done) => done.map(str::to_owned),
@@ -179,7 +180,7 @@ impl DeviceSide {
         }
     }
 
-    /// Restores the device's own telemetry setting.
+    /// Restores the telemetry rate of the device's settings when the command ends.
     pub fn leave(&mut self) {
         let decimation = self.settings.telemetry.decimation;
         if let Some(client) = &mut self.client {
@@ -188,7 +189,7 @@ impl DeviceSide {
         }
     }
 
-    /// Sends a request to the device; the next turn notices a connection that breaks meanwhile.
+    /// Runs a request on the connection. If the connection breaks during the request, the next turn reports the loss.
     fn with<T>(&mut self, ask: impl FnOnce(&mut Client) -> Result<T>) -> Result<T> {
         match &mut self.client {
             Some(client) => ask(client),
@@ -204,7 +205,8 @@ impl DeviceSide {
         self.with(status_of)
     }
 
-    /// The device hears of the desktop; one that does not answer is lost.
+    /// Sends the message that keeps the device's host watchdog from switching the motor off. A device that does not answer counts
+    /// as lost.
     pub fn sign_of_life(&mut self) -> News {
         let is_there = self.client.is_some();
         match self.status() {
@@ -232,7 +234,7 @@ impl DeviceSide {
         Ok(())
     }
 
-    /// Changes a setting, given as text.
+    /// Changes one setting of the device; path and value are given as text.
     pub fn set(&mut self, path: &str, text: &str) -> Result<()> {
         let setting = parsed(path, text)?;
         let (_, after) = self.with(|client| config::set(client, &setting))?;
@@ -240,7 +242,7 @@ impl DeviceSide {
         Ok(())
     }
 
-    /// Records that the device's port could not carry, and frames that came in damaged.
+    /// Number of records that the device's port could not carry, and number of frames that arrived damaged.
     pub fn troubles(&mut self) -> Result<(u32, u32)> {
         self.with(|client| match client.ask(&Request::Counters)? {
             Reply::Counters(counters) => Ok((counters.telemetry_dropped, client.decode_errors())),

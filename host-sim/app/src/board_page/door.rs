@@ -1,8 +1,8 @@
-//! The door: a port that only this machine reaches, with one page for the holder of the token.
+//! HTTP server on a port that only this machine reaches. It serves one page, to a browser whose request has the secret token.
 //!
-//! A browser also carries requests of foreign pages. Three things keep those out. Only the opened address has the
-//! token. A foreign name that was made to mean this machine (DNS rebinding) cannot have the right header `Host`. No
-//! socket is opened without the right header `Origin`.
+//! Pages of other sites could make the same browser send requests here. Three checks keep such requests out. The address that this
+//! program opens in the browser has the token. A foreign host name that resolves to this machine (DNS rebinding) fails the check of
+//! the header `Host`. A WebSocket is opened only for a request with the right header `Origin`.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
@@ -14,21 +14,21 @@ use touchstone_sim::error::{Error, Result};
 use tungstenite::WebSocket;
 use tungstenite::protocol::WebSocketConfig;
 
-/// A request's head that is longer is refused.
+/// Largest size of a request's header in bytes; longer requests are refused.
 const HEAD_MAX: usize = 8192;
-/// Time in which a request's head must be complete once it has begun.
+/// Time in which the header of a request must be complete, from its first byte on.
 const HEAD_LIMIT: Duration = Duration::from_secs(2);
-/// Time for which a connection may be silent before its first byte: browsers open connections before they need them.
+/// Time for which a connection may be open without a first byte: browsers open connections before they need them.
 const IDLE_LIMIT: Duration = Duration::from_secs(60);
-/// Most connections at once.
+/// Largest number of connections at the same time.
 const VISITORS: usize = 32;
-/// An order of the page is a line.
+/// Largest message from the page, in bytes: each message is one short command.
 const MESSAGE_MAX: usize = 4096;
 
-/// A page that was let in.
+/// WebSocket of a page whose request passed all checks.
 pub type Socket = WebSocket<TcpStream>;
 
-/// The answer to a request.
+/// How the server answers a request: with the page, with a WebSocket, or with a refusal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Wish {
     Page,
@@ -36,17 +36,17 @@ enum Wish {
     Refused(&'static str, &'static str),
 }
 
-/// The server at which a browser asks.
+/// HTTP and WebSocket server of the page.
 pub struct Door {
-    /// The address for the browser.
+    /// The address that the browser opens; it has the token.
     pub address: String,
-    /// Pages that were let in, one at a time.
+    /// Receives the WebSocket of each accepted page; only one page is open at a time.
     pub sockets: Receiver<Socket>,
-    /// Whether a page is open; the thread that serves it clears this when the page is gone.
+    /// Whether a page is open; the thread that serves the page sets the flag to false when the page is gone.
     pub taken: Arc<AtomicBool>,
 }
 
-/// Data that the threads behind the door share.
+/// Data that the server's threads share.
 struct Inside {
     host: String,
     token: String,
@@ -57,7 +57,7 @@ struct Inside {
     visitors: AtomicUsize,
 }
 
-/// 128 random bits.
+/// Makes the secret token: 128 random bits as text.
 fn token() -> Result<String> {
     let mut bytes = [0; 16];
     getrandom::fill(&mut bytes).map_err(|error| {
@@ -71,7 +71,8 @@ fn token() -> Result<String> {
 }
 
 impl Door {
-    /// Opens it at a free port. `page` makes page and content security policy from the address of the socket.
+    /// Opens the server at a free port. From the address of the WebSocket, `page` makes the HTML page and its content security
+    /// policy.
     pub fn open(page: impl FnOnce(&str) -> (String, String)) -> Result<Self> {
         let wrong = |error: std::io::Error| {
             Error::device(
@@ -162,7 +163,7 @@ impl Inside {
         }
     }
 
-    /// Reads a request's head and decides whether it is allowed.
+    /// Parses the header of a request and decides how the server answers.
     fn wish(&self, head: &[u8]) -> Wish {
         let mut headers = [httparse::EMPTY_HEADER; 64];
         let mut request = httparse::Request::new(&mut headers);
@@ -209,20 +210,21 @@ impl Inside {
     }
 }
 
-/// Whether two texts are the same, in a time that does not tell where they differ.
+/// Whether two texts are equal. The time of the comparison does not depend on where they differ, so it reveals nothing of the
+/// token.
 fn same(given: &str, token: &str) -> bool {
     let (given, token) = (given.as_bytes(), token.as_bytes());
     let differing = given.iter().zip(token).fold(0, |sum, (a, b)| sum | (a ^ b));
     given.len() == token.len() && differing == 0
 }
 
-/// Result of waiting for a request.
+/// Result of waiting for the header of a request.
 enum Head {
-    /// The whole head, which stays in the stream for the next reader.
+    /// The complete header. Its bytes stay in the TCP stream for the WebSocket library to read.
     Whole(Vec<u8>),
-    /// The browser sent nothing.
+    /// The browser sent no byte.
     Silent,
-    /// The request was not complete in time, or too long.
+    /// The header was not complete in time, or was too long.
     Broken,
 }
 
@@ -258,7 +260,7 @@ fn head(stream: &TcpStream) -> std::io::Result<Head> {
     }
 }
 
-/// Removes bytes that were only peeked at.
+/// Reads `count` bytes that were only peeked at before, and drops them.
 fn take(stream: &mut TcpStream, count: usize) -> std::io::Result<()> {
     stream.read_exact(&mut vec![0; count])
 }

@@ -1,10 +1,10 @@
-//! `touchstone live --port`: a board on a page in the browser, served to this machine alone.
+//! `touchstone live --port`: shows a board on a page in the browser; only this machine can open the page.
 //!
 //! ```text
-//! device -> link: records, orders -> batches 30 times a second -> page
+//! device -> link: records, commands -> batches 30 times a second -> page
 //! ```
 //!
-//! The program stands between the two, and switches the device off when the page is gone: a wall must not stay on when
+//! This program stands between device and page. It switches the device off when the page is gone, because a wall must not stay on when
 //! no person can stop it.
 
 mod device_side;
@@ -22,7 +22,7 @@ use touchstone_live::board_page as page;
 use touchstone_sim::error::Result;
 use visitor::Visitor;
 
-/// Serves the page until Ctrl-C.
+/// Serves the page of the board at `address` until Ctrl-C; `opens`: the browser is opened as well.
 pub fn main(address: &Address, opens: bool) -> Result<()> {
     let stop = noted()?;
     let mut link = DeviceSide::new(address.clone(), Client::connect(address)?)?;

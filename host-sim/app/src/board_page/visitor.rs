@@ -1,4 +1,4 @@
-//! An open page: batches to it, orders from it, and whether it is still there.
+//! A page that is open in the browser: sends it batches of records, carries out its commands, and checks that it still answers.
 
 use super::device_side::{DeviceSide, News};
 use super::door::Socket;
@@ -13,15 +13,15 @@ use tungstenite::Message;
 
 /// Time between two batches of records.
 const BATCH: Duration = Duration::from_millis(33);
-/// Every batch is acknowledged. A page that has not done so for this long hangs, so a person could not stop the device
-/// with it.
+/// Time after which a page that has not acknowledged a batch counts as hung. A person could not stop the device with a hung page,
+/// so the device is switched off.
 const HANGS: Duration = Duration::from_secs(2);
-/// Batches that may be on their way.
+/// Largest number of batches that were sent and not yet acknowledged by the page.
 const UNSEEN: u32 = 30;
-/// Interval at which the device's counters are read.
+/// Interval at which the device's counters of lost and damaged records are read.
 const LOOK: Duration = Duration::from_secs(2);
 
-/// A page that is open in a browser.
+/// A page that is open in a browser, with its WebSocket and the times of its messages.
 pub struct Visitor {
     socket: Socket,
     batch: u32,
@@ -32,7 +32,7 @@ pub struct Visitor {
     spoken_at: Instant,
 }
 
-/// Why a page is not there any more.
+/// Reason why the page counts as gone, as text.
 pub type Gone = &'static str;
 
 impl Visitor {
@@ -54,10 +54,10 @@ impl Visitor {
         visitor
     }
 
-    /// One turn: takes the page's orders, sends it the news.
+    /// Runs one turn of the loop: carries out the page's commands, and sends the page records and news of the device.
     ///
     /// # Errors
-    /// The page is gone.
+    /// The page is gone; holds the reason.
     pub fn turn(&mut self, link: &mut DeviceSide, news: News) -> std::result::Result<(), Gone> {
         self.listen(link)?;
         // Judged when everything that came in was read: time that the device took to answer is not the page's.
@@ -84,7 +84,7 @@ impl Visitor {
         Ok(())
     }
 
-    /// Sends the page the news of the device.
+    /// Sends the page a change of the device's state or connection.
     fn tell(&mut self, link: &mut DeviceSide, news: News) -> std::result::Result<(), Gone> {
         match news {
             News::None => {}
@@ -113,7 +113,8 @@ impl Visitor {
         self.send(Message::binary(rows))
     }
 
-    /// Everything that the page has sent, what switches the device off first: it must not wait behind settings.
+    /// Reads all commands that the page has sent and carries them out. Commands that switch the device off come first, so that they
+    /// do not wait behind settings.
     fn listen(&mut self, link: &mut DeviceSide) -> std::result::Result<(), Gone> {
         let mut orders = Vec::new();
         self.read_into(&mut orders)?;
@@ -184,12 +185,12 @@ impl Visitor {
     }
 }
 
-/// Whether an order switches the device off.
+/// Whether a command of the page switches the device off.
 fn switches_off(order: &Value) -> bool {
     matches!(order["do"].as_str(), Some("stop" | "disarm"))
 }
 
-/// Carries out an order of the page.
+/// Carries out one command of the page.
 fn carry_out(order: &Value, link: &mut DeviceSide) -> Result<()> {
     let command = match order["do"].as_str() {
         Some("calibrate") => DeviceCommand::Calibrate,

@@ -1,4 +1,4 @@
-//! A SmartKnob's configuration as an environment of a board.
+//! Translates a SmartKnob's configuration to an environment (detents, end stops) that a board renders.
 
 use super::messages::KnobConfig;
 use touchstone_control::Si;
@@ -9,35 +9,35 @@ use touchstone_protocol::settings::environment::{
 };
 use touchstone_protocol::{Decimal, DeviceSettings};
 
-/// Narrowest and widest position that a board's detents take, rad.
+/// Narrowest and widest distance between two positions that a board accepts, rad.
 const WIDTHS: std::ops::RangeInclusive<f32> = 0.001..=std::f32::consts::TAU;
-/// Points of a profile for one position: a third of a width apart.
+/// Points of a torque profile for each position: the points are a third of a position's width apart.
 const POINTS_A_POSITION: i64 = 3;
 
-/// A configuration that is played, and where its positions are.
+/// A configuration translated for a board: the environment, and the angles of its positions.
 #[derive(Debug)]
 pub struct Played {
-    /// What there is to touch.
+    /// The detents, end stops and torque profile that the board renders.
     pub environment: Surround,
-    /// The positions, by the configuration's numbers.
+    /// The positions with their angles, under the numbers that the configuration uses.
     pub positions: Positions,
-    /// What of the configuration is played otherwise.
+    /// Notes on parts of the configuration that the board renders differently.
     pub notes: Vec<String>,
 }
 
-/// How strong a strength of 1 is.
+/// Stiffness and torque on this board for the strength values of a SmartKnob, which have no unit.
 #[derive(Debug, Clone, Copy)]
 pub struct Strength {
     /// Stiffness of a detent of strength 1 at its middle, N·m/rad.
     pub detent_n_m_per_rad: f64,
-    /// The wall's stiffness, which an end stop of strength 1 has, N·m/rad.
+    /// Stiffness of an end stop of strength 1, N·m/rad: that of the board's wall.
     pub endstop_n_m_per_rad: f64,
-    /// The largest torque, N·m.
+    /// Largest torque that the board may command, N·m.
     pub most_n_m: f64,
 }
 
 impl Strength {
-    /// That of a board with these settings.
+    /// The strengths of a board with these settings.
     pub fn of(settings: &DeviceSettings, detent_n_m_per_rad: f64) -> Self {
         Self {
             detent_n_m_per_rad,
@@ -47,7 +47,8 @@ impl Strength {
     }
 }
 
-/// What a SmartKnob refuses too.
+/// Why a configuration is invalid, as the text that is logged; `None` for a valid one. A SmartKnob refuses such configurations,
+/// too.
 pub fn refused(config: &KnobConfig) -> Option<&'static str> {
     let numbers = [
         config.position_width_radians,
@@ -76,7 +77,8 @@ pub fn refused(config: &KnobConfig) -> Option<&'static str> {
     }
 }
 
-/// The environment of a configuration of which `position` is at the angle `centre_rad`. It must not be one that is [`refused`].
+/// Translates a configuration to an environment in which `position` is at the angle `centre_rad`. The configuration must have
+/// passed [`refused`].
 pub fn played(config: &KnobConfig, position: i32, centre_rad: f64, strength: Strength) -> Played {
     let width = f64::from(config.position_width_radians);
     let place = |number: i64| centre_rad + (number - i64::from(position)) as f64 * width;
@@ -134,7 +136,8 @@ fn detent_torque(
     torque.min(strength.most_n_m)
 }
 
-/// Detents at some positions only, as a profile: it draws from two thirds of a width on, and is free beyond.
+/// Detents at only some of the positions, as a torque profile. Each detent acts up to two thirds of a position's width from its
+/// middle; beyond, the knob is free. `None`: no such profile is possible.
 fn magnetic(
     config: &KnobConfig,
     position: i32,

@@ -1,17 +1,17 @@
-//! The messages of SmartKnob's serial protocol, version 1, as its published `smartknob.proto` has them, and their frames.
+//! The messages of version 1 of SmartKnob's serial protocol, as in its published `smartknob.proto`, and their frames.
 
 use prost::{Message, Oneof};
 use serde::ser::SerializeTuple;
 use serde::{Serialize, Serializer};
 use touchstone_protocol::frame::{self, FRAME_MAX};
 
-/// The only version of the protocol that there is.
+/// Version of SmartKnob's serial protocol; there is only this one.
 pub const VERSION: u32 = 1;
 
 /// A message from the knob to a program.
 #[derive(Clone, PartialEq, Message)]
 pub struct FromKnob {
-    /// [`VERSION`].
+    /// Version of the protocol, always [`VERSION`].
     #[prost(uint32, tag = "1")]
     pub protocol_version: u32,
     /// The message itself.
@@ -19,49 +19,49 @@ pub struct FromKnob {
     pub payload: Option<Answer>,
 }
 
-/// What a knob says.
+/// Content of a message from the knob to a program.
 #[derive(Clone, PartialEq, Oneof)]
 pub enum Answer {
-    /// The message with this nonce has arrived.
+    /// Acknowledges the message from the program that has this nonce.
     #[prost(message, tag = "2")]
     Ack(Ack),
-    /// A line for people.
+    /// A line of text for a person.
     #[prost(message, tag = "3")]
     Log(Log),
-    /// Position and configuration.
+    /// Position and configuration of the knob.
     #[prost(message, tag = "4")]
     State(KnobState),
 }
 
-/// The message with this nonce has arrived.
+/// Acknowledges the message from the program that has this nonce.
 #[derive(Clone, PartialEq, Message)]
 pub struct Ack {
-    /// The nonce.
+    /// The nonce (a number chosen by the program) of the message that has arrived.
     #[prost(uint32, tag = "1")]
     pub nonce: u32,
 }
 
-/// A line for people.
+/// A line of text for a person.
 #[derive(Clone, PartialEq, Message)]
 pub struct Log {
-    /// At most 255 bytes.
+    /// The text, at most 255 bytes.
     #[prost(string, tag = "1")]
     pub msg: String,
 }
 
-/// Position and configuration of a knob.
+/// Position and configuration of the knob, as it reports them to a program.
 #[derive(Clone, PartialEq, Message)]
 pub struct KnobState {
-    /// The position.
+    /// Number of the position (detent) in which the knob is.
     #[prost(int32, tag = "1")]
     pub current_position: i32,
-    /// Distance from that position, in widths of a position.
+    /// Distance of the knob from the middle of its present position, as a fraction of a position's width.
     #[prost(float, tag = "2")]
     pub sub_position_unit: f32,
     /// The configuration that is in effect.
     #[prost(message, optional, tag = "3")]
     pub config: Option<KnobConfig>,
-    /// Changes with each press of the knob; here always 0, since the boards have no such sensor.
+    /// A SmartKnob changes this number at each press of its knob. Always 0 here, since the boards have no sensor for a press.
     #[prost(uint32, tag = "4")]
     pub press_nonce: u32,
 }
@@ -69,10 +69,10 @@ pub struct KnobState {
 /// A message from a program to the knob.
 #[derive(Clone, PartialEq, Message)]
 pub struct ToKnob {
-    /// [`VERSION`].
+    /// Version of the protocol, always [`VERSION`].
     #[prost(uint32, tag = "1")]
     pub protocol_version: u32,
-    /// Chosen by the program; the answer to a message has the same.
+    /// A number chosen by the program; the knob's acknowledgement has the same one.
     #[prost(uint32, tag = "2")]
     pub nonce: u32,
     /// The message itself.
@@ -80,66 +80,67 @@ pub struct ToKnob {
     pub payload: Option<Asked>,
 }
 
-/// What a program asks of a knob.
+/// Request of a program to the knob.
 #[derive(Clone, PartialEq, Oneof)]
 pub enum Asked {
-    /// The knob is to send its state.
+    /// The program requests the knob's state.
     #[prost(message, tag = "3")]
     RequestState(RequestState),
-    /// The knob is to be like this.
+    /// The program sends a configuration that the knob is to render.
     #[prost(message, tag = "4")]
     Config(KnobConfig),
 }
 
-/// The knob is to send its state.
+/// Request for the knob's state; it has no fields.
 #[derive(Clone, Copy, PartialEq, Message)]
 pub struct RequestState {}
 
-/// How a knob is to feel.
+/// Configuration of a knob: its positions, detents and end stops.
 #[derive(Clone, PartialEq, Message)]
 pub struct KnobConfig {
-    /// The number of the present position; applied where it, the two after it or the nonce differ from the configuration before.
+    /// Number of the position in which the knob now is. The knob applies it only if `position`, `sub_position_unit` or
+    /// `position_nonce` differs from the previous configuration.
     #[prost(int32, tag = "1")]
     pub position: i32,
-    /// Distance of the knob from that position, in widths.
+    /// Distance of the knob from the middle of that `position`, as a fraction of a position's width.
     #[prost(float, tag = "2")]
     pub sub_position_unit: f32,
-    /// Another value applies an equal position again; below 256.
+    /// A new value here makes the knob apply an unchanged `position` again; below 256.
     #[prost(uint32, tag = "3")]
     pub position_nonce: u32,
-    /// The first position.
+    /// Number of the first position.
     #[prost(int32, tag = "4")]
     pub min_position: i32,
-    /// The last position; without bounds if it is below the first.
+    /// Number of the last position. A number below `min_position` means that the knob turns without end.
     #[prost(int32, tag = "5")]
     pub max_position: i32,
     /// Width of a position, rad.
     #[prost(float, tag = "6")]
     pub position_width_radians: f32,
-    /// Strength of the detents, 0 to 1 and a little more; 0: none.
+    /// Strength of the detents without unit, 0 (no detents) to about 1.
     #[prost(float, tag = "7")]
     pub detent_strength_unit: f32,
-    /// Strength of the end stops, 0 to 1 and a little more; 0: none.
+    /// Strength of the end stops without unit, 0 (no end stops) to about 1.
     #[prost(float, tag = "8")]
     pub endstop_strength_unit: f32,
-    /// Distance from a position at which it changes, in widths, from 0.5 on.
+    /// Distance from the middle of a position at which the number changes, as a multiple of a position's width; at least 0.5.
     #[prost(float, tag = "9")]
     pub snap_point: f32,
-    /// The program's name for this configuration, at most 50 bytes.
+    /// The program's name for the configuration, at most 50 bytes.
     #[prost(string, tag = "10")]
     pub text: String,
-    /// Where there are any, only these positions have detents; at most 5.
+    /// Numbers of the only positions that have detents, at most 5. If the list is empty, every position has one.
     #[prost(int32, repeated, tag = "11")]
     pub detent_positions: Vec<i32>,
-    /// Asymmetry of the snap points; not played.
+    /// Asymmetry of the distances at which the number changes; boards ignore it.
     #[prost(float, tag = "12")]
     pub snap_point_bias: f32,
-    /// Colour of lamps; not played.
+    /// Colour of the SmartKnob's lamps; boards ignore it.
     #[prost(int32, tag = "13")]
     pub led_hue: i32,
 }
 
-/// Bytes as they are, without their number.
+/// Wraps bytes that are already encoded, so that the encoder writes them without their length in front.
 struct Raw<'a>(&'a [u8]);
 
 impl Serialize for Raw<'_> {
@@ -152,14 +153,15 @@ impl Serialize for Raw<'_> {
     }
 }
 
-/// A message in its frame: its bytes and their CRC-32, in COBS, ended by a zero. That is the frame of the boards' own protocol.
+/// A message in its frame: the encoded message and its CRC-32, in COBS, with a zero byte at the end. The boards' own protocol uses
+/// the same frame.
 pub fn framed(message: &impl Message) -> Vec<u8> {
     let bytes = message.encode_to_vec();
     let mut buffer = [0; FRAME_MAX];
     frame::encode(&Raw(&bytes), &mut buffer).map_or_else(|_| Vec::new(), <[u8]>::to_vec)
 }
 
-/// The answer in its frame.
+/// A message of the knob in its frame.
 pub fn answered(answer: Answer) -> Vec<u8> {
     framed(&FromKnob {
         protocol_version: VERSION,

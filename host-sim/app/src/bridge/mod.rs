@@ -1,4 +1,4 @@
-//! `touchstone bridge`: a board as a SmartKnob, for programs that were written for one.
+//! `touchstone bridge`: lets programs that were written for a SmartKnob use a board.
 //!
 //! ```text
 //! program <- SmartKnob's messages -> pseudo terminal <- this command -> board, by its own protocol
@@ -24,15 +24,16 @@ use touchstone_protocol::frame::Decoder;
 use touchstone_protocol::{DeviceCommand, DeviceSettings, Reply, Request, Telemetry};
 use touchstone_sim::error::{Error, Result};
 
-/// Between two states that are sent because something changed, and between two in any case, as a SmartKnob has it.
+/// Shortest time between two states that are sent because the state changed. A state is sent at the latest after `PERIOD`. Both
+/// times are those of a SmartKnob.
 const LEAST: Duration = Duration::from_millis(5);
 const PERIOD: Duration = Duration::from_secs(5);
-/// Records a second of which the position is taken.
+/// Telemetry records per second from which the position is read.
 const RECORDS_PER_S: u32 = 250;
-/// Most bytes of a line for people.
+/// Largest number of bytes of a line of text for a person.
 const MOST_LOG: usize = 255;
 
-/// Options of `bridge`.
+/// Options of the command `touchstone bridge`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
     #[command(flatten)]
@@ -51,7 +52,7 @@ pub struct Options {
     seconds: Option<f64>,
 }
 
-/// Runs the command.
+/// Runs the command `touchstone bridge`.
 pub fn main(options: &Options) -> Result<()> {
     let stop = super::interrupt::noted()?;
     let mut client = options.port.connect()?;
@@ -107,10 +108,10 @@ pub fn main(options: &Options) -> Result<()> {
     served
 }
 
-/// A pseudo terminal, and the link to it, which goes with it.
+/// A pseudo terminal, and the symbolic link to it, which is removed with it.
 struct Terminal {
     master: TTYPort,
-    /// Kept open, so that a program may come and go.
+    /// The program's end of the pseudo terminal, kept open here so that a program may close it and open it again.
     _slave: TTYPort,
     path: String,
     link: Option<PathBuf>,
@@ -147,7 +148,8 @@ impl Terminal {
         })
     }
 
-    /// Every whole message that has come. Damaged ones are dropped: programs repeat what is not acknowledged.
+    /// Reads every complete message that has arrived. Damaged messages are dropped: programs repeat a message that is not
+    /// acknowledged.
     fn messages(&mut self) -> Vec<Vec<u8>> {
         let mut bytes = [0; 512];
         let count = match self.master.read(&mut bytes) {
@@ -163,7 +165,7 @@ impl Terminal {
         whole
     }
 
-    /// What no program reads is lost, as on a serial port.
+    /// Sends a message to the program. Messages that no program reads are lost, as on a serial port.
     fn send(&mut self, answer: Answer) {
         let frame = answered(answer);
         match self.master.write_all(&frame) {
@@ -190,7 +192,7 @@ impl Drop for Terminal {
     }
 }
 
-/// The knob as a program sees it.
+/// The state that makes the board look like a SmartKnob to a program.
 struct SmartKnob {
     strength: Strength,
     settings: DeviceSettings,
@@ -200,13 +202,13 @@ struct SmartKnob {
     state: KnobState,
     last_nonce: Option<u32>,
     is_asked: bool,
-    /// The next configuration arms the board.
+    /// Whether the next configuration from a program arms the board.
     arms: bool,
     sent: Option<(KnobState, Instant)>,
 }
 
 impl SmartKnob {
-    /// Before the first configuration: positions of 10°, without detents.
+    /// The knob before a program has sent a configuration: positions 10° apart, without detents.
     fn new(strength: Strength, settings: DeviceSettings) -> Self {
         let config = KnobConfig {
             max_position: -1,
@@ -333,7 +335,7 @@ impl SmartKnob {
         Ok(())
     }
 
-    /// Sends the state where it changed, was asked for, or is due.
+    /// Sends the state if it changed, if the program requested it, or if the longest time between two states has passed.
     fn say(&mut self, terminal: &mut Terminal) {
         let due = match &self.sent {
             None => true,

@@ -8,7 +8,7 @@ use touchstone_lab::scorecard::on_board_page::{section, text};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::Scene;
 
-/// Runs the command.
+/// Runs the command `touchstone compare --hand programme`.
 pub fn main(options: &Options, scene: &Scene) -> Result<ExitCode> {
     if options.from > 0.0 || options.to.is_some() {
         let option = if options.from > 0.0 { "--from" } else { "--to" };

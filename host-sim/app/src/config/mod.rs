@@ -83,7 +83,7 @@ impl Options {
     }
 }
 
-/// Runs the command.
+/// Runs the command `touchstone config`.
 pub fn main(options: &Options) -> Result<()> {
     let connect = || options.port.connect();
     match &options.action {

@@ -107,7 +107,7 @@ fn main() -> ExitCode {
     };
     match done {
         Some(end) => {
-            // Bits, so that two loops can be compared.
+            // Prints the bits of the last angle, so that two loops can be compared.
             println!("{:016x}", black_box(end).to_bits());
             ExitCode::SUCCESS
         }

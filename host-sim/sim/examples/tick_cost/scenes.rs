@@ -126,7 +126,7 @@ pub fn scene(name: &str) -> Option<Scene> {
     bare.with_overrides(sets).ok()
 }
 
-/// Names of all configurations of the cost ladder, from cheap to costly.
+/// Names of all configurations of the cost ladder, the list that `tick_cost --ladder` measures.
 ///
 /// The order is: no effect; each control law; estimated states and the energy guard; each effect at amplitude zero, where that is
 /// possible; each effect alone; all pairs of effects that a scene can have.
@@ -164,7 +164,7 @@ pub struct Pressed {
 const PRESS: [f64; 2] = [0.022, 0.018];
 
 impl Stage for Pressed {
-    // No command: the device knows as little of it as of a hand's.
+    // The pressing torque is not a command, so the device does not know of it, as with a hand's torque.
     const TOLD: bool = false;
 
     #[inline(always)]

@@ -50,7 +50,7 @@ fn spring(scene: &Scene) -> Option<Error> {
         scene.wall.k_desired_n_m_per_rad,
         scene.law.device_damping_n_m_s_per_rad,
     );
-    // What is left of the damping for the spring; a millionth of it is the rounding of a bound written in decimals.
+    // Largest stiffness for the damping left to the spring. The tolerance of a millionth allows for bounds rounded to decimals.
     let most = (counted - own) / late_s;
     let keeps = if damped {
         stiffness < most

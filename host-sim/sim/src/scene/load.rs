@@ -110,7 +110,7 @@ impl Scene {
                 fix: "add --set operator.grip=medium before it".into(),
             });
         }
-        // A scene is text, and so is the name of the recording in it.
+        // The path of the recording is a text in the scene, so it must be UTF-8.
         if file.to_str().is_none() {
             return Err(Error::Io {
                 path: file.to_owned(),

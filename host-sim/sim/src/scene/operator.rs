@@ -45,7 +45,7 @@ pub enum Grip {
     None,
     /// Fingertips just touch the knob.
     Light,
-    /// A medium grip, as close to the thesis' experiments as their published values allow.
+    /// A medium grip, as close to that of the thesis' experiments as it can be matched.
     Medium,
     /// The whole hand grips the knob.
     Firm,
@@ -110,7 +110,7 @@ impl Hand {
 
 impl Default for Hand {
     fn default() -> Self {
-        // The grip that comes nearest to the thesis.
+        // The grip that is nearest to that of the thesis' experiments.
         Grip::Medium.hand().expect("a preset")
     }
 }
@@ -329,7 +329,7 @@ impl Default for TouchAndPress {
     fn default() -> Self {
         TouchAndPress {
             start_s: 0.1,
-            // As brisk as a hand can (10 Hz): the contact that throws a light hand off an energetic wall.
+            // The fastest touch of a hand (10 Hz). A wall that gives too much energy then throws a light hand off.
             touch_ramp_s: FASTEST_RAMP_S,
             // Long enough for the heaviest hand's own swing in its grip (0.3 s) to die away.
             touch_s: 2.0,

@@ -139,7 +139,7 @@ fn apply(draft: &mut Draft, key: &str, value: &str, option: String) -> Result<()
     };
     let path = resolve(draft, key, value).map_err(|(problem, fix)| error(problem, fix))?;
     let Some(field) = schema::at(&path) else {
-        // A whole table: it can only be taken away.
+        // A table as a whole can only be removed.
         let optional = schema::OPTIONAL_TABLES
             .iter()
             .any(|(table, _)| *table == path);
@@ -226,7 +226,7 @@ fn unknown(draft: &Draft, key: &str, value: &str) -> (String, String) {
     if let Some(new) = renamed(key) {
         return was_renamed(new);
     }
-    // An end of a path: compare with the ends of all paths.
+    // A key that is the end of a path is compared with the ends of all paths.
     let all: Vec<&Field> = schema::FIELDS.iter().collect();
     if let Some(answer) = wrong_unit(key, &all, value.as_ref()) {
         return answer;
@@ -247,7 +247,7 @@ fn parse(field: &Field, text: &str) -> Value {
         (Kind::Text | Kind::Choice(_), Some(Value::String(quoted))) => Value::String(quoted),
         (Kind::Text | Kind::Choice(_), _) => Value::String(text.to_owned()),
         (_, Some(value)) => value,
-        // `.5` and the like are numbers to everyone but TOML; what is none is refused with its text.
+        // TOML does not read `.5` and the like as numbers, so they are parsed here. Other text is refused by the check.
         (_, None) => text
             .parse()
             .map_or_else(|_| Value::String(text.to_owned()), Value::Float),

@@ -31,7 +31,7 @@ impl Entry {
 /// Bytes of an archive with all entries in one folder, in the order of their names. `seconds` since 1970 is the time stamp of each
 /// file.
 pub fn packed(folder: &str, seconds: u64, entries: &BTreeMap<String, Entry>) -> Result<Vec<u8>> {
-    // The time in the compressed file's own header is left out.
+    // The gzip header has no time stamp, so that the bytes do not depend on the time of packing.
     let compressed = GzBuilder::new().write(Vec::new(), Compression::best());
     let mut archive = Builder::new(compressed);
     for (name, entry) in entries {

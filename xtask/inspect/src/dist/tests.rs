@@ -38,7 +38,7 @@ fn elf() -> Vec<u8> {
         &mut bytes,
         &[1, start, 0x0800_0000, 0x0800_0000, 4, 4, 5, 4],
     );
-    // Its place while it runs is RAM; what counts is where it is loaded from.
+    // The segment runs in RAM; its load address in flash decides where it is in the image.
     words(
         &mut bytes,
         &[1, start + 4, 0x2000_0000, 0x0800_0008, 2, 2, 6, 4],
@@ -122,7 +122,7 @@ fn an_archive_has_everything_under_its_sum() {
             &program,
         ]
     );
-    // Of `abc`, from the standard (FIPS 180-4).
+    // SHA-256 of `abc`, from the standard FIPS 180-4.
     let abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad  README.md\n";
     assert!(sums.contains(abc), "{sums}");
     for name in names {

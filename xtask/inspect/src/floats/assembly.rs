@@ -29,7 +29,8 @@ impl Code {
                 self.blocks.entry(label.to_owned()).or_default();
                 labels.push(label.to_owned());
             } else if let Some(block) = labels.last().and_then(|at| self.blocks.get_mut(at)) {
-                // A local label ends in a colon, a directive starts with a dot; only the tables' directives name others.
+                // Lines with a local label end in a colon, directives start with a dot. Of the directives only those of tables name
+                // other labels.
                 let code = code.trim();
                 let names_others = [".quad", ".long", ".word", ".xword", ".8byte", ".4byte"];
                 let keep = !code.is_empty()
@@ -105,7 +106,7 @@ fn mnemonic(line: &str) -> &str {
 fn is_x86_float(line: &str) -> bool {
     let name = mnemonic(line);
     let name = name.strip_prefix('v').unwrap_or(name);
-    // The old coprocessor's instructions, all of them; nothing else starts with f.
+    // All instructions of the old x87 coprocessor start with f; no other instruction does.
     if name.starts_with('f') || name.starts_with("cvt") {
         return true;
     }

@@ -59,7 +59,7 @@ pub fn in_code(name: &str, release: &Path, krate: &str, wanted: &str) -> Result<
         }
     }
     let floats = code.scan(&all, is_float);
-    // Texts for people may panic by their types, though never in fact; set-up and tick are not to have it in them at all.
+    // The crate's text formatting may contain panics that never occur; the example with set-up and tick must contain none.
     let panics = code.scan(&example, assembly::is_panic);
     if panics.instructions == 0 {
         return Err(format!("no code of {name} in {}", release.display()));

@@ -27,7 +27,7 @@ pub fn floats_below(folder: &Path) -> Result<Scan, String> {
         let file = file.display().to_string();
         move |error| format!("{file}: {error}")
     };
-    // A module that only exists with the feature is a file of its own.
+    // Files of modules that only tests or the feature `float` compile are left out.
     let mut left_out = BTreeSet::new();
     for (file, text) in files.iter().zip(&texts) {
         let parent = module_folder(file);
@@ -107,7 +107,7 @@ fn scan_tokens(tokens: TokenStream, found: &mut Found) {
             TokenTree::Ident(word) if FLOATS.iter().any(|float| word == float) => {
                 found.floats.push((line(), word.to_string()));
             }
-            // The fields of nested tuples, `pair.0.1`, are read as a number with a fraction.
+            // The tokenizer reads the fields in `pair.0.1` as one number with a fraction.
             TokenTree::Literal(literal) if !is_field(&tokens[..at]) => {
                 let word = literal.to_string();
                 if is_float(&word) {
@@ -170,7 +170,7 @@ fn item_length(item: &[TokenTree]) -> usize {
         let follows_minus = index > 0 && is_sign(&item[index - 1], '-');
         match token {
             TokenTree::Group(group) if group.delimiter() == Delimiter::Brace => return index + 1,
-            // Between the parameters of `fn f<A, B>` a comma ends nothing.
+            // A comma between the parameters of `fn f<A, B>` does not end the item.
             _ if is_sign(token, '<') => angles += 1,
             _ if is_sign(token, '>') && !follows_minus => angles = angles.saturating_sub(1),
             _ if is_sign(token, ';') || is_sign(token, ',') && angles == 0 => return index + 1,
@@ -246,7 +246,7 @@ mod tests {
         let floats = [(12, "f32".to_owned()), (16, "f32".to_owned())];
         assert_eq!(found.floats, floats);
         assert_eq!(found.gated_modules, ["float"]);
-        // Another feature is no excuse.
+        // Code behind any other feature is searched.
         assert_eq!(words("#[cfg(feature = \"other\")] fn x() -> f32;"), ["f32"]);
     }
 }

@@ -1,6 +1,6 @@
-//! Splits the sources into items (functions, constants, types, methods, macros, properties). Each has a hash of its
-//! tokens, and the names that it uses. Documentation, layout, tests and code that only runs without the checker belong
-//! to no item.
+//! Splits Rust sources into items (functions, constants, types, methods, macros, properties). For each item it computes a hash of
+//! its tokens and collects the names that it uses. Comments, layout, tests and code that is only compiled without the model checker
+//! are left out.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,11 +8,11 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 use super::lock::writes_a_property;
 
-/// Words after `by` in a property or its file: which solver proves it, or that it is only sampled, is no part of the
-/// statement.
+/// Words after `by` in a property or its file: name of the solver, or `sampled`. They are left out of the hash, since they are no
+/// part of the statement.
 const SOLVERS: [&str; 6] = ["cadical", "minisat", "kissat", "cvc5", "z3", "sampled"];
 
-/// FNV-1a.
+/// Adds a text and a zero byte to a 64-bit FNV-1a hash; returns the new hash.
 pub fn add(hash: u64, text: &str) -> u64 {
     text.bytes().chain([0]).fold(hash, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
@@ -20,48 +20,48 @@ pub fn add(hash: u64, text: &str) -> u64 {
 }
 pub const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
 
-/// A source file.
+/// What the names in a source file depend on: its place among the crates, and its imports.
 #[derive(Default)]
 pub struct File {
-    /// Rank of the item's crate: a later crate may use an earlier one.
+    /// Number of the file's crate; a crate may only use crates with lower or equal numbers.
     pub rank: usize,
-    /// The crate's name, the folders' and its own: `touchstone_control`, `law`, `tdpa`.
+    /// Path of the file's module: crate, folders and file, such as `touchstone_control`, `law`, `tdpa`.
     pub modules: Vec<String>,
-    /// Names that `use` brings, each with its path.
+    /// Names that `use` imports, each with its full path.
     pub imports: BTreeMap<String, Vec<String>>,
-    /// The last part of the path of each `use …::*`.
+    /// Last module in the path of each `use …::*`.
     pub globs: BTreeSet<String>,
 }
 
-/// Kind of an item, as far as it decides how the item can be reached.
+/// Sort of an item, as far as it matters for how other items can refer to it.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     Property,
-    /// A function, constant or static.
+    /// A function, constant or static outside any type.
     Free,
     Type,
     Trait,
     Alias,
-    /// A function or constant of a type or of a trait; or, without a name, the rest of an `impl`.
+    /// A function or constant of a type or trait. With an empty name: what is left of an `impl` without its named members.
     Member {
-        /// The type; `None` for a trait's own methods, a type parameter, or a macro's argument.
+        /// Name of the type; `None` for methods in a trait's own definition, for a type parameter, and for a macro's argument.
         of: Option<String>,
         of_trait: Option<String>,
     },
     Macro,
-    /// A macro that is called where items stand.
+    /// A call of a macro at a place where items stand.
     Call,
 }
 
-/// How a name is written.
+/// Form in which code refers to a name.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum How {
     Plain,
-    /// `.name(`
+    /// Method call: `.name(`.
     Dot,
-    /// `name!`
+    /// Macro call: `name!`.
     Bang,
-    /// The path before a name, `before::name`; empty after a type with arguments, `$` after a macro's argument.
+    /// The word before `::name`. Empty if it is a type with arguments in angle brackets; `$` if it is a macro's argument.
     After(String),
 }
 
@@ -69,32 +69,32 @@ pub struct Item {
     pub file: usize,
     pub kind: Kind,
     pub name: String,
-    /// The modules within its file.
+    /// Names of the modules around the item within its file, outermost first.
     pub inline: Vec<String>,
-    /// The macro in whose definition it stands.
+    /// Name of the macro whose definition contains the item, if any.
     pub within: Option<String>,
     pub number: u64,
     pub names: BTreeSet<(How, String)>,
 }
 
-/// All items of some files.
+/// All items of the source files that were added.
 #[derive(Default)]
 pub struct Items {
     pub files: Vec<File>,
     pub all: Vec<Item>,
 }
 
-/// Where items are looked for.
+/// What surrounds the tokens that are being split: modules, macro, `impl` or trait.
 #[derive(Clone, Default)]
 struct Place {
     inline: Vec<String>,
     within: Option<String>,
-    /// Type and trait, inside an `impl` or a trait.
+    /// Names of type and trait, inside an `impl` or a trait.
     member: Option<(Option<String>, Option<String>)>,
 }
 
 impl Items {
-    /// Adds the items of a file.
+    /// Adds a source file with all its items. `rank` is the number of its crate. Errors: the text is not valid Rust.
     pub fn add(&mut self, rank: usize, modules: Vec<String>, text: &str) -> Result<(), String> {
         let tokens: TokenStream = text
             .parse()
@@ -105,7 +105,7 @@ impl Items {
             ..File::default()
         });
         let rest = self.split(tokens, &Place::default());
-        // A macro of another crate, say: reached with whatever is reached in the file.
+        // Other tokens, such as a call of another crate's macro, count as reached once anything in the file is reached.
         if !rest.is_empty() {
             self.push(Kind::Call, String::new(), &rest, &Place::default());
         }
@@ -139,7 +139,7 @@ impl Items {
         });
     }
 
-    /// Takes the items out of tokens; returns the other tokens.
+    /// Adds the items among the tokens; returns the tokens that belong to no item.
     fn split(&mut self, tokens: TokenStream, place: &Place) -> Vec<TokenTree> {
         let all: Vec<TokenTree> = tokens.into_iter().collect();
         let mut left = Vec::new();
@@ -163,7 +163,7 @@ impl Items {
         left
     }
 
-    /// Keeps tokens that are no item; a repetition in a macro may contain items.
+    /// Appends tokens that are no item to `left`, but splits the repetitions in a macro, since they may contain items.
     fn leave(&mut self, tokens: &[TokenTree], place: &Place, left: &mut Vec<TokenTree>) {
         for token in tokens {
             match token {
@@ -179,7 +179,7 @@ impl Items {
         }
     }
 
-    /// Takes one item, if its name is known.
+    /// Adds one item; returns whether it was added. `bare` is `tokens` without the attributes.
     fn take(
         &mut self,
         found: &Found,
@@ -268,7 +268,7 @@ impl Items {
                     self.push(Kind::Property, of, tokens, place);
                     return true;
                 }
-                // In a macro it is a part of that.
+                // Inside a macro, `impl` or trait, the call is a part of that item.
                 if place.within.is_some() || place.member.is_some() {
                     return false;
                 }
@@ -282,14 +282,14 @@ impl Items {
         }
         let kind = match (found.keyword.as_str(), &place.member) {
             ("struct" | "enum", _) => Kind::Type,
-            // An associated type stays with its `impl`.
+            // An associated type is a part of its `impl`.
             ("type", Some(_)) => return false,
             ("type", None) => Kind::Alias,
             (_, Some((of, of_trait))) => Kind::Member {
                 of: of.clone(),
                 of_trait: of_trait.clone(),
             },
-            // Compile-time checks change nothing that is compiled.
+            // Compile-time checks do not change the compiled code.
             _ if name == "_" => return true,
             _ => Kind::Free,
         };
@@ -298,7 +298,7 @@ impl Items {
     }
 }
 
-/// What begins at a place: the word that says which kind, its name if it has one, and the place after it.
+/// An item that begins at a position in the tokens: its keyword, its name (empty if it has none), and the position after it.
 struct Found {
     keyword: String,
     name: String,
@@ -346,7 +346,7 @@ impl Found {
             "use" | "extern" => (String::new(), until(false)?),
             "macro_rules" => (named(at + 2), at + 4),
             _ => {
-                // A path and `!`.
+                // A macro call with a path: skips the path before the macro's name.
                 while word(all, at + 1) == ":"
                     || word(all, at) == ":"
                     || word(all, at) == "$" && word(all, at + 1) == "crate"
@@ -386,7 +386,8 @@ fn word(all: &[TokenTree], at: usize) -> String {
     }
 }
 
-/// The place after the attributes at a place, and whether one says that what follows is a test or not for the checker.
+/// The position after the attributes that begin at `at`, and whether one of them marks a test or code that is compiled only without
+/// the checker.
 fn attributes(all: &[TokenTree], mut at: usize) -> (usize, bool) {
     let mut skipped = false;
     while word(all, at) == "#" {
@@ -399,14 +400,14 @@ fn attributes(all: &[TokenTree], mut at: usize) -> (usize, bool) {
             || text.starts_with("cfg(all(test,");
         at += 2 + inner;
         if inner == 1 {
-            // Of the file itself, not of what follows.
+            // An inner attribute belongs to the file, not to the next item.
             return (at, false);
         }
     }
     (at, skipped)
 }
 
-/// The name after `fn` in a property's braces; `None` where a macro passes it on.
+/// The name after `fn` in the braces of a property; `None` if a macro only passes the property on.
 fn property(bare: &[TokenTree]) -> Option<String> {
     let Some(TokenTree::Group(group)) = bare
         .iter()
@@ -423,7 +424,7 @@ fn property(bare: &[TokenTree]) -> Option<String> {
     }
 }
 
-/// The names of type and trait in `impl<…> Trait for Type<…>`.
+/// Names of type and trait, in this order, of a header such as `impl<…> Trait for Type<…>`.
 fn header(bare: &[TokenTree]) -> (Option<String>, Option<String>) {
     let mut depth = 0_i32;
     let mut parts = [None, None];
@@ -473,7 +474,7 @@ fn flat(tokens: &[TokenTree]) -> Vec<String> {
     words
 }
 
-/// The names that `a::{b, c as d, e::*}` brings into a file.
+/// Adds to `file` the names that the path of a `use` such as `a::{b, c as d, e::*}` imports.
 fn import(words: &[String], before: &[String], file: &mut File) {
     let mut path = before.to_vec();
     let mut at = 0;
@@ -519,9 +520,9 @@ fn import(words: &[String], before: &[String], file: &mut File) {
     }
 }
 
-/// An item that the reader has read from a source file.
+/// Hash and used names of an item while its tokens are being read.
 struct Read {
-    /// What `Self` is.
+    /// Name of the type that `Self` stands for, if known.
     own: Option<String>,
     proofs: bool,
     number: u64,
@@ -529,7 +530,8 @@ struct Read {
 }
 
 impl Read {
-    /// The number of tokens, and the names in them but those that are bound where they stand.
+    /// Adds tokens to the hash, and the names in them to `names`. Names of local variables (`bound`) are left out where they stand
+    /// for the variable.
     fn read(&mut self, all: &[TokenTree], bound: &BTreeSet<String>) {
         let mut bound = bound.clone();
         let mut binds = Vec::new();
@@ -570,7 +572,7 @@ impl Read {
                     }
                 }
                 other => {
-                    // What is bound may stand for something else in what it is bound to.
+                    // A `let` binds its name only after its own expression, where the name may still refer to an item.
                     if word(all, at) == ";" {
                         bound.extend(binds.drain(..));
                     }
@@ -582,7 +584,8 @@ impl Read {
     }
 }
 
-/// The name that a word at a place refers to, if it can be an item.
+/// The name that the word at position `at` refers to, with its form; `None` if the word cannot refer to an item. `own` is the type
+/// of `Self`.
 fn named(all: &[TokenTree], at: usize, own: Option<&str>) -> Option<(How, String)> {
     let back = |by: usize| {
         at.checked_sub(by)
@@ -606,7 +609,7 @@ fn named(all: &[TokenTree], at: usize, own: Option<&str>) -> Option<(How, String
                 {
                     replaced(it.to_string())
                 }
-                // What a macro is told.
+                // An argument of a macro.
                 Some(TokenTree::Ident(_)) => "$".into(),
                 _ => String::new(),
             };
@@ -622,7 +625,7 @@ fn named(all: &[TokenTree], at: usize, own: Option<&str>) -> Option<(How, String
         _ if next == "!" && matches!(all.get(at + 2), Some(TokenTree::Group(_))) => {
             Some((How::Bang, text))
         }
-        // A field, an argument or a variable with its type.
+        // The name of a field, argument or variable before its type.
         _ if next == ":" && !paths_on => None,
         _ => Some((How::Plain, text)),
     }

@@ -1,6 +1,8 @@
-//! The committed list of harnesses, each with two numbers: of what it states, with all that it rests on in the proofs, and of the code that
-//! it reaches. A statement that was weakened has another number, and so has a function that was changed; words, layout, tests and
-//! whatever it does not reach change neither.
+//! Reads the lock, which is the committed list of harnesses (proofs). Each line has a harness and two hashes: of its statement with
+//! all that the statement uses in the proofs, and of the code that it reaches.
+//!
+//! A weakened statement changes the first hash, a changed function the second. Comments, layout, tests and code that the harness
+//! does not reach change neither.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,39 +12,42 @@ use super::shown::unshown;
 use super::stands::{Ground, Numbers, PROOFS};
 
 pub const LOCK: &str = "proofs/harnesses.lock";
-/// The crates, each after those that it depends on.
+/// Names and source folders of the crates; each crate comes after those that it depends on.
 const CRATES: [(&str, &str); PROOFS + 1] = [
     ("touchstone_control", "control/src"),
     ("touchstone_protocol", "protocol/src"),
     ("touchstone_drive", "drive/src"),
     ("proofs", "proofs/src"),
 ];
-/// Arithmetic over `f32` and `f64`, behind a feature that the proofs do not enable.
+/// Source file with arithmetic over `f32` and `f64`. It is left out, since the proofs do not enable its feature.
 const NOT_BUILT: &str = "control/src/number/float.rs";
-/// The line of the lock file with the version of the fixed-point numbers.
+/// Line that identifies the package of fixed-point numbers in `Cargo.lock`. The package's version is a part of the hash of the
+/// code.
 const BUILT_WITH: &str = "name = \"fixed\"";
 
-/// Whether a macro is one of those that a property is written in: `property!`, `divided_property!`. By a path, `$crate::`, one is handed on.
+/// Whether a macro call with this name defines a property: `property!`, `divided_property!`. A call with a path, such as
+/// `$crate::property!`, only passes a property on.
 pub fn writes_a_property(name: &str) -> bool {
     !name.contains(':') && (name == "property" || name.ends_with("_property"))
 }
 
-/// The numbers of each property, by file and name: `tdpa::p7_leaves`.
+/// The two hashes of each property in the sources, by file and name such as `tdpa::p7_leaves`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Statements(BTreeMap<String, Numbers>);
 
-/// How a line of the lock compares with the sources.
+/// Result of comparing a line of the lock with the present sources.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Standing {
-    /// Same statement, same code.
+    /// Statement and code are those of the lock.
     Proved,
-    /// Same statement, other code.
+    /// The statement is that of the lock, but the code has changed.
     OtherCode,
     OtherStatement,
 }
 
 impl Statements {
-    /// The statements of the sources in the workspace.
+    /// Hashes all properties in the workspace's sources. Errors: a file cannot be read, or an assertion has no cover that shows it
+    /// to be reachable.
     pub fn read() -> Result<Self, String> {
         let mut files = Vec::new();
         for (rank, (_, folder)) in CRATES.iter().enumerate() {
@@ -67,7 +72,8 @@ impl Statements {
         Self::of(&files, package.unwrap_or_default())
     }
 
-    /// The statements of files below the folders of [`CRATES`].
+    /// Hashes the properties in files below the folders of [`CRATES`]. `built_with` is the text that names the version of the
+    /// fixed-point numbers.
     fn of(files: &[(PathBuf, String)], built_with: &str) -> Result<Self, String> {
         let mut items = Items::default();
         for (path, text) in files {
@@ -90,13 +96,13 @@ impl Statements {
         Ok(Self(Ground::of(&items).numbers(built_with)))
     }
 
-    /// For tests: no source at all.
+    /// The hashes of an empty set of sources, for tests.
     #[cfg(test)]
     pub fn of_nothing() -> Self {
         Self(BTreeMap::new())
     }
 
-    /// The line of a harness such as `tdpa::w8::p7_leaves::proof`.
+    /// Line of the lock for a harness such as `tdpa::w8::p7_leaves::proof`, with the hashes of the present sources.
     pub fn line(&self, harness: &str) -> String {
         let none = Numbers {
             statement: 0,
@@ -106,7 +112,7 @@ impl Statements {
         format!("{harness} {:016x} {:016x}", numbers.statement, numbers.code)
     }
 
-    /// How a line of the lock compares with the sources.
+    /// Compares a line of the lock with the present sources.
     pub fn standing(&self, line: &str) -> Standing {
         let now = self.line(name(line));
         let statement = |line: &str| line.rsplit_once(' ').map(|(it, _)| it.to_owned());
@@ -120,12 +126,12 @@ impl Statements {
     }
 }
 
-/// The harness of a line.
+/// Name of the harness in a line of the lock.
 pub fn name(line: &str) -> &str {
     line.split(' ').next().unwrap_or_default()
 }
 
-/// `tdpa::w8::p7_leaves::proof` is of `tdpa::p7_leaves`.
+/// File and name of a harness's property: `tdpa::p7_leaves` for the harness `tdpa::w8::p7_leaves::proof`.
 fn property(harness: &str) -> String {
     let parts: Vec<&str> = harness.trim_end_matches("::proof").split("::").collect();
     let (first, last) = (parts.first(), parts.last());

@@ -56,7 +56,7 @@ const HARNESSES: [&str; 3] = [
     "laws::p7_law::proof",
 ];
 
-/// Which harnesses state something else, and which reach other code, if one text of a file is another.
+/// Names of the harnesses whose statement changes, and of those whose code changes, if `was` is replaced by `instead` in `file`.
 fn voided(file: &str, was: &str, instead: &str) -> (Vec<&'static str>, Vec<&'static str>) {
     let before = numbers(&FILES);
     let changed = FILES.map(|(path, text)| {
@@ -143,7 +143,7 @@ fn a_changed_function_voids_what_reaches_it() {
         assert_eq!(statements, [""; 0], "{instead}");
         code
     };
-    // Through a method of a method, another file, a trait that a macro implements, a constant.
+    // The code is reached through a method of a method, another file, a trait that a macro implements, and a constant.
     assert_eq!(
         code(
             "control/src/guard.rs",
@@ -182,7 +182,7 @@ fn a_changed_function_voids_what_reaches_it() {
 #[test]
 fn a_weaker_statement_is_another() {
     let statement = |file: &str, was: &str, instead: &str| voided(file, was, instead).0;
-    // An assertion, an assumption, what is assumed, the equation, the number that it is made for.
+    // Changes an assertion, an assumption, the condition assumed, the equation, and the number type.
     let own = "proofs/src/guarded.rs";
     assert_eq!(
         statement(own, "guard.tick() > 0", "guard.tick() >= 0"),
@@ -218,7 +218,7 @@ fn of_two_with_one_name_each_is_a_part_of_the_number() {
     assert_ne!(two("x > 0"), two("true"));
 }
 
-/// Every harness of the lock has its property in the sources.
+/// Checks that every harness of the committed lock has its property in the sources.
 #[test]
 fn every_line_of_the_lock_is_of_a_property() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");

@@ -1,8 +1,8 @@
-//! The gate of `cargo xtask prove`: believes only what the checker's report shows.
+//! The gate of `cargo xtask prove`: checks in the checker's report that each harness really proved its statement.
 //!
-//! The checker ends with 0 also when there was nothing to prove, when an assumption was impossible and when a cover was never
-//! reached. So here: every harness of the committed list ran, no other did, each succeeded, each cover was reached, and each
-//! assertion of a property can be.
+//! The model checker also exits with 0 if there was nothing to prove, an assumption was impossible, or a cover was never reached.
+//! So the gate requires: every harness of the committed list ran and succeeded, no other ran, and every cover and every assertion
+//! of a property can be reached.
 
 mod items;
 mod lock;
@@ -23,18 +23,18 @@ use lock::{LOCK, Standing, Statements, name};
 use report::Verdict;
 use usage::Usage;
 
-/// Processor time of each harness, all its tools and solvers together.
+/// Most processor time of a harness in seconds, for all its tools and solvers together.
 const PROCESSOR_S: f64 = 120.0;
 
-/// Results of a run of the checker.
+/// Result files of a run of the checker, and the limit of memory.
 pub struct Run<'r> {
-    /// The checker's report.
+    /// Text of the checker's report in JSON.
     pub report: &'r str,
-    /// Use of memory and time, a line a harness: the name of its file, kibibytes, seconds.
+    /// Memory and processor time, with one line per harness: name of its file, kibibytes, seconds.
     pub usage: &'r str,
-    /// Most memory of a harness.
+    /// Most memory that a harness may use, in KiB.
     pub memory_kib: u64,
-    /// File of the earlier results, to which the new ones are added.
+    /// File with the results of earlier runs, to which this run's are added.
     pub memo: &'r Path,
 }
 
@@ -48,7 +48,7 @@ impl Run<'_> {
         Ok(found)
     }
 
-    /// Writes down the proved harnesses, for a later run.
+    /// Stores the harnesses that were proved within their limits, for a resumed run.
     fn keep(
         &self,
         found: &BTreeMap<String, Verdict>,
@@ -61,7 +61,7 @@ impl Run<'_> {
     }
 }
 
-/// Checks the harnesses whose names contain a text; neither the others nor the lock.
+/// Checks the harnesses that ran because their names contain `part`, without a comparison with the lock.
 pub fn some(run: &Run, part: &str) -> Result<Answer, String> {
     let found = run.verdicts()?;
     if found.is_empty() {
@@ -79,7 +79,7 @@ pub fn some(run: &Run, part: &str) -> Result<Answer, String> {
     Ok(say(&found, wrong(&found, run.memory_kib)))
 }
 
-/// Prints the harnesses of the checker's list that were not yet proved for the present code and statements.
+/// Prints the harnesses of the checker's list that are not yet proved for the present code and statements.
 pub fn remaining(list: &str, memo: &Path) -> Result<Answer, String> {
     let statements = Statements::read()?;
     let known = memo::kept(memo, &statements);
@@ -104,7 +104,7 @@ fn read_lock() -> Result<String, String> {
     std::fs::read_to_string(LOCK).map_err(|why| format!("{LOCK}: {why}"))
 }
 
-/// The harnesses whose line of the lock fits the present sources.
+/// The harnesses whose line of the lock is valid for the present sources.
 fn held(locked: &str, statements: &Statements) -> BTreeSet<String> {
     let lines = locked
         .lines()
@@ -112,8 +112,10 @@ fn held(locked: &str, statements: &Statements) -> BTreeSet<String> {
     lines.map(|line| name(line).to_owned()).collect()
 }
 
-/// Checks all harnesses against the lock, and writes the table. `words` describe the checker and its time, `machine`
-/// what else ran. With the checker's list, earlier results count, and everything that the list names must be proved.
+/// Checks all harnesses against the lock and writes the table of results.
+///
+/// `words` describe the checker and its run time, `machine` describes what else ran. `bless` writes the proved harnesses into the
+/// lock. With the checker's `list`, results of earlier runs count, and every harness in the list must be proved.
 pub fn whole(
     run: &Run,
     words: &str,
@@ -140,7 +142,8 @@ pub fn whole(
         missing.extend(not_there.map(|name| format!("{name}: did not run")));
     }
     if bless {
-        // What was proved; and what was before and is not now, with the number that it had then, so that it is named.
+        // The new lock has all proved harnesses. Harnesses of the old lock that are not proved now keep their old line, so that
+        // they are reported.
         let proved = found.iter().filter(|(_, verdict)| verdict.proved());
         let mut lines: Vec<String> = proved.map(|(name, _)| statements.line(name)).collect();
         let before = std::fs::read_to_string(LOCK).unwrap_or_default();
@@ -171,14 +174,14 @@ pub fn whole(
     Ok(say(&found, wrong))
 }
 
-/// The harnesses that are not proved, or exceeded their limits.
+/// A sentence for each harness that is not proved, or that exceeded its limit of processor time or memory.
 fn wrong(found: &BTreeMap<String, Verdict>, most_memory_kib: u64) -> Vec<String> {
     let mut wrong = Vec::new();
     for (name, verdict) in found {
         if !verdict.proved() {
             wrong.push(format!("{name}: {}", verdict.words()));
         }
-        // What nobody measured took no longer than the clock says: each of its processes is one thread.
+        // Without a measurement the wall-clock time is an upper bound of the processor time, since each process has one thread.
         let clock = Usage {
             processor_s: verdict.seconds,
             ..Usage::default()
@@ -201,7 +204,8 @@ fn wrong(found: &BTreeMap<String, Verdict>, most_memory_kib: u64) -> Vec<String>
     wrong
 }
 
-/// The harnesses that ran, or are `held` by the lock, are those of the committed list, and its lines are theirs.
+/// Differences from the lock: harnesses of the lock that neither ran nor are in `held` (still valid by the lock), and harnesses
+/// that ran without being in the lock. Also lists lines of the lock that do not fit the sources.
 fn against_lock(
     found: &BTreeMap<String, Verdict>,
     held: &BTreeSet<String>,
@@ -221,7 +225,7 @@ fn against_lock(
     missing.chain(new).chain(changed).collect()
 }
 
-/// Lines of the lock that differ from the present sources in this way.
+/// A sentence for each line of the lock that differs from the present sources as `standing` says.
 fn changed(locked: &str, statements: &Statements, standing: Standing) -> Vec<String> {
     let lines = locked
         .lines()
@@ -240,8 +244,8 @@ fn changed(locked: &str, statements: &Statements, standing: Standing) -> Vec<Str
         .collect()
 }
 
-/// Whether every statement is the one that was proved when the lock was written, and of which the code is: all that can be known
-/// without the checker.
+/// Checks that every statement equals the one proved when the lock was written; counts the harnesses whose code is also unchanged.
+/// More cannot be known without running the checker.
 pub fn unchanged(locked: &str) -> Result<Answer, String> {
     let statements = Statements::read()?;
     let wrong = changed(locked, &statements, Standing::OtherStatement);
@@ -285,7 +289,7 @@ fn megabytes(verdict: &Verdict) -> String {
     verdict.usage.map_or("-".into(), mb)
 }
 
-/// What there is to say of a whole run, above its table.
+/// Text above the table of a whole run: numbers of proofs, processor time, memory, machine.
 fn about(found: &BTreeMap<String, Verdict>, words: &str, machine: &str) -> String {
     let proved = found.values().filter(|verdict| verdict.proved()).count();
     let processor = found
@@ -304,7 +308,8 @@ fn about(found: &BTreeMap<String, Verdict>, words: &str, machine: &str) -> Strin
     )
 }
 
-/// Whether one named harness was refuted, and nothing else ran. Not run: neither a proof nor a refutation of that very harness.
+/// Whether the harness ran alone and was refuted by one of its own assertions. The answer is "not run" if it was neither proved nor
+/// refuted so.
 pub fn refuted(report: &str, harness: &str) -> Result<Answer, String> {
     let found = match report::read(report) {
         Ok(found) => found,
@@ -324,7 +329,7 @@ fn is_refuted(found: &BTreeMap<String, Verdict>, harness: &str) -> Result<bool, 
     }
     match &verdict.answer {
         report::Answer::Proved => Ok(false),
-        // An overflow that the checker sees in a wrong change is not what the harness claims.
+        // Only a failed assertion of the harness counts; an overflow that the checker finds in changed code does not.
         report::Answer::Refuted(_) if verdict.own_failed => Ok(true),
         _ => Err(verdict.words()),
     }

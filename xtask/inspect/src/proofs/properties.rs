@@ -1,38 +1,38 @@
-//! What the sources say about each property: its meaning, its equation, what it covers and what it assumes.
+//! Reads from the sources what each property states: its meaning, its equation, the inputs that it covers and its assumptions.
 //!
-//! The macro `property!` asks for the first three and `assume!`/`such!` for the reason of each assumption, so a property
-//! without them does not compile; here they are only read. Assumptions are those that the body makes, in its own words.
+//! The macro `property!` requires meaning, equation and inputs, and `assume!` and `such!` require a reason for each assumption. A
+//! property without them does not compile, so they are only read here. Assumptions are shown as they stand in the property's code.
 
 use std::path::Path;
 
 use super::lock::writes_a_property;
 
-/// One property; it may be proved at several widths.
+/// A property of the code as its source describes it. It may be proved at several widths of numbers.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Property {
-    /// `tdpa`: the module that it stands in.
+    /// Name of the file with the property, without ending, such as `tdpa`.
     pub file: String,
-    /// Name of the harness, such as `p7_leaves`.
+    /// Name of the property, such as `p7_leaves`.
     pub name: String,
-    /// The first sentence or two above it, `P1: ...`.
+    /// The comment above the property, one or two sentences such as `P1: ...`.
     pub meaning: String,
-    /// The statement in integers or in words.
+    /// The proved equation, over integers or in words.
     pub equation: String,
-    /// The configurations, states and inputs for which it holds.
+    /// The configurations, states and inputs for which the equation holds.
     pub over: String,
-    /// The assumptions, each with what guarantees it.
+    /// The assumptions, each with the check or type that guarantees it.
     pub assumptions: Vec<String>,
 }
 
 impl Property {
-    /// `P1` or `P3, P4`: the properties of the design that it is a part of.
+    /// The required property of the design that this property is a part of: `P1` for the name `p1_pays`.
     pub fn design(&self) -> String {
         let numbers = self.name.split('_').next().unwrap_or_default();
         numbers.to_uppercase()
     }
 }
 
-/// Every property of the crate.
+/// All properties in the source files of a folder.
 pub fn properties(folder: &Path) -> Vec<Property> {
     let mut files: Vec<_> = std::fs::read_dir(folder)
         .into_iter()
@@ -55,10 +55,10 @@ pub fn properties(folder: &Path) -> Vec<Property> {
     found
 }
 
-/// The properties of one file.
+/// The properties in the text of one source file; `file` is the file's name.
 pub fn read(file: &str, text: &str) -> Vec<Property> {
     let mut found: Vec<Property> = Vec::new();
-    // `None` outside of any; `Some(true)` within a body.
+    // `None` outside any property, `Some(false)` in its head, `Some(true)` in its body.
     let mut body = None;
     let mut depth = String::new();
     let mut open = String::new();
@@ -73,7 +73,7 @@ pub fn read(file: &str, text: &str) -> Vec<Property> {
             body = Some(false);
             continue;
         }
-        // The brace that closes it stands under the line that opened it.
+        // The closing brace of a property has the same indentation as its first line.
         if body.is_some() && line == format!("{depth}}}") {
             body = None;
         }
@@ -94,7 +94,7 @@ pub fn read(file: &str, text: &str) -> Vec<Property> {
             }
             continue;
         }
-        // A use may go over several lines, up to the one that closes it.
+        // An `assume!` or `such!` may span several lines, up to the line that ends in `);`.
         if code.starts_with("assume!(") || code.contains("such!(") || !open.is_empty() {
             let gap = if open.is_empty() || open.ends_with('(') {
                 ""
@@ -116,11 +116,11 @@ fn quoted(code: &str, key: &str) -> Option<String> {
     Some(rest.rsplit_once('"')?.0.replace("\\\"", "\""))
 }
 
-/// `assume!(s, x > 0, "types");` is `x > 0 (types)`.
+/// Condition and reason of an assumption: `assume!(s, x > 0, "types");` gives `x > 0 (types)`.
 fn assumption(code: &str) -> Option<String> {
     let inner = code.split_once("!(")?.1.strip_suffix(");")?.trim_end();
     let (rest, why) = inner.strip_suffix('"')?.rsplit_once(", \"")?;
-    // The condition: all after the source in `assume!`, the closure's body in `such!`.
+    // The condition is all after the first argument of `assume!`, or the body of the closure in `such!`.
     let condition = if code.starts_with("assume!(") {
         rest.split_once(", ")?.1
     } else {
@@ -170,7 +170,8 @@ mod tests {
         assert_eq!(found, [expected]);
     }
 
-    /// Checks the real sources: no property lacks a part, and the table lists exactly its assumptions.
+    /// Checks that no property in the real sources lacks its meaning, equation or inputs, and that every assumption in the sources
+    /// is found.
     #[test]
     fn every_property_says_what_it_is_about() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../proofs/src");
@@ -186,7 +187,7 @@ mod tests {
         let mut uses = 0;
         for entry in std::fs::read_dir(&folder).expect("the proofs") {
             let path = entry.expect("readable").path();
-            // The macros themselves.
+            // The file `source.rs` defines the macros.
             if path.ends_with("source.rs") || path.is_dir() {
                 continue;
             }

@@ -1,11 +1,12 @@
-//! What the checker's report says about each harness, and why a harness counts as proved.
+//! Reads the checker's report: the verdict on each harness, and why a harness counts as proved.
 //!
-//! The checker calls a harness successful also when an assumption was impossible, when a cover was never reached and when an
-//! assertion could not be reached. So its own verdict is only one of the conditions here.
+//! The checker also calls a harness successful if an assumption was impossible, or if a cover or an assertion was never reached. So
+//! the checker's own verdict is only one of the conditions here.
 //!
-//! The checker's own question whether an assertion can be reached is switched off: it asks it of every one in the code too, which takes
-//! a quarter of the time. Each of a property has a cover after it in its block, which is reached by way of it ([`super::shown`] reads that in
-//! the sources), or is a cover as well (`assert_reached!` in `proofs/src/lib.rs`). One with neither does not count.
+//! The checker's own test whether each assertion can be reached is switched off. It would also test the assertions in the code,
+//! which takes a quarter of the time. Instead each assertion of a property needs a cover. The cover comes after it in its block and
+//! can only be reached through the assertion ([`super::shown`] checks this in the sources). Or the assertion contains a cover
+//! (`assert_reached!` in `proofs/src/lib.rs`). A harness with an assertion that has neither does not count as proved.
 
 use std::collections::BTreeMap;
 
@@ -13,38 +14,38 @@ use serde_json::Value;
 
 use super::usage::Usage;
 
-/// The cover that stands before an assertion of a property after which no other comes.
+/// Description of the cover that `assert_reached!` puts before an assertion, for assertions that no other cover follows.
 const REACHED: &str = "assertion reached";
 
 /// How the checker's run of one harness ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answer {
-    /// Every check holds, every cover was reached, every assertion of the property can be reached.
+    /// Every check holds, every cover was reached, and every assertion of the property can be reached.
     Proved,
-    /// An assertion does not hold; the first one, with its place.
+    /// A check failed; the text names the first failed check and its place.
     Refuted(String),
-    /// Every check holds, but that may mean nothing; what could not be reached.
+    /// Every check holds, but may hold only because code is unreachable; the text names what could not be reached.
     Empty(String),
-    /// No answer within the time of a harness.
+    /// The checker gave no answer within the time limit of a harness.
     TimedOut,
-    /// No answer for another reason: memory, a solver's crash, a check without a verdict.
+    /// The checker gave no answer for another reason, such as memory, a crash of a solver, or a check without a verdict.
     Unknown(String),
 }
 
-/// One harness of a run.
+/// The result of one harness.
 #[derive(Debug, Clone)]
 pub struct Verdict {
     pub answer: Answer,
-    /// Whether an assertion of the property itself failed, not only a check that the compiler or the checker put in.
+    /// Whether an assertion of the property itself failed, not only a check that the compiler or the model checker inserted.
     pub own_failed: bool,
     pub covers: (usize, usize),
-    /// Duration by the clock, s.
+    /// Wall-clock time of the harness in seconds.
     pub seconds: f64,
-    /// The solver that ran.
+    /// Name of the solver that decided the harness.
     pub solver: String,
-    /// Name of the file that the checker's tools worked on, by which processes are recognised.
+    /// Name of the file that the checker's tools worked on, without endings. It identifies the harness's processes.
     pub program: String,
-    /// Memory and time of the tools, where they could be measured.
+    /// Memory and processor time of the tools; `None` if they were not measured.
     pub usage: Option<Usage>,
 }
 
@@ -64,7 +65,8 @@ impl Verdict {
     }
 }
 
-/// All harnesses of a report, by name.
+/// The results of all harnesses in a report, by the harness's name. Errors: the text is no such report, or has two results for a
+/// harness.
 pub fn read(text: &str) -> Result<BTreeMap<String, Verdict>, String> {
     let report: Value =
         serde_json::from_str(text).map_err(|why| format!("the checker's report: {why}"))?;
@@ -142,7 +144,7 @@ fn answer(result: &Value, errors: &Value, checks: &[Value]) -> Answer {
         Some(other) => return Answer::Unknown(other.into()),
     }
     let status = |check: &Value| check["status"].as_str().unwrap_or_default().to_string();
-    // A loop that was cut short says nothing about the code: neither proof nor refutation.
+    // A loop that the checker did not follow to its end gives neither a proof nor a refutation.
     if let Some(cut) = checks
         .iter()
         .find(|check| status(check) == "Failure" && check["category"] == "unwind")
@@ -177,7 +179,7 @@ fn answer(result: &Value, errors: &Value, checks: &[Value]) -> Answer {
     {
         return Answer::Empty("no cover".into());
     }
-    // Several in one macro may have one place; then it has as many covers.
+    // Several assertions in one macro may have the same place; it must then have at least as many covers as assertions.
     let line = |check: &Value| {
         let line = &check["location"]["line"];
         line.as_u64()
@@ -206,7 +208,7 @@ fn answer(result: &Value, errors: &Value, checks: &[Value]) -> Answer {
     }
 }
 
-/// An `assert!` in a property's body, not a check that the compiler or the checker put in.
+/// Whether a check is an `assert!` in a property, and not a check that the compiler or the model checker inserted.
 fn own_assertion(check: &Value) -> bool {
     let text = |value: &Value| value.as_str().unwrap_or_default().to_string();
     check["category"] == "assertion"

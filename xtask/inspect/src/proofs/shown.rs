@@ -1,13 +1,16 @@
-//! Which assertions of the properties a cover shows to be reached: one that comes after it as a statement of the same block, and so is reached
-//! only by way of it. An assertion without one is one itself: `assert_reached!` (`proofs/src/lib.rs`). Each cover costs a trace of all that happened.
+//! Finds the assertions in properties that no cover shows to be reachable.
+//!
+//! A cover is a statement that the checker must be able to reach. A cover after an assertion, as a statement of the same block, is
+//! reached only through the assertion. An assertion without such a cover must be written as `assert_reached!`
+//! (`proofs/src/lib.rs`), which contains its own cover. That is not the rule for all, since the checker computes a trace for each
+//! cover.
 
 use proc_macro2::{Delimiter, Group, LineColumn, TokenStream, TokenTree};
 use syn::parse::Parser;
 use syn::punctuated::Punctuated;
 use syn::{Block, Expr, ExprLit, Lit, Stmt, StmtMacro, Token};
 
-/// Macros that the checker reports as an assertion of the property, each with the number of arguments before its
-/// message.
+/// Macros that the checker reports as an assertion of the property, each with the number of arguments before its message.
 const ASSERTIONS: [(&str, usize); 6] = [
     ("assert", 1),
     ("assert_eq", 2),
@@ -16,10 +19,10 @@ const ASSERTIONS: [(&str, usize); 6] = [
     ("debug_assert_eq", 2),
     ("debug_assert_ne", 2),
 ];
-/// Macros that must be reached themselves.
+/// Macros that are or contain a cover, which the checker must be able to reach.
 const COVERS: [&str; 2] = ["cover", "assert_reached"];
 
-/// The lines of a source in which an assertion without words stands that no cover shows.
+/// Line numbers of the assertions without a message in a source text that no cover shows to be reachable.
 pub fn unshown(text: &str) -> Result<Vec<usize>, String> {
     let tokens: TokenStream = text.parse().map_err(|why| format!("{why}"))?;
     let mut lines = Vec::new();
@@ -27,7 +30,7 @@ pub fn unshown(text: &str) -> Result<Vec<usize>, String> {
     Ok(lines)
 }
 
-/// Finds the assertions among these tokens, and in each group, that are not `shown`.
+/// Adds to `lines` the assertions among the tokens that are not `shown`, and searches each group of tokens the same way.
 fn look(tokens: &TokenStream, shown: &[LineColumn], lines: &mut Vec<usize>) {
     let all: Vec<TokenTree> = tokens.clone().into_iter().collect();
     for (place, tree) in all.iter().enumerate() {
@@ -45,8 +48,8 @@ fn look(tokens: &TokenStream, shown: &[LineColumn], lines: &mut Vec<usize>) {
     }
 }
 
-/// Whether an assertion without a message stands here. One with a message belongs to a replacement of the code, which
-/// not every harness uses.
+/// Whether an assertion without a message is at this position. An assertion with a message belongs to a replacement of shipped
+/// code, which not every harness uses.
 fn is_asserted(all: &[TokenTree], place: usize) -> bool {
     let [
         TokenTree::Ident(name),
@@ -62,7 +65,7 @@ fn is_asserted(all: &[TokenTree], place: usize) -> bool {
     })
 }
 
-/// Whether a string follows after this many arguments.
+/// Whether the argument after the first `before` arguments is a string, which is the message.
 fn has_words(arguments: &TokenStream, before: usize) -> bool {
     let parser = Punctuated::<Expr, Token![,]>::parse_terminated;
     let Ok(all) = parser.parse2(plain(arguments.clone())) else {
@@ -80,8 +83,8 @@ fn has_words(arguments: &TokenStream, before: usize) -> bool {
     all.iter().nth(before).is_some_and(words)
 }
 
-/// Whether this place does not count: the body of `macro_rules! assert_reached`, which contains the cover, or code of
-/// a test without the checker.
+/// Whether the group at this position is left out: the definition of `assert_reached!`, which contains its cover, or a module of
+/// tests.
 fn is_out_of_it(all: &[TokenTree], place: usize) -> bool {
     let before = |back: usize| {
         let tree = place.checked_sub(back).map(|at| &all[at]);
@@ -92,7 +95,7 @@ fn is_out_of_it(all: &[TokenTree], place: usize) -> bool {
     reached || tests
 }
 
-/// Places of those assertions in a block that a cover of the block follows.
+/// Positions of the assertions in a block that a cover in the same block follows.
 fn of_block(group: &Group) -> Vec<LineColumn> {
     if group.delimiter() != Delimiter::Brace {
         return Vec::new();
@@ -103,7 +106,7 @@ fn of_block(group: &Group) -> Vec<LineColumn> {
     };
     let is = |statement: &StmtMacro, names: &[&str]| {
         let last = statement.mac.path.segments.last();
-        // What has an attribute may not be there.
+        // A statement with an attribute does not count, since it may not be compiled.
         statement.attrs.is_empty()
             && last.is_some_and(|it| names.iter().any(|name| it.ident == name))
     };
@@ -124,7 +127,7 @@ fn of_block(group: &Group) -> Vec<LineColumn> {
     shown
 }
 
-/// The tokens without the `$` of a macro's definition.
+/// The tokens without the `$` signs of a macro's definition.
 fn plain(tokens: TokenStream) -> TokenStream {
     let kept = tokens.into_iter().filter_map(|tree| match tree {
         TokenTree::Punct(mark) if mark.as_char() == '$' => None,
@@ -142,7 +145,7 @@ fn plain(tokens: TokenStream) -> TokenStream {
 mod tests {
     use super::*;
 
-    /// The lines, of a property's body.
+    /// Line numbers that [`unshown`] returns for a property with this body.
     fn lines(body: &str) -> Vec<usize> {
         let text = format!("property! {{ by cadical fn p1(s) {{\n{body}\n}} }}");
         unshown(&text).expect("Rust")

@@ -1,7 +1,8 @@
-//! What each property stands on: the items that it reaches by name, in the proofs and in the code, and a number of them.
+//! Finds the items (functions, types, macros) that each property uses, directly or indirectly, in the proofs and in the code. A
+//! hash of them shows later whether the proof still applies.
 //!
-//! A name is resolved by what its file imports, by what stands before it and by type and trait. Where that leaves a choice, every
-//! candidate counts: one too many voids a proof that could have stayed, and none is left out.
+//! A name is resolved by the imports of its file, by the word before it, and by type and trait. If several items remain possible,
+//! all count. One item too many makes a proof invalid without need, but no used item is missed.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
@@ -16,10 +17,10 @@ pub struct Numbers {
     pub code: u64,
 }
 
-/// Rank of the proofs among the crates; lower ranks are code.
+/// Number of the crate `proofs` in the order of the crates; crates with lower numbers are the proved code.
 pub const PROOFS: usize = 3;
 
-/// All items, indexed by the ways in which they can be reached.
+/// All items with indexes by which a reference to them can be resolved.
 pub struct Ground<'i> {
     items: &'i Items,
     by_name: BTreeMap<&'i str, Vec<usize>>,
@@ -27,27 +28,28 @@ pub struct Ground<'i> {
     by_macro: BTreeMap<&'i str, Vec<usize>>,
     by_file: BTreeMap<usize, Vec<usize>>,
     kinds: BTreeMap<&'i str, BTreeSet<(usize, &'i Kind)>>,
-    /// Macros with properties in them: who names their arguments does not reach them.
+    /// Names of macros whose definition contains properties. A name among such a macro's arguments is no reference to the macro
+    /// call.
     of_properties: BTreeSet<&'i str>,
-    /// Macros with an `impl` for their arguments.
+    /// Names of macros whose definition contains an `impl` for their arguments.
     implementing: BTreeSet<&'i str>,
-    /// Names of modules that are files.
+    /// Names of the modules that are files or folders.
     modules: BTreeSet<&'i str>,
-    /// Where a macro is called.
+    /// Numbers of the files that call a macro, by the macro's name.
     called: BTreeMap<&'i str, BTreeSet<usize>>,
-    /// Names that modules have from elsewhere: all where one has `use …::*`.
+    /// Pairs of a module and a name that the module imports; the name is `*` if the module has a `use …::*`.
     handed_on: BTreeSet<(&'i str, &'i str)>,
-    /// The items that an item certainly uses, as far as they were looked up.
+    /// Results of [`Ground::seen`] that are already known, by the item's number.
     seen: RefCell<HashMap<usize, Rc<[usize]>>>,
 }
 
-/// The items that one property reaches.
+/// The items that one property reaches, while they are being collected.
 struct Reach<'g, 'i> {
     ground: &'g Ground<'i>,
     reached: BTreeSet<usize>,
-    /// Each with the rank of the item that names it so.
+    /// Names used so far, each with its forms and the crate number of the item that uses it.
     names: HashMap<&'i str, BTreeSet<(usize, &'i How)>>,
-    /// The types, each with the rank of its item.
+    /// Types reached so far, each with the number of its crate.
     types: BTreeSet<(&'i str, usize)>,
     waiting: VecDeque<usize>,
 }
@@ -102,7 +104,7 @@ impl<'i> Ground<'i> {
                 Kind::Member { of, of_trait } => {
                     ground.by_name.entry(name).or_default().push(at);
                     let mut words = vec![of.as_deref(), of_trait.as_deref()];
-                    // The number on the left of an operator is not named.
+                    // The code does not name the type on the left of an operator.
                     if of
                         .as_ref()
                         .is_none_or(|of| !of.starts_with(char::is_uppercase))
@@ -128,7 +130,7 @@ impl<'i> Ground<'i> {
         ground
     }
 
-    /// The number of each property, by the file's name and its own: `tdpa::p7_leaves`.
+    /// The hashes of each property, by the names of its file and of the property, such as `tdpa::p7_leaves`.
     pub fn numbers(&self, built_with: &str) -> BTreeMap<String, Numbers> {
         let mut found = BTreeMap::<String, Numbers>::new();
         for (at, item) in self.items.all.iter().enumerate() {
@@ -138,7 +140,7 @@ impl<'i> Ground<'i> {
             let numbers = self.number(at, built_with);
             let file = self.items.files[item.file].modules.last();
             let name = format!("{}::{}", file.map_or("", |it| it), item.name);
-            // Two modules of a file may have one of the same name: then each is a part of the number.
+            // If two modules of a file have a property of the same name, both go into the hash.
             found
                 .entry(name)
                 .and_modify(|other| {
@@ -186,7 +188,7 @@ impl<'i> Ground<'i> {
         reach.reached
     }
 
-    /// The functions, types and macros that an item names.
+    /// Numbers of the functions, types and macros that an item names; methods are left out.
     fn seen(&self, at: usize) -> Rc<[usize]> {
         if let Some(known) = self.seen.borrow().get(&at) {
             return known.clone();
@@ -210,7 +212,7 @@ impl<'i> Ground<'i> {
         found
     }
 
-    /// Whether a macro call may form this name from its arguments.
+    /// Whether a macro call may define an item with this name, from the arguments of the call.
     fn may_make(&self, name: &str, call: &Item) -> bool {
         let others = self.by_name.get(name).into_iter().flatten();
         let mut others = others.map(|at| &self.items.all[*at]);
@@ -224,7 +226,8 @@ impl<'i> Ground<'i> {
         self.items.files[item.file].rank
     }
 
-    /// The files in which the names of an item are looked up: its own, and for a macro those that call it.
+    /// Numbers of the files in which the names of an item are looked up: its own file, and for a macro also the files that call the
+    /// macro.
     fn places(&self, item: &Item) -> BTreeSet<usize> {
         let mut files = BTreeSet::from([item.file]);
         let name = match item.kind {
@@ -237,7 +240,7 @@ impl<'i> Ground<'i> {
         files
     }
 
-    /// Whether a name in one item can refer to another.
+    /// Whether a name in the item `from`, written in the form `how`, can refer to the item `to`.
     fn sees(
         &self,
         from: &Item,
@@ -276,18 +279,18 @@ impl<'i> Ground<'i> {
         })
     }
 
-    /// Whether an item may be named so after this word.
+    /// Whether `before::name` can refer to the item `to`.
     fn stands(&self, before: &str, name: &str, to: &Item) -> bool {
         let of_file = &self.items.files[to.file].modules;
         if ["$", "crate", "super", "self"].contains(&before) {
             return true;
         }
-        // Of a type, or of an enumeration.
+        // The word before the name is a type or an enumeration.
         if before.is_empty() || before.starts_with(char::is_uppercase) {
             return false;
         }
         of_file.iter().chain(&to.inline).any(|it| it == before)
-            // What a macro names its module is not known.
+            // The name that a macro gives to its module is not known.
             || to.inline.iter().any(String::is_empty) && !self.modules.contains(before)
             || [name, "*"].iter().any(|it| self.handed_on.contains(&(before, *it)))
     }
@@ -346,14 +349,14 @@ impl<'i> Reach<'_, 'i> {
         }
     }
 
-    /// Whether the known items reach an item.
+    /// Whether the items reached so far also reach this macro call or member of a type. Other items are reached by their names.
     fn holds(&self, item: &Item) -> bool {
         let ground = self.ground;
         match &item.kind {
             Kind::Property => false,
             Kind::Call => {
                 let name = item.name.trim_start_matches(':');
-                // What a macro makes for a type that is made elsewhere.
+                // A macro call counts if it implements something for a type that is reached.
                 let rank = ground.rank(item);
                 name.is_empty()
                     || ground.implementing.contains(name)
@@ -366,7 +369,8 @@ impl<'i> Reach<'_, 'i> {
                 let of_type = match of {
                     Some(of) => self.has_type(of, rank),
                     None if item.within.is_some() => self.has_macro(item),
-                    // Of a trait itself, or for a type parameter: what else it names decides, if that is known.
+                    // For a trait's own methods and for type parameters, the trait or the other named types decide, if they are
+                    // known.
                     None if !item.name.is_empty() => {
                         of_trait.as_ref().is_none_or(|it| self.has_type(it, rank))
                     }
@@ -386,12 +390,12 @@ impl<'i> Reach<'_, 'i> {
                         .any(|(of, kind)| *of == rank && **kind == Kind::Trait)
                 };
                 let own = of_trait.as_ref().is_some_and(is_own);
-                // Those of a trait of others may be called by others.
+                // Methods that implement another crate's trait may be called by that crate.
                 let by_others = of_trait.is_some() && of.is_some() && !own;
                 of_type
                     && (item.name.is_empty() || by_others || self.is_called(item, of.as_deref()))
             }
-            // By what names it.
+            // All other items are reached by their names.
             _ => false,
         }
     }
@@ -407,7 +411,8 @@ impl<'i> Reach<'_, 'i> {
             .any(|at| self.ground.items.all[*at].kind == Kind::Macro && self.reached.contains(at))
     }
 
-    /// Whether a type of this name is reached; one that is made by a macro or by others is.
+    /// Whether a type of this name is reached from a crate with number `rank`. A type that no known item defines counts as reached
+    /// if its name is used.
     fn has_type(&self, name: &str, rank: usize) -> bool {
         let kinds = self.ground.kinds.get(name).into_iter().flatten();
         let mut kinds = kinds.filter(|(of, _)| *of <= rank).peekable();
@@ -417,7 +422,7 @@ impl<'i> Reach<'_, 'i> {
         }
     }
 
-    /// Whether something names a method or a constant so.
+    /// Whether an item reached so far refers to this method or constant of the type `of`.
     fn is_called(&self, item: &Item, of: Option<&str>) -> bool {
         let ground = self.ground;
         let names = self.names.get(&*item.name).into_iter().flatten();

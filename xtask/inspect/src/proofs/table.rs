@@ -1,4 +1,4 @@
-//! The table of a whole run.
+//! Writes the table of the results of a whole run.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -8,17 +8,17 @@ use super::properties::{self, Property};
 use super::report::Verdict;
 use super::usage::Usage;
 
-/// File of the table, beside the checker's report.
+/// File name of the table, which is in the folder of the checker's report.
 pub const NAME: &str = "table.md";
 
-/// Writes the table of a whole run.
+/// Writes the table of a whole run to the file `path`. Errors: a harness has no property in the sources.
 pub fn write(path: &Path, found: &BTreeMap<String, Verdict>, about: &str) -> Result<(), String> {
     let properties = properties::properties(Path::new("proofs/src"));
     let table = table(found, &properties, about)?;
     std::fs::write(path, table).map_err(|why| format!("{}: {why}", path.display()))
 }
 
-/// One row for each property; one that is proved at several widths has a line for each in the last columns.
+/// Table with one row per property; a property proved at several widths has one line per width in the last columns.
 fn table(
     found: &BTreeMap<String, Verdict>,
     properties: &[Property],
@@ -73,7 +73,7 @@ fn table(
         let cells = cells.map(|cell| cell.replace('|', "\\|"));
         let _ = writeln!(text, "| {} |", cells.join(" | "));
     }
-    // A property that two modules have under one name is shown with both.
+    // Harnesses of equally named properties are counted with each of them, so `shown` may exceed the number of harnesses.
     if shown >= found.len() {
         Ok(text)
     } else {
@@ -92,13 +92,13 @@ fn code(text: &str) -> String {
     format!("`{text}`")
 }
 
-/// `tdpa::w8::p7_leaves::proof` is of the property `p7_leaves` in `tdpa.rs`.
+/// Whether a harness proves a property: `tdpa::w8::p7_leaves::proof` proves the property `p7_leaves` in `tdpa.rs`.
 fn is_of(harness: &str, property: &Property) -> bool {
     let parts: Vec<&str> = harness.split("::").collect();
     matches!(parts.as_slice(), [file, .., name, "proof"] if *file == property.file && *name == property.name)
 }
 
-/// The digits in the path of a harness, before its name or at its end; a state machine has none.
+/// Width of the numbers in bits, from the digits in the harness's path or at the end of its name; `-` if there are none.
 fn width(harness: &str) -> String {
     let parts: Vec<&str> = harness.split("::").collect();
     let digits = |part: &&str| {

@@ -1,9 +1,9 @@
-//! The gate against a recorded report in which harnesses end in each way there is (`fixtures/every_end.rs`).
+//! Tests of the gate on a recorded report, in which harnesses end in every possible way (`fixtures/every_end.rs`).
 
 use super::*;
 use report::Answer;
 
-/// Most memory of a harness in these tests, kibibytes.
+/// Most memory that a harness may use in these tests, in KiB.
 const MEMORY_KIB: u64 = 8 << 20;
 
 fn recorded() -> BTreeMap<String, Verdict> {
@@ -14,7 +14,7 @@ fn answer(name: &str) -> Answer {
     recorded()[name].answer.clone()
 }
 
-/// Why the gate does not take a harness that the checker called successful.
+/// Reason why the gate rejects a harness that the checker called successful.
 fn empty(name: &str) -> String {
     match answer(name) {
         Answer::Empty(why) => why,
@@ -38,11 +38,11 @@ fn only_one_harness_of_all_is_proved() {
         ((1, 1), "cadical")
     );
     assert!(verdict.program.contains("__R"), "{}", verdict.program);
-    // Nine faults, one each.
+    // Each of the other nine harnesses has one fault.
     assert_eq!(wrong(&found, MEMORY_KIB).len(), 9);
 }
 
-/// The checker calls each of these successful.
+/// Checks that the gate rejects harnesses that the checker calls successful although they prove nothing.
 #[test]
 fn a_success_that_says_nothing_is_none() {
     assert!(empty("w8::cover_unsatisfiable").starts_with("cover not reached: larger"));
@@ -54,7 +54,7 @@ fn a_success_that_says_nothing_is_none() {
     assert_eq!(empty("w8::no_assertion"), "no assertion");
 }
 
-/// The report with only some of its checks.
+/// The recorded report without the checks that `dropped` selects.
 fn recorded_but(dropped: impl Fn(&serde_json::Value) -> bool) -> BTreeMap<String, Verdict> {
     let mut all: serde_json::Value =
         serde_json::from_str(include_str!("fixtures/every-end.json")).expect("JSON");
@@ -83,7 +83,7 @@ fn a_failed_assertion_is_a_refutation_and_nothing_else_is() {
     );
 }
 
-/// A mutant is caught by a failed assertion of the harness named, and by nothing else.
+/// Checks that only a failed assertion of the named harness, run alone, catches a mutant (a wrong change of the code).
 #[test]
 fn a_mutant_is_caught_by_its_own_harness_only() {
     let only = |name: &str| BTreeMap::from([(name.to_string(), recorded()[name].clone())]);
@@ -107,7 +107,7 @@ fn a_mutant_is_caught_by_its_own_harness_only() {
 
 #[test]
 fn the_lock_is_the_list_of_what_runs() {
-    // No source is known here, so that every number is that of nothing.
+    // No source is read in this test, so every hash is zero.
     let found = recorded();
     let nothing = Statements::of_nothing();
     let all: String = found.keys().map(|name| nothing.line(name) + "\n").collect();
@@ -123,12 +123,12 @@ fn the_lock_is_the_list_of_what_runs() {
         new,
         ["w8::refuted: ran, but is not in proofs/harnesses.lock (--bless adds it)"]
     );
-    // A name that another contains is another name.
+    // A name that is only a part of another name is a different harness.
     assert_eq!(
         against(&all.replace("w8::refuted ", "w8::refute ")).len(),
         2
     );
-    // A statement with another number is another statement.
+    // A statement with another hash is another statement.
     let other = all.replace("w8::refuted 0", "w8::refuted 1");
     assert_eq!(against(&other).len(), 1);
     assert!(against(&other)[0].contains("states something else"));
@@ -150,7 +150,7 @@ fn too_long_and_too_large_are_faults() {
     assert_eq!(with(PROCESSOR_S, MEMORY_KIB), 0);
     assert_eq!(with(PROCESSOR_S + 0.5, 0), 1);
     assert_eq!(with(1.0, MEMORY_KIB + 1), 1);
-    // Where it was not measured, the clock counts.
+    // Without a measurement the wall-clock time counts as processor time.
     let by_clock = |seconds| {
         let verdict = Verdict {
             usage: None,

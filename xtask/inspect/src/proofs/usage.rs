@@ -1,17 +1,17 @@
-//! Memory and time of the checker's processes, as the launcher measured them.
+//! Memory and processor time of the checker's processes, as the launcher `cargo xtask` measured them.
 
 use std::collections::HashMap;
 
 /// Memory and time of one harness.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Usage {
-    /// Highest memory of all its processes together.
+    /// Highest total memory of all processes that ran for the harness at the same time, in KiB.
     pub memory_kib: u64,
-    /// Processor time of all its processes together.
+    /// Processor time of all processes of the harness together, in seconds.
     pub processor_s: f64,
 }
 
-/// Lines of the name of a harness's file, kibibytes and seconds.
+/// Reads lines with the name of a harness's file, kibibytes and seconds. Errors: a line is something else.
 pub fn read(text: &str) -> Result<HashMap<&str, Usage>, String> {
     let line = |line| {
         let mut words = str::split_whitespace(line);

@@ -74,7 +74,7 @@ impl Recording {
         let mut worst = (0.0, 0.0);
         let mut from = 0;
         for to in 1..times.len() {
-            // The last sample that is far enough before this one.
+            // The last sample that is at least OVER_S before the sample `to`.
             while from + 1 < to && times[to] - times[from + 1] >= OVER_S {
                 from += 1;
             }

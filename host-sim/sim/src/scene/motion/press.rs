@@ -99,7 +99,7 @@ impl Press {
         let pressed = time_s - self.start_s - self.ramp_s;
         let released = pressed - self.wiggle_s - self.hold_s;
         if time_s < self.start_s {
-            // Nothing, or the light touch: a ramp of no length is no ramp, not a jump.
+            // Before the press: at rest outside, or the light touch. A touch ramp of length 0 means that there is no touch.
             let share = if self.touch_ramp_s > 0.0 {
                 (time_s - self.touch_start_s) / self.touch_ramp_s
             } else {

@@ -195,7 +195,7 @@ impl Recording {
                     line(),
                     &time.name,
                     problem,
-                    // All of what a counter had is gone at once.
+                    // A counter that wraps falls to less than half in one step.
                     match t < 0.5 * previous && previous >= LEAST_OF_COUNTER {
                         true => {
                             "where a counter wrapped, add its range to what follows; else sort the rows by time"
@@ -308,7 +308,7 @@ impl Recording {
     pub(super) fn note(&self, surface_rad: f64, spec: &Recorded, curve: &Curve) -> String {
         let (low, high) = curve.range();
         let odd: String = self.odd().iter().map(|odd| format!("; {odd}")).collect();
-        // The file and its headers are named as they are written there.
+        // Names of file and column are shown as the user wrote them.
         crate::harmless::one_line(&format!(
             "{}, {}: {} samples, {:.2} s at {:.0} Hz; rest point = surface {:.3} rad + offset {:.3} rad + {} × (angle - mean {:.3} rad), \
              from {:.3} to {:.3} rad, inside the wall {:.0} % of the time{odd}",
@@ -439,7 +439,7 @@ fn find(
             })
         })
         .collect();
-    // `axis_s` ends as a time does; beside a column that calls itself one it is none.
+    // `axis_s` ends like a time. If exactly one column's name also begins with a word for time, that column is used.
     if dimension == Dimension::Time && found.len() > 1 {
         let is_named = |column: &Column| {
             TIMES.contains(&plain(&column.name).split('_').next().unwrap_or_default())
@@ -449,7 +449,7 @@ fn find(
         }
     }
     let mut found = found.into_iter();
-    // A quote that nothing closes makes a name of all that follows.
+    // An unclosed quote makes the whole rest of the file one column name, so names are cut for the message.
     let cut = |name: &str| -> String {
         name.split(['\n', '\r'])
             .next()
@@ -486,7 +486,7 @@ fn cell(
     row: &csv::StringRecord,
     column: &Column,
 ) -> std::result::Result<f64, (String, &'static str)> {
-    // Rows are as long as the header.
+    // The CSV reader has checked that rows are as long as the header.
     let text = row.get(column.index).unwrap_or_default();
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),

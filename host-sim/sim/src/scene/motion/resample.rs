@@ -144,7 +144,7 @@ struct Monotone<'a> {
 impl<'a> Monotone<'a> {
     fn new(times: &'a [f64], values: &'a [f64]) -> Self {
         let last = times.len() - 1;
-        // At the ends the hand rests: slope 0, which also joins the constant before and after.
+        // At the first and last sample the slope is 0, which joins smoothly to the constant before and after.
         let slope = |i: usize| match i {
             0 => 0.0,
             i if i == last => 0.0,

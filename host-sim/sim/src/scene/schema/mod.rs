@@ -19,9 +19,9 @@ pub enum Kind {
     Text,
     /// `true` or `false`.
     Flag,
-    /// One of these words.
+    /// One of these names.
     Choice(&'static [&'static str]),
-    /// An integer in this range, ends included.
+    /// An integer between these two numbers, ends included.
     Whole(i64, i64),
     /// A finite number.
     Number(Range),

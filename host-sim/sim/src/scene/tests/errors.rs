@@ -86,7 +86,7 @@ fn wrong_units() {
         "[wall]\nsurface_deg = \"9\"",
         "s.toml:2: wall.surface_deg: wrong unit, this field is in rad; write surface_rad (1 ° = 0.0174532925199 rad)",
     );
-    // A unit that is none of this dimension, and one that is not known by size.
+    // Units of another dimension: no factor converts them.
     refused(
         "[wall]\nk_desired_n_per_mm = 5",
         "s.toml:2: wall.k_desired_n_per_mm: wrong unit, this field is in N·m/rad; \
@@ -308,7 +308,7 @@ fn text_that_is_no_toml() {
         "[wall]\nsurface_rad = 1\nsurface_rad = 2",
         "s.toml:3: surface_rad: not valid TOML: duplicate key; write key = value lines under [table] headings, text in quotes",
     );
-    // The words are the parser's, place and fix are ours.
+    // The TOML parser gives the words; this program adds place and remedy.
     let message = refusal("name = \"x\"\n[wall\nsurface_rad = 1");
     assert!(
         message.starts_with("s.toml:2: scene: not valid TOML: "),
@@ -346,7 +346,7 @@ fn late_errors_still_know_the_place() {
         message("law.device_damping_n_m_s_per_rad"),
         "s.toml:1: law.device_damping_n_m_s_per_rad: is too large; lower it"
     );
-    // Nothing of it was written: the first line.
+    // The text does not give the field, so the error names line 1.
     let later = parse("\n[law]\nk_soft_n_m_per_rad = 0.8").unwrap().error(
         "law.filter.mass_kg_m2",
         "is heavy",

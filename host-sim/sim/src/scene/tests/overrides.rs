@@ -45,7 +45,7 @@ fn full_paths_and_unambiguous_ends() {
 #[test]
 fn the_last_word_wins_and_the_check_comes_after_all() {
     assert_eq!(set(&["rate_hz=500", "rate_hz=2000"]).timing.rate_hz, 2000);
-    // In between the first two the break-away torque is too low.
+    // Before the last change, the break-away torque is below the kinetic friction.
     let friction = set(&["static_n_m=2e-3", "kinetic_n_m=3e-3", "static_n_m=4e-3"])
         .device
         .friction
@@ -104,7 +104,7 @@ fn grip_and_hand_replace_each_other() {
         (scene.operator.grip, scene.operator.hand),
         (Grip::Firm, None)
     );
-    // Another grip first: its values are the ones that the single value changes.
+    // The grip is changed first, and the single value then changes the values of the new grip.
     let scene = set(&["grip=light", "operator.hand.inertia_kg_m2=1e-5"]);
     assert_eq!(
         scene.operator.hand(),
@@ -233,7 +233,7 @@ fn a_change_in_code_is_checked_and_named_by_its_value() {
         refused.starts_with("wall.k_desired_n_m_per_rad = -7.0: must be"),
         "{refused}"
     );
-    // What was not changed is still where it was written.
+    // Fields that were not changed keep their line for error messages.
     let kept = stiffer.error("timing.duration_s", "no", "yes").to_string();
     assert_eq!(kept, "small.toml:3: timing.duration_s: no; yes");
 }

@@ -31,7 +31,7 @@ fn full_scenes() -> Vec<Scene> {
             angle_rad: -2.5,
             ..Turn::default()
         }),
-        // Any file that is there will do: its content is not read here.
+        // Any existing file will do, because its content is not read here.
         MotionSpec::Recorded(Recorded {
             scale: -2.0,
             offset_rad: 0.1,
@@ -243,7 +243,7 @@ fn every_word_of_a_choice_is_understood() {
         let Kind::Choice(words) = field.kind else {
             continue;
         };
-        // A grip or motion by its word alone needs companions, which other tests give it.
+        // A grip or motion needs further fields, so other tests cover it.
         for word in words
             .iter()
             .filter(|_| !field.path.starts_with("operator."))
@@ -300,14 +300,14 @@ fn a_bare_scene_has_the_defaults_and_no_effects() {
         (scene.timing.ticks(), scene.timing.period_s()),
         (3000, 1e-3)
     );
-    // A table alone asks for the effect with its defaults.
+    // A table without fields switches the effect on with its defaults.
     assert_eq!(
         parse("[encoder]").unwrap().encoder,
         Some(Encoder {
             counts_per_rev: 40_000.0
         })
     );
-    // A hand without a grip is a custom one, and what it leaves out is the medium hand's.
+    // A hand without a grip has the grip `custom`; values that it leaves out are those of the medium grip.
     let operator = parse("[operator.hand]\ninertia_kg_m2 = 1e-5")
         .unwrap()
         .operator;
@@ -455,7 +455,7 @@ fn a_setting_means_the_same_in_a_scene_and_on_a_device() {
             "{path} changes nothing, or what another changes"
         );
         seen.push(settings);
-        // And back: the scene that is printed has it too.
+        // The printed scene has the same value.
         assert_eq!(told(&parse(&scene.to_toml()).unwrap()), settings);
     }
 }

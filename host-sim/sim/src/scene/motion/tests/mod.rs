@@ -1,4 +1,4 @@
-//! Tests of the hand's motions and of reading recorded ones.
+//! Tests of the hand's motions and of reading recorded motions.
 
 mod recordings;
 mod recordings_as_people_have_them;

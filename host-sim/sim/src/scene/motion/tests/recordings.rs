@@ -52,7 +52,7 @@ fn other_columns_comments_and_order_do_not_matter() {
 
 #[test]
 fn the_programs_own_files_have_several_angles_and_one_of_them_is_meant() {
-    // A trace; a device's records, as they are written now and as they once were.
+    // A simulation's trace, a device's records, and a device's records in an older format.
     for (text, expected) in [
         (
             "time_s,angle_rad,velocity_rad_per_s,angle_measured_rad,hand_rad,rest_rad,force_n_m,surface_rad\n\
@@ -78,7 +78,7 @@ fn the_programs_own_files_have_several_angles_and_one_of_them_is_meant() {
         assert_eq!(recording.angles_rad(), expected, "{text}");
         assert_eq!(recording.times_s(), [0.0, 1.0], "{text}");
     }
-    // Elsewhere two angles are as unclear as ever.
+    // In other files two columns of angles are ambiguous.
     refused(
         "time_s,angle_rad,rest_rad\n0,1,1\n1,2,2\n",
         "m.csv:1: angle: both angle_rad and rest_rad look like it; keep one of the two columns",
@@ -214,7 +214,7 @@ fn a_recording_named_in_a_scene_lies_beside_it_and_is_placed_on_the_wall() {
     let note = motion.note().expect("a recording says what was chosen");
     let expected = "401 samples, 2.00 s at 200 Hz; rest point = surface 0.500 rad + offset 0.100 rad + -2 × (angle - mean 0.101 rad), \
                     from 0.201 to 1.001 rad, inside the wall 50 % of the time";
-    // The step between two samples is one that no hand makes.
+    // The step between two samples is faster than any hand.
     let odd = "; 80 rad/s near 1.000 s is faster than a hand";
     assert!(note.contains(&format!("{expected}{odd}")), "{note}");
 }
@@ -283,7 +283,7 @@ fn the_paddle_recording_drives_the_hand_in_and_out_of_the_wall() {
         .count();
     assert!(crossings >= 20, "in and out: {crossings} crossings");
 
-    // The curve stays near the samples: what 20 Hz takes from a hand is little.
+    // The curve stays near the samples, because a low-pass at 20 Hz hardly changes a hand's motion.
     let mean = recording.mean_rad();
     let samples = recording.times_s().iter().zip(recording.angles_rad());
     let off: Vec<f64> = samples
@@ -332,7 +332,7 @@ impl TempFolder {
 
 impl Drop for TempFolder {
     fn drop(&mut self) {
-        // Nothing hangs on it: a folder that stays is one in the system's temporary place.
+        // An error is ignored: the folder then stays in the system's temporary folder.
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }

@@ -113,7 +113,7 @@ fn rows_of_another_length_are_refused_by_their_line() {
         let error = read(text).unwrap_err();
         assert!(error.starts_with(expected), "{error}");
     }
-    // A comma at the end of every row is a spreadsheet's.
+    // Spreadsheets may write a comma at the end of every row.
     let found = read("time_s,angle_rad\n0,1,\n1,2,,\n").unwrap();
     assert_eq!(found.angles_rad(), [1.0, 2.0]);
 }
@@ -192,7 +192,7 @@ fn what_is_odd_is_noted_by_its_number() {
             "{expected}: {notes:?}"
         );
     }
-    // A sensor's step between two samples of a burst is no speed.
+    // A sensor's step between two samples of a burst must not count as a high speed.
     let steps = sine(angle, |n, x| {
         format!(
             "{},{}",
@@ -213,7 +213,7 @@ fn the_cost_does_not_depend_on_how_samples_bunch() {
         let begun = Instant::now();
         let curve = Curve::smooth(&times, &values);
         assert!((curve.at(1.0) - 0.5).abs() < 1e-12);
-        // Two million products, where it once was 10^11: no machine is that busy.
+        // The low-pass needs two million products, which take far less than the limit on any machine.
         assert!(
             begun.elapsed() < Duration::from_secs(20),
             "{apart_s} s apart"

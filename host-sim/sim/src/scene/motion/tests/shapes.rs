@@ -169,7 +169,7 @@ fn wiggling_moves_the_torque_by_its_amplitude_and_stops_before_the_hold() {
     let scene = scene("press-wiggle-release", &[]);
     let hand = scene.operator.hand().unwrap();
     let motion = motion(&scene);
-    // The static torque that the rest point stands for.
+    // Static torque that belongs to the rest point.
     let torque = |t: f64| (motion.rest_rad(t) - 0.5) / (hand.compliance_rad_per_n_m() + 1.0 / 5.0);
     let range = |from: f64, to: f64| {
         let torques = (0..=1000).map(|i| torque(from + (to - from) * f64::from(i) / 1000.0));
