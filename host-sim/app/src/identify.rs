@@ -1,4 +1,5 @@
-//! `touchstone identify`: a device's properties from swings, and Algorithm 2.1.
+//! `touchstone identify`: measures a simulated device's inertia, damping and friction from swings, and the usable damping by the
+//! thesis' Algorithm 2.1.
 
 use super::SceneOptions;
 use super::number::{self, measured};
@@ -8,7 +9,7 @@ use touchstone_lab::identify::{Bracket, Estimate, Mechanics, Search, Swings, ide
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::Scene;
 
-/// Options of `identify`.
+/// Options of `touchstone identify`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
     /// Name of a shipped scene or path of a scene's TOML file; its motion must have a hold.
@@ -16,28 +17,29 @@ pub struct Options {
     scene: String,
     #[command(flatten)]
     changes: SceneOptions,
-    /// Lower end of the interval, N·m·s/rad.
+    /// Lower end of the searched interval of damping, N·m·s/rad.
     #[arg(long, default_value_t = 0.0, value_name = "N_M_S_PER_RAD", allow_negative_numbers = true, value_parser = number::not_negative("in N·m·s/rad"))]
     low: f64,
-    /// Upper end of the interval, N·m·s/rad.
+    /// Upper end of the searched interval of damping, N·m·s/rad.
     #[arg(long, default_value_t = 2e-3, value_name = "N_M_S_PER_RAD", allow_negative_numbers = true, value_parser = number::not_negative("in N·m·s/rad"))]
     high: f64,
-    /// Bisections, 1 to 40.
+    /// Number of bisections of the damping interval, 1 to 40.
     #[arg(long, default_value_t = 12, allow_negative_numbers = true, value_parser = number::within(1_u32, 40, "of steps"))]
     steps: u32,
-    /// Torque by which the free device is swung, N·m.
+    /// Torque that swings the free device, N·m.
     #[arg(long, default_value_t = 0.05, value_name = "N_M", allow_negative_numbers = true, value_parser = number::not_negative("in N·m"))]
     push: f64,
 }
 
-/// Fields of the scene that the search replaces.
+/// Fields of the scene that the damping search overwrites, each with a description of the value that it writes. `--set` refuses
+/// these fields.
 const REPLACED: [(&str, &str); 3] = [
     ("law.kind", "a law"),
     ("law.device_damping_n_m_s_per_rad", "a damping"),
     ("wall.k_desired_n_m_per_rad", "a stiffness"),
 ];
 
-/// Runs the command.
+/// Runs `touchstone identify`.
 pub fn main(options: &Options) -> Result<()> {
     if options.high <= options.low {
         return Err(Error::Option {
@@ -137,7 +139,8 @@ pub fn main(options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Inertia, damping and friction of the free device.
+/// Measures inertia, damping and friction of the simulated device from swings outside the wall. The error names `--push` if the
+/// swings give no result.
 fn swings(scene: &Scene, options: &Options) -> Result<Mechanics> {
     let swings = Swings {
         torque_n_m: options.push,
@@ -152,7 +155,8 @@ fn swings(scene: &Scene, options: &Options) -> Result<Mechanics> {
     swing::mechanics(&done, scene.timing.period_s(), Torques::Exact).map_err(refused)
 }
 
-/// A bracket that says nothing.
+/// Error for a damping interval whose ends both give the same verdict, so that bisection finds no limit between the ends. Names the
+/// end to change.
 fn unchanged(bracket: Bracket, options: &Options) -> Error {
     let (option, problem, fix) = match bracket {
         Bracket::TooHigh => (

@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM: nothing half-made stays, and the exit code says so.
+//! Handles Ctrl-C and SIGTERM: removes half-written files and ends the program with exit code 130.
 
 use std::io::IsTerminal;
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use touchstone_lab::report::staging;
 use touchstone_sim::error::{Error, Result};
 
-/// Exit code after an interrupt: 128 and the number of SIGINT, as shells have it.
+/// Exit code after an interrupt: 128 plus 2, the number of SIGINT, as in shells.
 pub const INTERRUPTED: i32 = 130;
 
 /// Makes an interrupt remove the files being prepared and end the program.
@@ -14,7 +14,7 @@ pub fn clean_up() -> Result<()> {
     clean_up_keeping("interrupted: nothing half-written is left")
 }
 
-/// Same as [`clean_up`], for a command that keeps what it has done; says so where nothing had to be removed.
+/// Same as [`clean_up`], for a command that keeps its finished results; prints `words` if no half-written files had to be removed.
 pub fn clean_up_keeping(words: &'static str) -> Result<()> {
     handle(move || {
         staging::abandon(|removed| {
@@ -35,7 +35,7 @@ pub fn clean_up_keeping(words: &'static str) -> Result<()> {
     })
 }
 
-/// From here on an interrupt is only noted, for a loop that ends itself and leaves its device in order.
+/// Makes an interrupt only set the returned flag. A loop that polls the flag can then stop its device before it ends.
 pub fn noted() -> Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     let asked = Arc::clone(&stop);
@@ -53,7 +53,7 @@ fn handle(handler: impl FnMut() + Send + 'static) -> Result<()> {
     })
 }
 
-/// Removes what runs that were killed left where this report goes, and says so.
+/// Removes half-written folders that killed runs left beside this report's folder, and prints a note for each of them.
 pub fn sweep(folder: &std::path::Path) {
     for stale in staging::sweep(folder) {
         let place = stale.path.display();

@@ -1,12 +1,12 @@
-//! JSON schemas of the two files that a person writes, a scene and a device's settings, made from the tables that read them.
-//! `docs/schema/` holds their texts.
+//! JSON schemas of the two files that a user writes: a scene and a device's settings. They are made from the tables of fields that
+//! the file parsers use. `docs/schema/` holds the printed schemas.
 
 use serde_json::{Value, json};
 use touchstone_protocol::settings::fields;
 use touchstone_sim::scene::names;
 use touchstone_sim::scene::schema::{self as scene, Range};
 
-/// A setting file of a device, as `config import` takes it.
+/// JSON schema of a device's settings file, which `touchstone config import` reads.
 pub fn settings() -> Value {
     let leaves = fields::FIELDS.iter().map(|field| {
         let value = match field.kind {
@@ -24,7 +24,7 @@ pub fn settings() -> Value {
     file("Settings of a device of Touchstone", leaves)
 }
 
-/// A scene, as `run` takes it.
+/// JSON schema of a scene file, which `touchstone run` reads.
 pub fn scene() -> Value {
     let leaves = scene::FIELDS.iter().map(|field| {
         let value = match field.kind {
@@ -79,7 +79,7 @@ fn number(range: Range) -> Value {
     value
 }
 
-/// A bound of a table as JSON has it.
+/// Converts a field's limit to a JSON number: an integer if possible, else a float, else a string.
 fn exact(decimal: &impl std::fmt::Display) -> Value {
     let text = decimal.to_string();
     // By way of a number, so that it is written as all numbers are, however JSON's own values keep what was read.
@@ -96,7 +96,7 @@ fn described(mut value: Value, about: &str, unit: &str) -> Value {
     value
 }
 
-/// The schema of a file with these leaves; whatever is left out keeps its default.
+/// JSON schema of a file with these fields. All fields are optional: a field that the file omits has its default value.
 fn file(title: &str, leaves: impl Iterator<Item = (&'static str, Value)>) -> Value {
     let table = || json!({"type": "object", "additionalProperties": false, "properties": {}});
     let mut root = table();

@@ -1,14 +1,15 @@
-//! Names of laws, understood alike by every command.
+//! Names of control laws, which every command accepts in the same form.
 //!
-//! A scene calls the enhanced law `enhanced-sfa`, a scorecard calls it `enhanced`. Every `--law` takes both.
+//! A scene calls the enhanced law `enhanced-sfa`, a scorecard calls the same law `enhanced`. Every `--law` option accepts either
+//! name.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use touchstone_lab::scorecard::rivals::RIVALS;
 
-/// The enhanced law, as a scorecard names it and as a scene does.
+/// Names of the enhanced control law: first the one in a scorecard, second the one in a scene file.
 const ENHANCED: (&str, &str) = ("enhanced", "enhanced-sfa");
 
-/// Takes a law of the scorecard.
+/// Parser of a `--law` option that accepts the names of the control laws in a scorecard.
 pub fn of_scorecard() -> impl TypedValueParser<Value = String> {
     let names = RIVALS.map(|rival| match rival.name {
         name if name == ENHANCED.0 => PossibleValue::new(name).alias(ENHANCED.1),
@@ -20,7 +21,7 @@ pub fn of_scorecard() -> impl TypedValueParser<Value = String> {
     })
 }
 
-/// A law's name as a scene has it.
+/// Converts a control law's name to the name that a scene file uses.
 pub fn of_scene(name: String) -> String {
     match name {
         name if name == ENHANCED.0 => ENHANCED.1.to_owned(),

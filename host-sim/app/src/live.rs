@@ -1,4 +1,5 @@
-//! `touchstone live`: a scene under the mouse, in one file for any browser; or a board, through a page that is served.
+//! `touchstone live`: writes an HTML page that simulates a scene, with the mouse as the hand; or serves a page that shows a real
+//! board.
 
 use super::SceneOptions;
 use super::board_page;
@@ -21,7 +22,7 @@ use touchstone_sim::output;
 use touchstone_sim::scene::{MotionSpec, Scene};
 use touchstone_world::plant::OMEGA3_AXIS;
 
-/// Options of `live`.
+/// Options of `touchstone live`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
     /// Name of a shipped scene (see `touchstone scenes`) or path of a scene's TOML file.
@@ -29,7 +30,7 @@ pub struct Options {
     scene: String,
     #[command(flatten)]
     changes: SceneOptions,
-    /// File to write; one that is no such page is left alone.
+    /// HTML file to write; an existing file that is no such page is not replaced.
     #[arg(
         long,
         value_name = "PAGE.html",
@@ -37,22 +38,23 @@ pub struct Options {
         default_value_if("serial", "true", "touchstone-board.html")
     )]
     out: PathBuf,
-    /// Writes the page and does not open it.
+    /// Writes the page without opening it.
     #[arg(long)]
     no_open: bool,
     /// Shows a board instead: serial port (/dev/ttyACM0, COM3) or tcp:HOST:PORT. Serves a page to this machine alone, until Ctrl-C.
     #[arg(long, value_name = "PORT", conflicts_with_all = ["scene", "out", "SceneOptions"])]
     port: Option<Address>,
-    /// Writes a page for a board instead that has the port itself, without this program: for browsers with WebSerial (Chromium and its
-    /// kin).
+    /// Writes a page that connects to a board itself, without this program. Needs a browser with WebSerial (Chromium and
+    /// relatives).
     #[arg(long, conflicts_with_all = ["scene", "port", "SceneOptions"])]
     serial: bool,
-    /// Degrees of freedom. 3: a wall of three axes on a simulated omega.3; the object is then `plane`, `inclined` or `sphere`.
+    /// Degrees of freedom. 3: a wall in three axes on a simulated omega.3; give `plane`, `inclined` or `sphere` in place of a
+    /// scene.
     #[arg(long, value_name = "N", value_parser = ["1", "3"], conflicts_with_all = ["port", "serial", "SceneOptions"])]
     dof: Option<String>,
 }
 
-/// Writes the page, and opens it.
+/// Runs `touchstone live`: writes the page and opens it, or serves it for a board.
 pub fn main(options: &Options) -> Result<()> {
     if let Some(address) = &options.port {
         return board_page::main(address, !options.no_open);
@@ -83,7 +85,8 @@ pub fn main(options: &Options) -> Result<()> {
     finish(options, &page)
 }
 
-/// The page of three axes: the thesis' objects and laws (§5.2), the enhanced law at five times the critical stiffness at first.
+/// Text of the page for three axes, with the objects and control laws of the thesis (§5.2). It starts with the enhanced law at five
+/// times the critical stiffness.
 fn space(object: &str) -> Result<String> {
     let thesis = three_axes::settings(LawKind::EnhancedSfa, 25.0);
     let object = match object {
@@ -112,7 +115,7 @@ fn space(object: &str) -> Result<String> {
     Ok(space_page::render(&choice, &program_name()))
 }
 
-/// Writes the page, says where, and opens it.
+/// Writes the page, prints its path and opens the page in a browser.
 fn finish(options: &Options, page: &str) -> Result<()> {
     write(&options.out, page)?;
     let path = std::path::absolute(&options.out).unwrap_or_else(|_| options.out.clone());
@@ -129,7 +132,7 @@ fn finish(options: &Options, page: &str) -> Result<()> {
     Ok(())
 }
 
-/// The page without a scene, for a caller that puts its own into it.
+/// Text of the page without a scene. The caller inserts a scene of its own.
 pub fn page_without_scene() -> String {
     page::render(&Content {
         scene: "",
@@ -140,7 +143,8 @@ pub fn page_without_scene() -> String {
     })
 }
 
-/// The scene's words on the command line, without the options that are this page's own.
+/// Scene name and the options that change the scene, from this program's command line. Leaves out options that concern only the
+/// page, such as `--out`.
 fn source(scene: &str, command: &str) -> String {
     let mut words = command
         .split_whitespace()
@@ -158,7 +162,7 @@ fn source(scene: &str, command: &str) -> String {
     kept.join(" ")
 }
 
-/// A scene without its recording, which a page cannot read: the mouse moves the hand instead.
+/// Replaces a recorded hand motion in the scene, because the page cannot read files: the mouse moves the hand instead.
 fn without_files(scene: Scene) -> Result<Scene> {
     if !matches!(scene.operator.motion, MotionSpec::Recorded(_)) {
         return Ok(scene);

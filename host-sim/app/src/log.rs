@@ -1,4 +1,4 @@
-//! `touchstone log`: the log of the program on a board, through its probe.
+//! `touchstone log`: prints the log messages of the firmware on a board, read through its debug probe.
 
 use super::flash::{self, BoardName, Job};
 use super::{interrupt, number, out};
@@ -8,18 +8,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 use touchstone_sim::error::Result;
 
-/// Options of `log`.
+/// Options of `touchstone log`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// The program that runs there; without it, the one that `touchstone flash` would write.
+    /// ELF file of the firmware on the board; without it, the one that `touchstone flash` would write.
     elf: Option<PathBuf>,
-    /// The board.
+    /// Name of the board.
     #[arg(long)]
     board: BoardName,
-    /// The probe if there are several: VID:PID or VID:PID:SERIAL, as `touchstone doctor` shows it.
+    /// Debug probe, if several are connected: VID:PID or VID:PID:SERIAL, as `touchstone doctor` shows it.
     #[arg(long, value_name = "PROBE")]
     probe: Option<String>,
-    /// Says of each message where in the sources it stands (the program probe-rs always does).
+    /// Prints the source file and line of each message (the external program probe-rs always does).
     #[arg(long)]
     locations: bool,
     /// Ends after this many seconds; without this option, at Ctrl-C.
@@ -27,14 +27,14 @@ pub struct Options {
     seconds: Option<f64>,
 }
 
-/// A log that is being shown.
+/// State of the log while the program prints it.
 #[derive(Debug)]
 pub struct Log {
-    /// Set by Ctrl-C.
+    /// True after Ctrl-C; printing then ends.
     pub stop: Arc<AtomicBool>,
     /// Time at which the log was opened.
     pub begun: Instant,
-    /// Whether messages come with their places in the sources.
+    /// Whether each message is printed with its source file and line.
     #[cfg_attr(
         not(feature = "probe"),
         expect(dead_code, reason = "the program says them always")
@@ -44,7 +44,7 @@ pub struct Log {
 }
 
 impl Log {
-    /// A log that ends when this flag is set.
+    /// Creates a log that ends when `stop` is set.
     pub fn until(stop: Arc<AtomicBool>) -> Self {
         Self {
             stop,
@@ -54,7 +54,7 @@ impl Log {
         }
     }
 
-    /// Whether to go on: the log is still wanted, and standard output is still read.
+    /// Whether to continue printing: the stop flag is not set, the time limit has not passed, and standard output is still open.
     pub fn goes_on(&self) -> bool {
         let elapsed_s = self.begun.elapsed().as_secs_f64();
         !self.stop.load(Ordering::Relaxed)
@@ -63,7 +63,7 @@ impl Log {
     }
 }
 
-/// Runs the command.
+/// Runs `touchstone log`.
 pub fn main(options: &Options) -> Result<()> {
     let job = Job::new(options.board, options.elf.clone(), options.probe.as_deref())?;
     let log = Log {

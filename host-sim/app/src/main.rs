@@ -56,7 +56,7 @@ use std::process::ExitCode;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{self, Scene};
 
-/// Text on exit codes in the help of the program and of every command that can end with 3.
+/// Help text on exit codes, for the program and for every command that can end with exit code 3.
 const EXIT_CODES: &str = "\
 Exit codes:
   0    done
@@ -65,16 +65,16 @@ Exit codes:
   3    done, but something that was asked of the run does not hold (--expect and the like, a hard case, a tuning, a family)
   130  interrupted: nothing half-written is left";
 
-/// Hard virtual walls: simulate them, compare control laws, and see what holds.
+/// Hard virtual walls: simulate them, compare control laws, and see which walls are stable.
 ///
-/// Without a command it runs the thesis' comparison.
+/// Without a command, runs the comparison of the thesis.
 #[derive(Debug, Parser)]
 #[command(version, about, propagate_version = true, after_help = EXIT_CODES)]
 struct Cli {
     /// Prints the result as JSON, for programs.
     #[arg(long, global = true)]
     json: bool,
-    /// Prints no progress, notes, warnings and summaries: only errors, and explicitly wanted output.
+    /// Prints only errors and output that an option requests; no progress, notes, warnings or summaries.
     #[arg(long, short, global = true)]
     quiet: bool,
     #[command(subcommand)]
@@ -83,72 +83,73 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// The thesis' comparison of five laws at four stiffnesses, with an HTML report (the default).
+    /// Compares five control laws at four stiffnesses as in the thesis, and writes an HTML report (the default).
     Thesis(thesis::Options),
-    /// Runs one scene.
+    /// Simulates one scene and prints its results.
     Run(run::Options),
-    /// A scene under the mouse: writes one page for any browser, and opens it; with --port, a board in the browser.
+    /// Writes a page that simulates a scene under the mouse, and opens it; with --port, shows a board in the browser.
     Live(live::Options),
-    /// A simulated knob to try without a board: in the browser, or at a port for every command that speaks to a board.
+    /// Simulates a knob to try without a board: in the browser, or at a port for every command that connects to a board.
     Demo(demo::Options),
-    /// Measures inertia, damping and friction of a simulated device, and what FBA may count on (Algorithm 2.1).
+    /// Measures inertia, damping and friction of a simulated device, and the damping that FBA may assume (Algorithm 2.1).
     Identify(identify::Options),
-    /// Says whether a wall is stable, for which hands, and by which margins, without a run.
+    /// Computes whether a wall is stable, for which hands, and by which margins, without a simulation run.
     Certify(certify::Options),
-    /// Shows how a scene's run is built: states, eigenvalues, substeps, what each effect costs, and which omitted one
+    /// Shows how a scene's run is built: states, eigenvalues, substeps, the computing time of each effect, and which omitted effect
     /// would matter.
     Plan(plan::Options),
-    /// Shows what accuracy costs in time: integrators, number formats, control rates and encoders, each against a reference.
+    /// Shows accuracy against computing time: integrators, number formats, control rates and encoders, each against a reference.
     Accuracy(accuracy::Options),
-    /// Runs the hard cases, each against a known answer, and shows the smallest margin.
+    /// Runs the hard test cases, each against a known answer, and shows the smallest margin.
     Hard(hard::Options),
-    /// Any two settings of a scene against any measure of its run: a map with the lines of theory, in parts and with pauses if need be.
+    /// Varies any two settings of a scene and draws measures of its runs as a map, with the stability limits of theory.
     Sweep(sweep::Options),
-    /// Draws where a tuned wall ends, over damping and delay, from runs and from certificates: is the limit inertia or damping?
+    /// Draws the stability limit of a tuned wall over damping and delay, from runs and from certificates.
     Boundary(boundary::Options),
-    /// Compares laws by what a hand feels of a wall: one row a law, on the nominal device and on varied ones.
+    /// Compares control laws by what a hand feels of a wall: one table row per law, on the nominal device and on varied ones.
     Scorecard(scorecard::Options),
-    /// Finds settings of a law for a device: the best worst figure of its scorecard.
+    /// Finds the settings of a control law for a device that make the worst figure of its scorecard best.
     Tune(tune::Options),
     /// Lists the scenes that come with the program.
     Scenes {
-        /// Prints the JSON schema of a scene instead.
+        /// Prints the JSON schema of a scene file instead.
         #[arg(long)]
         json_schema: bool,
     },
-    /// Lists what a knob can feel like: detents, switches, dials, each a short scene to run, to change and to send to a board.
+    /// Lists haptic effects of a knob: detents, switches, dials, each a short scene to run, to change and to send to a board.
     Feels,
-    /// From a connected board to a tuned wall: measures motor and knob, tunes, keeps; goes on where it was interrupted. THE SHAFT SPINS.
+    /// Sets up a connected board: measures motor and knob, tunes the wall, saves the settings; resumes if interrupted. THE SHAFT
+    /// SPINS.
     Setup(setup::Options),
-    /// Compares a recording of a device with its simulation: where they differ, and which property of the knob would
-    /// explain it.
+    /// Compares a recording of a device with its simulation: where they differ, and which property of the knob would explain the
+    /// difference.
     Compare(compare::Options),
-    /// Writes the firmware into a board, through its probe.
+    /// Writes the firmware to a board, through its debug probe.
     Flash(flash::Options),
-    /// Shows the log of the program on a board, through its probe, while it runs.
+    /// Prints the log of the firmware on a board, through its debug probe, while it runs.
     Log(log::Options),
-    /// Prints a line whenever the position of a knob changes, as text or JSON, for programs.
+    /// Prints a line, text or JSON, whenever the position of a knob changes.
     Events(events::Options),
     /// Makes a board look like a SmartKnob, on a pseudo terminal, for programs that were written for one.
     #[cfg(unix)]
     Bridge(bridge::Options),
-    /// Shows what a device measures and does, live; keeps every control tick as CSV.
+    /// Shows a device's measurements and commands live; with --csv, writes every control tick to a file.
     Monitor(monitor::Options),
-    /// Reads, changes and keeps a device's settings.
+    /// Reads, changes and saves a device's settings.
     Config(config::Options),
-    /// Commands a board, and reads its state, its fault and the second before it; plays a wall on a haptic device
-    /// without a law of its own.
+    /// Commands a board, and reads its state, its fault and the second before the fault; renders a wall on a haptic device that has
+    /// no control law of its own.
     Device(device::Options),
-    /// Looks for everything that a board needs, and shows what is missing and how to get it.
+    /// Checks for everything that a board needs, and shows what is missing and how to get it.
     Doctor(doctor::Options),
-    /// Prints completions for a shell.
+    /// Prints the completion script for a shell.
     Completions(shell::Completions),
-    /// Prints the manual's page, or writes those of all commands to a folder.
+    /// Prints the program's manual page, or writes the pages of all commands to a folder.
     Man(shell::Man),
 }
 
 impl Command {
-    /// Refuses `--json` where there is nothing to print as JSON, instead of ignoring it.
+    /// Returns an error if `--json` is given to a command that prints nothing as JSON.
     fn as_json(&self) -> Result<()> {
         let (command, fix) = match self {
             Command::Flash(_) => ("flash", "leave it out: its exit code says all"),
@@ -171,7 +172,7 @@ impl Command {
     }
 }
 
-/// Runs the program; [`EXIT_CODES`] says how it ends.
+/// Runs the program; [`EXIT_CODES`] explains the exit codes.
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
@@ -257,7 +258,7 @@ fn feels() -> Result<()> {
     listed("feels", &described(scene::feels())?, &ways)
 }
 
-/// Shipped scenes with what they show.
+/// Names of shipped scenes, each with its description.
 fn described(names: Vec<&'static str>) -> Result<Vec<(&'static str, String)>> {
     let scenes = names.into_iter();
     scenes
@@ -265,7 +266,7 @@ fn described(names: Vec<&'static str>) -> Result<Vec<(&'static str, String)>> {
         .collect()
 }
 
-/// A list of scenes, and what one can do with each.
+/// Prints a list of scenes and the commands that use them.
 fn listed(what: &str, scenes: &[(&str, String)], ways: &[&str]) -> Result<()> {
     let entry = |(name, description): &(&str, String)| serde_json::json!({ "name": name, "description": description });
     out::result(

@@ -1,4 +1,4 @@
-//! `touchstone monitor`: what a device measures and does, live; every control tick as CSV.
+//! `touchstone monitor`: prints a device's measurements and commands live, and writes every control tick as CSV.
 
 use super::device::note_silence;
 use super::number;
@@ -23,12 +23,12 @@ use touchstone_sim::output;
 /// Time between two updates of the line on a terminal; without a terminal, one line per second is printed.
 const LIVE: Duration = Duration::from_millis(100);
 const LOGGED: Duration = Duration::from_secs(1);
-/// Options of `monitor`.
+/// Options of `touchstone monitor`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
     #[command(flatten)]
     port: PortOption,
-    /// Keeps every record that arrives as CSV.
+    /// Writes every received record to this CSV file.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     #[command(flatten)]
@@ -36,12 +36,12 @@ pub struct Options {
     /// Ends after this many seconds; without this option, at Ctrl-C.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
     seconds: Option<f64>,
-    /// One record every given number of control ticks.
+    /// Number of control ticks per record.
     #[arg(long, value_name = "TICKS", default_value_t = 1, allow_negative_numbers = true, value_parser = number::within(1_u16, 1000, "of ticks"))]
     decimation: u16,
 }
 
-/// Runs the command.
+/// Runs `touchstone monitor`.
 pub fn main(options: &Options) -> Result<()> {
     // Ends the loop, so that the file is whole and the device goes back to what it sent before.
     let stop = super::interrupt::noted()?;
@@ -101,7 +101,7 @@ pub fn main(options: &Options) -> Result<()> {
     )
 }
 
-/// Number of records lost so far because the device's port was too slow.
+/// Number of records that the device has dropped so far because its port was too slow.
 fn dropped(client: &mut Client) -> Result<u32> {
     match client.ask(&Request::Counters)? {
         Reply::Counters(counters) => Ok(counters.telemetry_dropped),
@@ -177,7 +177,7 @@ fn line(record: &Telemetry, lost: u64) -> String {
     )
 }
 
-/// Names of the active limits.
+/// Names of the device's limits that are active, from the bits of a telemetry record.
 fn limits(bits: u8) -> String {
     let limits = Limits::from_wire(bits);
     let names: Vec<String> = Limit::ALL
@@ -188,7 +188,7 @@ fn limits(bits: u8) -> String {
     names.join("+")
 }
 
-/// Columns of the CSV file. A column that a simulated run's trace also has bears the same name.
+/// Columns of the CSV file. A quantity that also occurs in a simulated run's trace has the same column name there.
 const COLUMNS: [&str; 13] = [
     "tick",
     "time_s",
@@ -205,19 +205,19 @@ const COLUMNS: [&str; 13] = [
     "current_q_a",
 ];
 
-/// Writes all records as CSV.
+/// Writes all telemetry records as CSV rows.
 struct Table<'a> {
     file: csv::Writer<File>,
     place: Named<'a>,
     rate_hz: u32,
     first: Option<u32>,
-    /// Number of rows that are not in the file yet.
+    /// Number of CSV rows in the buffer that are not yet written to the file.
     waiting: u32,
 }
 
-/// Number of rows written in one piece, so that an interrupted program leaves no incomplete row.
+/// Number of CSV rows per write, so that an interrupted program leaves no incomplete row.
 const ROWS_AT_ONCE: u32 = 128;
-/// Size of the buffer in bytes, for twice as many rows as are written at once.
+/// Size of the row buffer in bytes: room for twice as many rows as one write has.
 const ROOM: usize = 1 << 16;
 
 impl<'a> Table<'a> {
@@ -240,7 +240,7 @@ impl<'a> Table<'a> {
         Ok(table)
     }
 
-    /// Numbers in full: the decimal text of a fixed-point number is exact.
+    /// Adds a record as one row, with all digits: the decimal text of a fixed-point number is exact.
     fn take(&mut self, record: &Telemetry) -> Result<()> {
         let first = *self.first.get_or_insert(record.tick);
         let time = f64::from(record.tick.wrapping_sub(first)) / f64::from(self.rate_hz);
@@ -284,7 +284,8 @@ mod tests {
     use super::{COLUMNS, Named, Table, Telemetry};
     use touchstone_protocol::Decimal;
 
-    /// 30,000 records of nothing, then one that pushes: no column is taken for integers, or for texts.
+    /// Other programs must read each column as decimals, not as integers or text, even if 30,000 records of zeros come before the
+    /// first record with a force.
     #[test]
     fn others_read_what_a_monitor_keeps() {
         use fixed::types::I8F24;

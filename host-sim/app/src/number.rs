@@ -1,4 +1,4 @@
-//! Numbers of options, each with one range that its help and its errors name alike.
+//! Parsers of numeric options. Each checks a range, which the help text and the error message state alike.
 
 use std::fmt::Display;
 use std::str::FromStr;
@@ -6,7 +6,8 @@ use std::str::FromStr;
 /// A measured quantity below this value in its SI unit is only rounding error.
 const ROUNDING: f64 = 1e-15;
 
-/// A measured quantity for people, with this many digits after the first; a rest of rounding is shown as 0.
+/// Formats a measured quantity for people, with this many digits after the decimal point. A value that is only rounding error is
+/// shown as 0.
 pub fn measured(value: f64, digits: usize) -> String {
     if value.abs() < ROUNDING {
         return "0".into();
@@ -14,7 +15,7 @@ pub fn measured(value: f64, digits: usize) -> String {
     format!("{value:.digits$e}")
 }
 
-/// A number in a range, for `value_parser`.
+/// Parser of a number from `least` to `most`, for clap's `value_parser`.
 pub fn within<T>(
     least: T,
     most: T,
@@ -30,7 +31,7 @@ where
     )
 }
 
-/// A finite number of 0 or more, for `value_parser`.
+/// Parser of a finite number of 0 or more, for clap's `value_parser`.
 pub fn not_negative(
     unit: &'static str,
 ) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
@@ -39,7 +40,7 @@ pub fn not_negative(
     })
 }
 
-/// A number above 0 and at most this, for `value_parser`.
+/// Parser of a number above 0 and at most the given limit, for clap's `value_parser`.
 pub fn up_to(
     most: f64,
     unit: &'static str,

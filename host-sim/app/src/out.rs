@@ -1,4 +1,4 @@
-//! The program's output by kind; `--quiet` and `--json` suppress some kinds.
+//! Output of the program, sorted into results, progress, notes and errors; `--quiet` and `--json` suppress some of it.
 
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write};
@@ -6,40 +6,41 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::harmless::is_harmful;
 
-/// A reader has gone away.
+/// True after the reader of standard output has closed the pipe.
 static CLOSED: AtomicBool = AtomicBool::new(false);
-/// `--json`.
+/// Whether the option `--json` was given.
 static JSON: AtomicBool = AtomicBool::new(false);
-/// `--quiet`.
+/// Whether the option `--quiet` was given.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// Takes `--json` and `--quiet`, once, before anything is printed.
+/// Stores the options `--json` and `--quiet`; called once, before anything is printed.
 pub fn choose(json: bool, quiet: bool) {
     JSON.store(json, Ordering::Relaxed);
     QUIET.store(quiet, Ordering::Relaxed);
 }
 
-/// Whether the result is wanted as JSON.
+/// Whether the option `--json` was given, so that the result is printed as JSON.
 pub fn json() -> bool {
     JSON.load(Ordering::Relaxed)
 }
 
-/// Whether progress, notes and summaries are unwanted.
+/// Whether progress, notes and summaries are suppressed.
 pub fn quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// Whether standard output is still read; prints nothing.
+/// Whether the reader of standard output is still there. This check prints nothing.
 pub fn is_read() -> bool {
     !CLOSED.load(Ordering::Relaxed)
 }
 
-/// Prints what is [`shown`] of a text. A reader that has had enough (`| head`) is no error, and must not keep a report from being written.
+/// Prints a text on standard output, with harmful characters replaced by [`shown`]. A reader that closes the pipe early (`| head`)
+/// causes no error, so that the report is still written.
 pub fn print(text: Arguments<'_>) -> Result<()> {
     put(&shown(&text.to_string()))
 }
 
-/// Prints a line over the one that was printed last; with `ends` it stays.
+/// Prints a line in place of the last printed line on a terminal. With `ends`, the next output begins on a new line.
 pub fn print_over(line: &str, ends: bool) -> Result<()> {
     put(&format!(
         "\r{}{}",
@@ -64,7 +65,7 @@ fn put(text: &str) -> Result<()> {
     }
 }
 
-/// Prints a result for programs, if that is wanted; otherwise what `people` prints.
+/// Prints the result as JSON if `--json` was given; otherwise calls `people`, which prints the result as text.
 pub fn result(
     value: impl FnOnce() -> serde_json::Value,
     people: impl FnOnce() -> Result<()>,
@@ -75,7 +76,8 @@ pub fn result(
     }
 }
 
-/// JSON in lines, with each letter that a terminal would obey as JSON's own escape: the value is the same.
+/// JSON text of a value, with indented lines. Characters that a terminal would execute are written as JSON escapes, which keeps the
+/// value the same.
 pub fn json_text(value: &serde_json::Value) -> String {
     let mut text = String::new();
     for letter in format!("{value:#}").chars() {
@@ -88,8 +90,8 @@ pub fn json_text(value: &serde_json::Value) -> String {
     text
 }
 
-/// A text as it may come to a terminal or a log: names and texts from files, boards and services may have control characters, which a
-/// terminal would obey.
+/// Replaces control characters, except line ends and tabs, by U+FFFD. Texts from files, boards and services may have control
+/// characters, which a terminal would execute.
 pub fn shown(text: &str) -> String {
     let harmless = |letter: char| match letter {
         '\n' | '\t' => letter,
@@ -99,7 +101,7 @@ pub fn shown(text: &str) -> String {
     text.chars().map(harmless).collect()
 }
 
-/// `println!` without its panic, for a command's wanted output.
+/// Same as `println!`, without a panic on a closed pipe; for the output that a command is run for.
 macro_rules! say {
     ($($text:tt)*) => { $crate::out::print(format_args!("{}\n", format_args!($($text)*)))? };
 }
@@ -107,7 +109,7 @@ macro_rules! say {
 macro_rules! tell {
     ($($text:tt)*) => { if !$crate::out::json() && !$crate::out::quiet() { $crate::out::say!($($text)*) } };
 }
-/// A note or a warning, on standard error.
+/// Prints a note or a warning on standard error.
 macro_rules! note {
     ($($text:tt)*) => { if !$crate::out::quiet() { eprintln!("{}", $crate::out::shown(&format!($($text)*))) } };
 }

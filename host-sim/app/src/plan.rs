@@ -1,4 +1,4 @@
-//! `touchstone plan`: how a scene's run is built, what it costs, and what it leaves out.
+//! `touchstone plan`: prints how a scene's run is built, its computing time, and which effects the scene leaves out.
 
 use super::SceneOptions;
 use super::out::{json, say};
@@ -7,17 +7,17 @@ use super::report_options::program;
 use touchstone_lab::plan::{Asked, plan, steps, table};
 use touchstone_sim::error::{Error, Result};
 
-/// Options of `plan`.
+/// Options of `touchstone plan`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
     /// Name of a shipped scene or path of a scene's TOML file.
     scene: String,
     #[command(flatten)]
     changes: SceneOptions,
-    /// Share by which an omitted effect may move an output before it is listed.
+    /// Relative change of an output above which an omitted effect is listed, as a fraction.
     #[arg(long, value_name = "SHARE", default_value_t = Asked::default().tolerance)]
     tolerance: f64,
-    /// Measures no times, so that the output is the same on every machine.
+    /// Measures no computing times, so that the output is the same on every machine.
     #[arg(long)]
     no_times: bool,
     /// Does not list the effects that the scene leaves out.
@@ -25,7 +25,7 @@ pub struct Options {
     no_omitted: bool,
 }
 
-/// Runs the command.
+/// Runs `touchstone plan`.
 pub fn main(options: &Options) -> Result<()> {
     let tolerance = options.tolerance;
     if !(tolerance >= 0.0 && tolerance.is_finite()) {

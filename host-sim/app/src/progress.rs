@@ -1,9 +1,9 @@
-//! A progress bar on standard error, where that is a terminal.
+//! Progress bar on standard error, shown only if standard error is a terminal.
 
 use super::out::quiet;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A bar of this many steps; hidden with `--quiet` and `--json`.
+/// Creates a progress bar with this many steps; `--quiet` and `--json` hide it.
 pub fn bar(steps: u64, message: &'static str) -> ProgressBar {
     let bar = ProgressBar::new(steps).with_style(style());
     if quiet() {

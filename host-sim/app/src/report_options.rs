@@ -3,22 +3,22 @@
 use super::number;
 use touchstone_lab::report::{FileOptions, PARQUET, ProgramVersion};
 
-/// Options on the files of a report's folder.
+/// Options for the files in a report's folder.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub struct ReportOptions {
-    /// Writes traces as Parquet alone, a tenth of the size; needs a program with that feature.
+    /// Writes traces as Parquet only, a tenth of the size of CSV; needs a program built with Parquet.
     #[arg(long, value_parser = parquet_alone)]
     no_csv: bool,
-    /// Writes each Nth tick into traces; the figures show all.
+    /// Writes only every Nth tick to traces; the figures show all ticks.
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = number::within(1_u32, u32::MAX, "of ticks"))]
     every: u32,
-    /// Replaces what another command left in the folder.
+    /// Replaces files that another command left in the folder.
     #[arg(long)]
     force: bool,
 }
 
 impl ReportOptions {
-    /// Files for the report.
+    /// Converts these options to the settings of the report writer.
     pub fn files(&self) -> FileOptions {
         FileOptions {
             no_csv: self.no_csv,
@@ -28,7 +28,7 @@ impl ReportOptions {
     }
 }
 
-/// `--no-csv` leaves nothing where there is no Parquet.
+/// Parses `--no-csv`. Error: the program was built without Parquet, so that no traces would be written.
 fn parquet_alone(word: &str) -> Result<bool, String> {
     match (word, PARQUET) {
         ("true", false) => Err(
@@ -38,7 +38,7 @@ fn parquet_alone(word: &str) -> Result<bool, String> {
     }
 }
 
-/// This program, with the commit that it was built from.
+/// Version of this program, the Git commit that it was built from, and whether the sources were modified.
 pub fn program() -> ProgramVersion {
     ProgramVersion {
         version: env!("CARGO_PKG_VERSION"),
@@ -48,7 +48,7 @@ pub fn program() -> ProgramVersion {
     }
 }
 
-/// Name, version and commit of this program.
+/// Text with name, version and commit of this program.
 pub fn program_name() -> String {
     let program = program();
     let commit = program.commit.map(|commit| format!(", commit {commit}"));

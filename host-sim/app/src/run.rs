@@ -1,4 +1,4 @@
-//! `touchstone run`: one scene.
+//! `touchstone run`: simulates one scene.
 
 use super::expect::{self, Expectations};
 use super::out::{json, note, print, say, tell};
@@ -13,7 +13,7 @@ use touchstone_sim::run::record::Run;
 use touchstone_sim::run::work::Work;
 use touchstone_sim::scene::{self, RestPath};
 
-/// Options of `run`.
+/// Options of `touchstone run`.
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = EXIT_CODES)]
 pub struct Options {
@@ -26,14 +26,14 @@ pub struct Options {
     out: Option<PathBuf>,
     #[command(flatten)]
     report: ReportOptions,
-    /// Prints the scene with all its values and defaults, and runs nothing.
+    /// Prints the scene with all its values and defaults, without simulating it.
     #[arg(long)]
     print: bool,
     #[command(flatten)]
     expectations: Expectations,
 }
 
-/// Runs the command.
+/// Runs `touchstone run`.
 pub fn main(options: &Options) -> Result<ExitCode> {
     let strict = options.changes.strict_passive();
     if let Some(scene) = space_scene::read(&options.scene)? {
@@ -112,7 +112,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     checked.conclude()
 }
 
-/// Runs the scene; where that may take long, with a bar.
+/// Simulates the scene; shows a progress bar if the run may take long.
 fn played(scene: &scene::Scene, with_trace: bool) -> Result<Run> {
     let work = Work::of(scene);
     if !work.is_long() {

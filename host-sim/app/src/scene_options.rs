@@ -1,4 +1,4 @@
-//! Options that change a scene.
+//! Command-line options that change a scene.
 
 use super::out::note;
 use clap::builder::{PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser};
@@ -8,7 +8,8 @@ use touchstone_sim::run::work::Work;
 use touchstone_sim::run::{self as runner, passivity};
 use touchstone_sim::scene::{Preset, Scene, choices, path_of};
 
-/// The words of a field, for help and completions; the scene itself refuses any other word, as it does in a file.
+/// Parser of an option for the scene field of this path. It lists the field's allowed values in help and completions; the scene
+/// itself rejects other values, as in a file.
 #[derive(Debug, Clone, Copy)]
 struct Words(&'static str);
 
@@ -33,7 +34,7 @@ impl TypedValueParser for Words {
     }
 }
 
-/// Options that change a scene, the same for every command that takes one.
+/// Options that change a scene, the same for every command that reads one.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct SceneOptions {
     /// Control law.
@@ -42,26 +43,25 @@ pub struct SceneOptions {
     /// Desired stiffness k_de, N·m/rad.
     #[arg(long, value_name = "N_M_PER_RAD", allow_negative_numbers = true)]
     k_desired: Option<String>,
-    /// Method by which device and hand cross a tick; all but `exact`, the default, divide it into `plant.substeps`.
+    /// Integration method for device and hand within a tick; all but `exact`, the default, divide a tick into `plant.substeps`.
     #[arg(long, value_parser = Words("plant.integrator"))]
     integrator: Option<String>,
-    /// The parameters of the law that the scene does not write itself: tuned, on estimated states, behind the energy guard
-    /// (shipped); or below the thesis' own bounds, on measured states, without a guard (thesis).
+    /// Default parameters of the control law, for those that the scene leaves out. shipped: tuned, on estimated states, with the
+    /// energy guard; thesis: below the thesis' own bounds, on measured states, without a guard.
     #[arg(long, value_name = "NAME", default_value = "shipped", value_parser = preset())]
     preset: Preset,
-    /// Takes rate, stiffness and law from a file of settings, as `touchstone tune --out` writes it; --set and the like change them
-    /// afterwards.
+    /// Reads rate, stiffness and law from a settings file, as `touchstone tune --out` writes it; --set and the like override it.
     #[arg(long, value_name = "FILE.toml")]
     settings: Option<std::path::PathBuf>,
     /// Changes a field of the scene, e.g. device.inertia_kg_m2=2e-4; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
-    /// Moves the hand by a recording: CSV with a time and an angle column, their units in the header. A trace of a run and a file
-    /// of `monitor` are such recordings.
+    /// Moves the hand by a recording: CSV with a time and an angle column, units in the header. Traces of a run and files of
+    /// `monitor` are such recordings.
     #[arg(long, value_name = "FILE.csv")]
     operator_motion: Option<std::path::PathBuf>,
-    /// Refuses a law beyond its own passivity bounds instead of warning of it (a spring: k_de <= 2 c_i/T; with virtual damping B:
-    /// k_de < 2 (c_i - B)/T; the enhanced law: no energy credit), and ends with 3 where the user's port gives energy.
+    /// Rejects a law beyond its own passivity bounds instead of warning (a spring: k_de <= 2 c_i/T; with virtual damping B: k_de <
+    /// 2 (c_i - B)/T; the enhanced law: no energy credit), and ends with 3 if the wall gives energy to the user.
     #[arg(long)]
     strict_passive: bool,
 }
@@ -72,7 +72,7 @@ impl SceneOptions {
         self.strict_passive
     }
 
-    /// The first option that was given, of those that change a scene.
+    /// Name of the first option on this list that the user gave; `None` if no option changes the scene.
     pub fn first_given(&self) -> Option<&'static str> {
         let given = [
             ("--law", self.law.is_some()),
@@ -88,7 +88,7 @@ impl SceneOptions {
         first.map(|(option, _)| option)
     }
 
-    /// Refuses a change of a field that the command itself replaces, see [`refuse_replaced`].
+    /// Returns an error if an option changes a field that the command itself replaces, see [`refuse_replaced`].
     pub fn refuse_replaced(&self, command: &str, replaced: &[(&str, &str)]) -> Result<()> {
         refuse_replaced(command, &self.sets, replaced)?;
         let options = [
@@ -103,7 +103,8 @@ impl SceneOptions {
         Ok(())
     }
 
-    /// The scene with the options applied and its law checked. Warnings go to standard error.
+    /// Reads a scene, applies the options and checks the control law. Returns the scene and its warnings, which are also printed on
+    /// standard error.
     pub fn load(&self, name: &str) -> Result<(Scene, Vec<String>)> {
         let mut scene = Scene::load(name)?;
         if let Some(file) = &self.operator_motion {
@@ -128,13 +129,13 @@ impl SceneOptions {
     }
 }
 
-/// A preset by its word.
+/// Parser of the option `--preset`.
 fn preset() -> impl TypedValueParser<Value = Preset> {
     PossibleValuesParser::new(Preset::WORDS).map(|word| Preset::of_word(&word).unwrap_or_default())
 }
 
-/// Refuses a `--set` of a field or table that a command itself replaces, since it would be lost silently. The error
-/// says what the command puts there.
+/// Returns an error if `--set` names a field or table that the command itself overwrites, because the user's value would be lost.
+/// The error says which value the command writes there.
 pub fn refuse_replaced(command: &str, sets: &[String], replaced: &[(&str, &str)]) -> Result<()> {
     for set in sets {
         let key = set.split('=').next().unwrap_or_default().trim();
@@ -160,7 +161,8 @@ fn lost(command: &str, option: &str, what: &str) -> Error {
     }
 }
 
-/// Checks the scene's law; prints what leaves a passivity bound, or refuses it.
+/// Checks the scene's control law. Prints and returns a warning for each passivity bound that is exceeded; with `strict`, returns
+/// an error instead.
 pub fn check(scene: &Scene, strict: bool) -> Result<Vec<String>> {
     runner::plan::control(scene)?;
     if let (true, Some(refusal)) = (strict, passivity::refusal(scene)?) {
@@ -179,7 +181,7 @@ pub fn check(scene: &Scene, strict: bool) -> Result<Vec<String>> {
     Ok(said)
 }
 
-/// The warning as a refusal, which names the option that made it one.
+/// Adds to an error message that the user may leave out `--strict-passive`.
 fn strictly(mut message: Error) -> Error {
     let (Error::File { fix, .. }
     | Error::Option { fix, .. }

@@ -1,4 +1,4 @@
-//! `touchstone scorecard`: what a hand feels of a wall, law by law.
+//! `touchstone scorecard`: compares what a hand feels of a wall under each control law.
 
 use super::family;
 use super::interrupt;
@@ -23,7 +23,7 @@ use touchstone_lab::tune::{self, Effort};
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::{Grip, Scene};
 
-/// Options of `scorecard`.
+/// Options of `touchstone scorecard`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
     /// Name of a shipped scene or path of a TOML file with a scene or only its device.
@@ -33,40 +33,40 @@ pub struct Options {
     wall: WallOptions,
     #[command(flatten)]
     family: family::Options,
-    /// Laws to compare, default: all; with --family the scene's own.
+    /// Control laws to compare, default: all; with --family the scene's own.
     #[arg(long = "law", value_name = "NAME", num_args = 1.., value_parser = super::law_name::of_scorecard())]
     laws: Vec<String>,
-    /// Tunes every law for this device first, as `touchstone tune` does.
+    /// Tunes every control law for this device first, as `touchstone tune` does.
     #[arg(long)]
     tuned: bool,
-    /// With --tuned: search for seconds instead of minutes.
+    /// With --tuned: searches for seconds instead of minutes.
     #[arg(long, requires = "tuned")]
     quick: bool,
-    /// Seed of the search (--tuned) or of the drawn members (--family).
+    /// Seed of the search (--tuned) or of the randomly varied devices (--family).
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Writes a page, results.json and, with --tuned, the settings of every law to this folder.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Replaces what another command left in the folder, and a programme that is there already.
+    /// Replaces files that another command left in the folder, and an existing programme file.
     #[arg(long)]
     force: bool,
-    /// Only writes the hand's motion, tick by tick for every grip, to this file: for a hand on a test stand or in the
-    /// emulator. `touchstone compare --hand programme` compares its recording with the scorecard.
+    /// Only writes the hand's motion, tick by tick for every grip, to this file: for a hand on a test stand or in the emulator.
+    /// `touchstone compare --hand programme` compares its recording with the scorecard.
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["laws", "tuned", "out"])]
     programme: Option<PathBuf>,
-    /// With --programme: shift the surface by this share of a count of the encoder.
+    /// With --programme: shifts the wall's surface by this fraction of an encoder count.
     #[arg(long, value_name = "SHARE", requires = "programme", allow_negative_numbers = true, value_parser = number::within(0.0, 1.0, "of a count"))]
     place: Option<f64>,
-    /// With --programme: play only this grip.
+    /// With --programme: writes only the motion with this grip.
     #[arg(long, value_name = "GRIP", requires = "programme", value_parser = clap::builder::PossibleValuesParser::new(GRIPS.map(Grip::name)))]
     grip: Option<String>,
-    /// With --programme: only these deeds of the hand, such as press; may be given several times.
+    /// With --programme: writes only these actions of the hand, such as press; may be given several times.
     #[arg(long = "deed", value_name = "DEED", requires = "programme", num_args = 1.., value_parser = deed)]
     deeds: Vec<String>,
 }
 
-/// Runs the command.
+/// Runs `touchstone scorecard`.
 pub fn main(options: &Options) -> Result<ExitCode> {
     let scene = options.wall.load(&options.scene)?;
     if let Some(file) = &options.programme {
@@ -121,7 +121,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The laws of a family: the scene's own, or those that were named.
+/// Control laws to compare on a set of varied devices: those from `--law`, or the scene's own.
 fn laws(scene: &Scene, options: &Options) -> Result<Vec<(String, Scene)>> {
     if options.laws.is_empty() {
         return Ok(vec![(scene.law.kind.word().to_owned(), scene.clone())]);
@@ -130,7 +130,7 @@ fn laws(scene: &Scene, options: &Options) -> Result<Vec<(String, Scene)>> {
     options.laws.iter().map(of).collect()
 }
 
-/// An action's word.
+/// Parses the name of a hand's action.
 fn deed(word: &str) -> std::result::Result<String, String> {
     let words = deed_words();
     match words.iter().any(|it| it == word) {
@@ -139,7 +139,7 @@ fn deed(word: &str) -> std::result::Result<String, String> {
     }
 }
 
-/// Writes the hand's programme.
+/// Writes the hand's motion programme, one CSV row per control tick.
 fn programme(scene: &Scene, options: &Options, file: &Path) -> Result<()> {
     let place = Named {
         path: file,
@@ -165,10 +165,10 @@ fn programme(scene: &Scene, options: &Options, file: &Path) -> Result<()> {
     )
 }
 
-/// A law, and the settings that were found for it.
+/// Name of a control law, and the text of the settings that tuning found for it.
 type Tuned = (String, String);
 
-/// The laws with their settings; those of tuned ones as files.
+/// The control laws with their scenes, and the settings files of tuned laws.
 fn entries(
     scene: &Scene,
     rivals: &[&'static Rival],
