@@ -1,4 +1,4 @@
-//! `touchstone compare`: a recording of a device beside its simulation.
+//! `touchstone compare`: compares a recording of a device with its simulation.
 
 mod board_scorecard;
 
@@ -14,29 +14,30 @@ use touchstone_lab::report::{Section, pages};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::Scene;
 
-/// Exit code where the two are further apart than the tolerance.
+/// Exit code if recording and simulation differ by more than the tolerance.
 const APART: u8 = 3;
-/// A factor nearer to 1 than this is no finding: an encoder's step and a fit's scatter cause as much.
+/// A factor of a parameter that differs from 1 by less than this is not reported: an encoder's step and the scatter of a fit cause
+/// as much.
 const SAME: f64 = 0.1;
-/// A value's factor must remove this share of the difference before it is named as the reason.
+/// A parameter's changed value is named as the reason only if the rms difference with it is below this fraction of the present one.
 const EXPLAINS: f64 = 0.5;
 
-/// Options of `compare`.
+/// Options of the command `touchstone compare`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// What `touchstone monitor --csv` kept, with every tick.
+    /// Recording that `touchstone monitor --csv` wrote, with every control period.
     recording: PathBuf,
-    /// The scene of that knob, as `touchstone setup` writes it, or the name of a shipped one.
+    /// The scene file of the recorded knob, as `touchstone setup` writes it, or the name of a shipped scene.
     scene: String,
     #[command(flatten)]
     changes: SceneOptions,
-    /// What the hand did. held: it held the knob all the time, with the scene's grip; its motion is found from the
-    /// recording. released: it flicked the knob towards the wall and had let go 20 ms before the contact. programme:
-    /// it did the scorecard's programme.
+    /// What the hand did. held: it held the knob all the time, with the scene's grip; its motion is computed from the recording.
+    /// released: it flicked the knob towards the wall and had let go 20 ms before the contact. programme: it did the scorecard's
+    /// programme.
     #[arg(long, value_enum, default_value_t = Hand::Held)]
     hand: Hand,
-    /// With --hand programme: a recording of the same with the surface elsewhere within a count (`touchstone scorecard --programme FILE --place SHARE`),
-    /// so that the board has a scatter, too. May be given several times.
+    /// With --hand programme: another recording, with the wall's surface at another place within an encoder count (`touchstone
+    /// scorecard --programme FILE --place SHARE`), so that the board has a scatter, too. May be given several times.
     #[arg(long, value_name = "FILE.csv")]
     also: Vec<PathBuf>,
     /// Begins at this time of the recording, s.
@@ -45,27 +46,26 @@ pub struct Options {
     /// Ends at this time of the recording, s; without this option, at its end.
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = number::up_to(1e9, "of seconds"))]
     to: Option<f64>,
-    /// Ends with 3 where the rms difference of position or force exceeds this share of the recorded range. With --hand
-    /// programme: where a figure differs from the scene's by more than this share, and by more than the scene's own
-    /// scatter.
+    /// Ends with exit code 3 if the rms difference of position or force exceeds this fraction of the recorded range. With --hand
+    /// programme: if a figure differs from the scene's by more than this fraction, and by more than the scene's own scatter.
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = number::not_negative("a share"))]
     tolerance: Option<f64>,
-    /// Folder of the page, its numbers, and the hand's motion.
+    /// Folder for the page, its numbers, and the hand's motion.
     #[arg(long, value_name = "DIR", default_value = "touchstone-compare")]
     out: PathBuf,
-    /// Replaces what another command left in the folder.
+    /// Replaces the files that another command left in the folder.
     #[arg(long)]
     force: bool,
 }
 
-/// The motion of the hand.
+/// What the hand did during the recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Hand {
-    /// The hand held the knob.
+    /// The hand held the knob all the time.
     Held,
-    /// The hand let go before the wall.
+    /// The hand let go of the knob before the contact with the wall.
     Released,
-    /// The hand followed the scorecard's programme.
+    /// The hand followed the scorecard's programme of motions.
     Programme,
 }
 
@@ -125,7 +125,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
 }
 
 impl Options {
-    /// Writes the page of the findings; returns its path.
+    /// Writes the HTML page of the comparison; returns its path.
     fn written(
         &self,
         scene: &Scene,

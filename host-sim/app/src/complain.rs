@@ -1,15 +1,15 @@
-//! Errors for people: one line with place, problem and remedy, no longer than a person reads.
+//! Error messages for people: one line with place, problem and remedy, cut to a length that a person can read.
 
 use clap::error::{ContextKind, ContextValue, Error as UsageError, ErrorKind};
 use std::error::Error as _;
 use touchstone_sim::harmless::is_harmful;
 
-/// Longest word that is printed whole: a path may be long; a value that was pasted by mistake is longer.
+/// Longest word that is printed uncut, in characters: room for a path, but not for a long text that was pasted by mistake.
 const WORD_MAX: usize = 200;
-/// Longest message.
+/// Longest error message, in characters; longer ones are cut.
 const LINE_MAX: usize = 1500;
 
-/// An error's text for people: control characters, long words and long texts cut.
+/// Makes an error's text fit for a person: replaces control characters by `?`, and cuts long words and long texts.
 pub fn line(text: &str) -> String {
     let mut short = String::new();
     for (index, word) in text.split([' ', '\n', '\r', '\t']).enumerate() {
@@ -28,7 +28,7 @@ pub fn line(text: &str) -> String {
         .collect()
 }
 
-/// Beginning and end of a text that is longer than it may be.
+/// Appends a text to `out`. Of a text that is longer than `most`, only the beginning and the end are appended.
 fn push_cut(out: &mut String, text: &str, most: usize) {
     let letters = text.chars().count();
     if letters <= most {
@@ -40,7 +40,8 @@ fn push_cut(out: &mut String, text: &str, most: usize) {
     out.extend(text.chars().skip(letters - most / 8));
 }
 
-/// A mistake on the command line, as one line, for a program with these commands; `None` where no mistake was made: help and version.
+/// A mistake on the command line as one line of text; `commands` are the names of the program's commands. `None` for help and
+/// version, which are no mistakes.
 pub fn usage(error: &UsageError, commands: &[&str]) -> Option<String> {
     let text = |kind| error.get(kind).map(ToString::to_string);
     let many = |kind| match error.get(kind) {
@@ -48,7 +49,7 @@ pub fn usage(error: &UsageError, commands: &[&str]) -> Option<String> {
         Some(other) => other.to_string(),
         None => String::new(),
     };
-    // `--steps <STEPS>` is known as --steps.
+    // Of `--steps <STEPS>`, only `--steps` is named.
     let option = |kind| {
         text(kind).map(|name| match name.split_once(' ') {
             Some((option, _)) if option.starts_with('-') => option.to_owned(),
@@ -73,7 +74,7 @@ pub fn usage(error: &UsageError, commands: &[&str]) -> Option<String> {
         ErrorKind::InvalidValue => {
             let words = many(ContextKind::ValidValue);
             let words: Vec<&str> = words.split(", ").filter(|word| !word.is_empty()).collect();
-            // One number is as near as the next.
+            // A number gets no suggestion: similar digits do not mean a similar intention.
             let is_number = value.parse::<f64>().is_ok();
             let near = touchstone_sim::scene::nearest(&value, &words).filter(|_| !is_number);
             let fix = match near {

@@ -1,4 +1,4 @@
-//! `touchstone demo`: the firmware's drive around a simulated motor, reached as a board is reached.
+//! `touchstone demo`: runs the firmware's control code with a simulated motor; programs reach it like a board.
 
 use super::board_page;
 use super::interrupt::noted;
@@ -11,15 +11,15 @@ use touchstone_device::Address;
 use touchstone_knob::served_knob::{ServedKnob, serve};
 use touchstone_sim::error::{Error, Result};
 
-/// Options of `demo`.
+/// Options of the command `touchstone demo`.
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = HAPPENS)]
 pub struct Options {
-    /// Opens no page: the knob is as a board that was just switched on, and waits for `setup`, `monitor`, `config`, `device` or `live
-    /// --port`. Ctrl-C ends it.
+    /// Opens no page: the simulated knob acts as a board that was just switched on, and waits for `setup`, `monitor`, `config`,
+    /// `device` or `live --port`. Ctrl-C ends it.
     #[arg(long)]
     port_only: bool,
-    /// Where the knob listens; port 0 takes one that is free.
+    /// TCP address at which the simulated knob listens; port 0 takes a free one.
     #[arg(
         long,
         value_name = "HOST:PORT",
@@ -35,7 +35,7 @@ pub struct Options {
 /// Longest line of standard input, bytes.
 const LINE_MAX: u64 = 1000;
 
-/// Text below the options in the help.
+/// Text that the help shows below the options.
 const HAPPENS: &str = "\
 A simulated hand presses the knob for as long as it is armed.
 Lines of standard input are what happens to the board:
@@ -46,7 +46,7 @@ Lines of standard input are what happens to the board:
   noise N       N bytes without a meaning arrive
   pull, plug    its cable";
 
-/// Serves the knob until Ctrl-C, with a page before it or without.
+/// Runs the simulated knob until Ctrl-C, with a page in the browser or without.
 pub fn main(options: &Options) -> Result<()> {
     let place = options.listen;
     let failed = |error: std::io::Error| {
@@ -91,9 +91,9 @@ pub fn main(options: &Options) -> Result<()> {
     })
 }
 
-/// The lines of standard input.
+/// Receives the lines of standard input.
 fn lines() -> Receiver<String> {
-    // Who writes faster than the knob takes it waits.
+    // A writer that is faster than the simulated knob has to wait.
     let (sender, happens) = sync_channel(16);
     std::thread::spawn(move || {
         let mut input = std::io::stdin().lock();

@@ -1,4 +1,5 @@
-//! `touchstone device`: a board's commands, state, fault, and the second before the fault; haptic devices in [`super::haptic`].
+//! `touchstone device`: sends commands to a board, shows its state and its fault, and saves the record of the second before the
+//! fault. Commands for haptic devices such as the omega.3 are in [`super::haptic`].
 
 pub mod cogging;
 pub mod eccentricity;
@@ -26,7 +27,7 @@ use touchstone_sim::error::{Error, Result};
 /// Time that a calibration takes in addition to the turns of the field (offsets, alignment, pauses), with a reserve.
 const CALIBRATION_REST: Duration = Duration::from_secs(15);
 
-/// Options of `device`.
+/// Options of the command `touchstone device`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
     #[command(flatten)]
@@ -49,14 +50,14 @@ enum Action {
 
 #[derive(Debug, Clone, Subcommand)]
 enum BoardAction {
-    /// Show the board's identity, state and counters.
+    /// Shows the board's identity, state and counters.
     Status,
-    /// Finds direction, pole pairs and electrical offset: THE SHAFT MOVES. Waits for the end.
+    /// Measures direction, pole pairs and electrical offset: THE SHAFT MOVES. Waits for the end.
     Calibrate {
-        /// Return at once, without waiting.
+        /// Returns at once, without waiting for the end.
         #[arg(long)]
         no_wait: bool,
-        /// Looks for the alignment although one is kept.
+        /// Measures the alignment of motor and encoder again, although the board has a stored one.
         #[arg(long)]
         anew: bool,
     },
@@ -64,16 +65,16 @@ enum BoardAction {
     Arm,
     /// Switches the outputs off, keeps the calibration.
     Disarm,
-    /// Switches off and forgets the calibration; clears a fault.
+    /// Switches the outputs off and discards the calibration; clears a fault.
     Stop,
-    /// Makes this position zero. Not while armed.
+    /// Makes the present position zero. Not while armed.
     Zero,
-    /// Shows whether the alignment is kept for the next start; keeps or forgets it. For encoders that know where they are.
+    /// Shows whether the alignment of motor and encoder is stored for the next start; stores or deletes it. For absolute encoders.
     Alignment {
         #[command(subcommand)]
         action: Option<start::AlignmentAction>,
     },
-    /// Shows whether a map of the motor's cogging is kept and played; measures, tries or forgets it. For encoders that know where they are.
+    /// Shows whether a map of the motor's cogging torque is stored and used; measures, checks or deletes it. For absolute encoders.
     Cogging {
         #[command(subcommand)]
         action: Option<cogging::CoggingAction>,
@@ -91,9 +92,9 @@ enum BoardAction {
     },
     /// Switches off and restarts the device.
     Reboot,
-    /// The latched fault: what it means and where to read on.
+    /// Shows the latched fault: its meaning, and where to read on.
     Fault,
-    /// The last second before the fault, as CSV.
+    /// Saves the record of the last second before the fault, as CSV.
     Ring {
         /// The file to write.
         #[arg(long, value_name = "CSV")]
@@ -133,7 +134,7 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
         BoardAction::Eccentricity { action } => return eccentricity::main(&mut client, *action),
         BoardAction::Autostart { switch } => return start::autostart(&mut client, *switch),
         BoardAction::Arm => {
-            // Asked for before: what fails here must not leave a device that is armed.
+            // Requested before arming: if this request fails, the device must not be left armed.
             let silence_s = client.settings()?.limits.host_silence_s;
             client.tell(&Request::Command(DeviceCommand::Arm))?;
             note_silence(silence_s);
@@ -172,7 +173,7 @@ pub fn note_silence(silence_s: Si) {
     }
 }
 
-/// Prints the state of the device after a command.
+/// Prints the name of the state that the device has after a command.
 fn state(name: &str) -> Result<()> {
     out::result(
         || serde_json::json!({ "state": name }),
@@ -183,15 +184,16 @@ fn state(name: &str) -> Result<()> {
     )
 }
 
-/// Time limit of a calibration: one electrical turn, and as many as the motor has pole pairs, forward and back at the set speed.
+/// Time limit of a calibration. The magnetic field turns by one electrical turn and by one more per pole pair, forward and back, at
+/// the set speed.
 pub fn calibration_limit(settings: &DeviceSettings) -> Duration {
     let turns = 2.0 * (f64::from(settings.motor.pole_pairs) + 1.0);
     let turns_per_s: f64 = settings.calibration.electrical_turns_per_s.to_num();
-    // Positive by its range; what is not is no reason to panic.
+    // The speed's range allows positive values only; any other value must not cause a panic.
     CALIBRATION_REST + Duration::try_from_secs_f64(turns / turns_per_s).unwrap_or_default()
 }
 
-/// Waits for the end of a calibration.
+/// Waits for the end of a calibration. A calibration that exceeds its time limit is stopped, and is an error.
 pub fn calibrated(client: &mut Client) -> Result<()> {
     let limit = calibration_limit(&client.settings()?);
     let until = Instant::now() + limit;
@@ -204,7 +206,7 @@ pub fn calibrated(client: &mut Client) -> Result<()> {
                 continue;
             }
             Phase::Calibrating => {
-                // Nobody waits for it any more, and the shaft is driven.
+                // The shaft is driven and this command stops waiting, so the calibration is stopped.
                 client.tell(&Request::Command(DeviceCommand::Stop))?;
                 (
                     format!(
@@ -245,7 +247,7 @@ fn is_of_kept(fault: &Fault) -> bool {
         )
 }
 
-/// State of the device.
+/// Requests the state of the device.
 pub fn status_of(client: &mut Client) -> Result<Status> {
     match client.ask(&Request::Status)? {
         Reply::Status(status) => Ok(status),
@@ -356,7 +358,7 @@ fn fault(client: &mut Client) -> Result<()> {
     )
 }
 
-/// Columns of the ring's CSV.
+/// Columns of the CSV file with the record of the last second before the fault.
 const RING_COLUMNS: [&str; 7] = [
     "tick_low_16_bits",
     "count",
@@ -368,7 +370,7 @@ const RING_COLUMNS: [&str; 7] = [
 ];
 
 fn ring(client: &mut Client, place: &Named<'_>) -> Result<()> {
-    // All of it before a file is begun: a cut connection leaves nothing half-written.
+    // All records are read before the file is begun: a lost connection then leaves no incomplete file.
     let mut records: Vec<RingRecord> = Vec::new();
     loop {
         let first = u16::try_from(records.len()).unwrap_or(u16::MAX);
@@ -419,7 +421,7 @@ fn ring_csv(records: &[RingRecord]) -> csv::Result<Vec<u8>> {
 mod tests {
     use super::*;
 
-    /// As of a monitor.
+    /// Other programs can read the CSV of the record before a fault.
     #[test]
     fn others_read_what_a_ring_has() {
         let nothing = RingRecord::default();
@@ -438,14 +440,14 @@ mod tests {
     #[test]
     fn a_slow_calibration_of_many_pole_pairs_is_waited_for() {
         let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
-        // 16 turns there and back at 4 in a second.
+        // 16 electrical turns forward and 16 back, at 4 turns per second.
         settings.motor.pole_pairs = 15;
         assert_eq!(
             calibration_limit(&settings),
             CALIBRATION_REST + Duration::from_secs(8)
         );
         settings.calibration.electrical_turns_per_s = Si::lit("0.8");
-        // 40 s and the rest, less what rounds 0.8 to its format.
+        // 40 s and `CALIBRATION_REST`; 0.8 is not exact in its fixed-point format.
         assert!((54..=55).contains(&calibration_limit(&settings).as_secs()));
     }
 }

@@ -1,4 +1,4 @@
-//! `touchstone events`: the position of a knob for programs, a line on every change.
+//! `touchstone events`: prints the position of a knob for other programs, a line on every change.
 
 use super::number;
 use super::out::{self, print, say, tell};
@@ -11,21 +11,21 @@ use touchstone_protocol::settings::environment::Surround;
 use touchstone_protocol::{Fault, Phase, Reply, Request, Telemetry};
 use touchstone_sim::error::{Error, Result};
 
-/// Records a second of which the position is taken: a hand that turns 20 positions a second loses none.
+/// Telemetry records per second from which the position is read: enough for a hand that turns 20 positions a second.
 const RECORDS_PER_S: u32 = 250;
 
-/// Options of `events`.
+/// Options of the command `touchstone events`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
     #[command(flatten)]
     port: PortOption,
-    /// Distance between two positions, degrees. Default: that of the device's detents, or of its profile.
+    /// Distance between two positions, degrees. Default: that of the device's detents, or of its torque profile.
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = number::up_to(360.0, "in degrees"))]
     pitch: Option<f64>,
     /// How far beyond the middle between two positions the number changes, as a fraction of their distance, 0 to 0.49.
     #[arg(long, value_name = "FRACTION", default_value_t = HYSTERESIS, allow_negative_numbers = true, value_parser = number::within(0.0, 0.49, "of the distance between two positions"))]
     hysteresis: f64,
-    /// The number of the position in which the knob is now. Default: counted from the middle of the scene's detents.
+    /// Number of the position in which the knob is now. Default: counted from the middle of the scene's detents.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     position: Option<i64>,
     /// Ends after this many seconds; without this option, at Ctrl-C.
@@ -86,7 +86,7 @@ pub fn main(options: &Options) -> Result<()> {
     watched
 }
 
-/// What there is to touch; a board without room for an environment has the wall alone.
+/// Requests the device's detents, end stops and further walls. A board without room for them has the wall alone.
 fn environment(client: &mut Client) -> Result<Surround> {
     if !client.identity().board.is_large() {
         return Ok(Surround::default());
@@ -114,12 +114,12 @@ fn positions(options: &Options, environment: &Surround) -> Result<Positions> {
     }
 }
 
-/// The lines that are printed.
+/// State of the printed lines: when they began, and how many are left to print.
 struct Lines {
-    /// The first record's tick.
+    /// Number of the control period of the first record.
     first: Option<u32>,
     rate_hz: u32,
-    /// Lines that are still wanted, if they are counted.
+    /// Number of lines that are still to be printed; `None` without a limit.
     left: Option<u64>,
     state: Option<(Phase, u8)>,
 }
@@ -141,7 +141,7 @@ impl Lines {
         f64::from(record.tick.wrapping_sub(first)) / f64::from(self.rate_hz)
     }
 
-    /// A line where the device's state or its fault is another.
+    /// Prints a line if the device's state or its fault has changed.
     fn state(&mut self, record: &Telemetry) -> Result<()> {
         let now = (record.phase, record.fault);
         if self.state.replace(now) == Some(now) || !self.goes_on() {
@@ -170,7 +170,7 @@ impl Lines {
         Ok(())
     }
 
-    /// A line of a position.
+    /// Prints a line for a new position of the knob.
     fn position(
         &mut self,
         record: &Telemetry,

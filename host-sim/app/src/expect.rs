@@ -1,4 +1,5 @@
-//! Demands on a run for scripts: verdict, depth, stiffness, energy; results as exit code, lines and JUnit.
+//! Demands on a simulation run, for scripts: its verdict, depth, stiffness and energy. The results are an exit code, lines of text,
+//! and a JUnit file.
 
 use super::check::{Check, name};
 use super::out::{json, shown};
@@ -13,38 +14,38 @@ use touchstone_sim::run::record::Summary;
 use touchstone_sim::run::verdict::{NO_CONTACT, WORDS};
 use touchstone_sim::scene::list;
 
-/// Exit code of a run that was made but does not meet a demand.
+/// Exit code if a run was simulated to its end but does not meet a demand.
 pub const NOT_MET: u8 = 3;
 
-/// The demands.
+/// Options that each make a demand on the runs.
 #[derive(Debug, Clone, Default, clap::Args)]
 #[command(next_help_heading = "What is asked of the run (exit code 3 where it does not hold)")]
 pub struct Expectations {
-    /// The verdict is this one; given several times, one of these.
+    /// Demands this verdict; given several times, one of these verdicts.
     #[arg(long, value_name = "VERDICT", value_parser = verdicts())]
     expect: Vec<String>,
-    /// The device comes no deeper into the wall than this, true penetration in rad.
+    /// Largest allowed depth of the device in the wall, true penetration in rad.
     #[arg(long, value_name = "RAD", allow_negative_numbers = true, value_parser = number::not_negative("in rad"))]
     max_penetration: Option<f64>,
-    /// The stiffness shown at the end of the hold is at least this, N·m/rad.
+    /// Smallest allowed stiffness that the wall renders at the end of the hold, N·m/rad.
     #[arg(long, value_name = "N_M_PER_RAD", allow_negative_numbers = true, value_parser = number::not_negative("in N·m/rad"))]
     min_stiffness: Option<f64>,
-    /// The user's port never gives more than this beyond what it took, J.
+    /// Most energy that the device may give to the hand beyond what it took from the hand, at any time, J.
     #[arg(long, value_name = "J", allow_negative_numbers = true, value_parser = number::not_negative("in J"))]
     max_energy_out: Option<f64>,
-    /// No worse than the same runs in this results file: the same verdict, and no measure worse by more than the margin.
+    /// Results file of earlier runs: demands the same verdict for each run, and no measure worse by more than the margin.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
-    /// Share of its value by which a measure may be worse than in the baseline.
+    /// Fraction of its value by which a measure may be worse than in the baseline.
     #[arg(long, value_name = "SHARE", default_value_t = 0.01, requires = "baseline", allow_negative_numbers = true, value_parser = number::not_negative("a share, 0.01 for 1 %"))]
     margin: f64,
-    /// Writes demands and results as JUnit, one test for each demand; replaces an earlier file of its own, and no other.
+    /// Writes demands and results as a JUnit file, one test for each demand; replaces only an earlier JUnit file of this program.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
 }
 
 impl Expectations {
-    /// The first option of a demand that is given.
+    /// The name of the first option given by the user that makes or reports a demand; `None` without any.
     pub fn first_given(&self) -> Option<&'static str> {
         let given = [
             ("--expect", !self.expect.is_empty()),
@@ -64,7 +65,7 @@ fn verdicts() -> PossibleValuesParser {
     PossibleValuesParser::new(WORDS.map(|(name, meaning)| PossibleValue::new(name).help(meaning)))
 }
 
-/// The results of all demands on all runs.
+/// Results of all demands on all runs, and where to write them.
 #[derive(Debug, Clone, Default)]
 pub struct Checked {
     checks: Vec<Check>,
@@ -72,7 +73,7 @@ pub struct Checked {
 }
 
 impl Expectations {
-    /// Refuses a file of tests without a test, before anything is run.
+    /// Checks the options before anything is simulated. Errors: a JUnit file is requested without any demand, or cannot be written.
     pub fn validate(&self, strict: bool) -> Result<()> {
         let asked = strict
             || !self.expect.is_empty()
@@ -93,7 +94,7 @@ impl Expectations {
         }
     }
 
-    /// Checks runs against the demands. `strict`: also refuses a run whose user's port gave energy.
+    /// Checks runs against the demands. `strict`: also demands that no run gives the hand more energy than it took.
     pub fn check<'a>(&self, strict: bool, runs: impl Iterator<Item = &'a Summary>) -> Checked {
         Checked {
             checks: runs.flat_map(|run| self.on(run, strict)).collect(),
@@ -101,10 +102,10 @@ impl Expectations {
         }
     }
 
-    /// Compares runs with those of the baseline, if one is given.
+    /// Compares runs with those of the baseline, if the option names one.
     ///
     /// # Errors
-    /// A baseline that cannot be read.
+    /// The baseline cannot be read.
     pub fn compare<'a>(
         &self,
         checked: &mut Checked,
@@ -120,7 +121,7 @@ impl Expectations {
 
     fn on(&self, run: &Summary, strict: bool) -> Vec<Check> {
         let mut checks = Vec::new();
-        // What never touched the wall shows nothing of it: no demand is met, unless that was to come.
+        // A run without contact says nothing about the wall: it meets no demand, unless no contact is the demanded verdict.
         let touched =
             run.verdict_name() != NO_CONTACT || self.expect.iter().any(|word| word == NO_CONTACT);
         let mut add = |option, met: bool, wanted: String, came: String| {
@@ -150,7 +151,7 @@ impl Expectations {
             );
         }
         let out = run.energy_out;
-        // Written so that what is no number meets nothing.
+        // NaN fails each of these comparisons, so that it meets no demand.
         if let Some(most) = self.max_penetration {
             let came = run.penetration_max;
             add(
@@ -192,7 +193,7 @@ impl Expectations {
 }
 
 impl Checked {
-    /// The results for `--json`, beside the runs; `None` without demands.
+    /// The results of the demands as JSON, for `--json`; `None` without demands.
     pub fn to_json(&self) -> Option<serde_json::Value> {
         let entry = |check: &Check| {
             serde_json::json!({
@@ -206,7 +207,7 @@ impl Checked {
         (!self.checks.is_empty()).then(|| self.checks.iter().map(entry).collect())
     }
 
-    /// Writes the JUnit file, names what does not hold, and gives the exit code.
+    /// Writes the JUnit file, prints the demands that are not met, and returns the exit code.
     pub fn conclude(&self) -> Result<ExitCode> {
         if let Some(file) = &self.junit {
             self.write(file)?;
@@ -247,7 +248,8 @@ impl Checked {
     }
 }
 
-/// A JUnit file that this program wrote is replaced, so that a server can run the same line again and again.
+/// The place of the JUnit file. A JUnit file that this program wrote is replaced, so that a CI server can run the same command
+/// again.
 fn junit_file(path: &Path) -> Named<'_> {
     Named {
         path,
@@ -273,7 +275,7 @@ fn suite_of(checks: &[Check], run: &str) -> TestSuite {
     suite
 }
 
-/// The results of runs and of the demands on them, as one JSON value.
+/// The results of runs and of the demands on the runs, as one JSON value.
 pub fn results(text: &str, checked: &Checked) -> serde_json::Value {
     debug_assert!(json());
     let mut value: serde_json::Value = serde_json::from_str(text).unwrap_or_default();

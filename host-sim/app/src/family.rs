@@ -1,4 +1,5 @@
-//! `touchstone scorecard --family`: one setting on every device of a family.
+//! `touchstone scorecard --family`: tests one setting of the wall on a set of devices that differ in inertia, damping, delay,
+//! encoder and grip.
 
 use super::expect::NOT_MET;
 use super::number;
@@ -10,42 +11,42 @@ use touchstone_lab::scorecard::family_page::text;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 
-/// Options of a family.
+/// Options of the test on a set of varied devices.
 #[derive(Debug, Clone, clap::Args)]
 #[group(id = "family-options")]
 #[command(next_help_heading = "The family: all of a device different at once, one setting")]
 pub struct Options {
-    /// Touches and presses the 216 corners of three grips, two encoders, half, once and double inertia and damping, and four delays up to a
-    /// tick. Exit code 3 where more are lost than --most-lost.
+    /// Touches and presses 216 device variants: three grips, two encoders, half, once and double inertia and damping, and four
+    /// delays up to a control period. Exit code 3 if more variants are lost than --most-lost.
     #[arg(long, conflicts_with_all = ["tuned", "out", "programme"])]
     family: bool,
-    /// Also this many members between the corners, in hands between and a little beyond the grips, drawn by --seed.
+    /// Also this many random device variants between those, with hands between and a little beyond the grips, drawn by --seed.
     #[arg(long, value_name = "N", requires = "family", default_value_t = 0)]
     members: usize,
-    /// Stiffnesses, N·m/rad; default: the scene's.
+    /// Stiffnesses of the wall, N·m/rad; default: the scene's.
     #[arg(long, value_name = "K", requires = "family", num_args = 1.., value_parser = number::up_to(1e6, "N·m/rad"))]
     walls: Vec<f64>,
-    /// Control rates, Hz, each with every noise; default: the scene's.
+    /// Control rates, Hz, each combined with every noise; default: the scene's.
     #[arg(long, value_name = "HZ", requires = "family", num_args = 1.., value_parser = clap::value_parser!(u32).range(1..=100_000))]
     rates: Vec<u32>,
     /// Noise of the position sensor, degrees rms; default: the scene's.
     #[arg(long, value_name = "DEG", requires = "family", num_args = 1.., value_parser = number::within(0.0, 10.0, "degrees"))]
     noise: Vec<f64>,
-    /// Members of each wall that may be lost, without those that are beyond what any tuned law holds.
+    /// Number of device variants that each wall may lose, without those that are beyond what any tuned law holds.
     #[arg(long, value_name = "N", requires = "family", default_value_t = 0)]
     most_lost: usize,
-    /// Largest allowed depth of press and touch, over F/k_de.
+    /// Largest allowed depth of press and touch, as a multiple of F/k_de (force over stiffness of the wall).
     #[arg(long, value_name = "RATIO", requires = "family", value_parser = number::up_to(5.0, "times F/k_de"))]
     deepest: Option<f64>,
 }
 
 impl Options {
-    /// Whether a family is to be judged.
+    /// Whether the user requested the test on a set of varied devices.
     pub fn is_asked(&self) -> bool {
         self.family
     }
 
-    /// Judges each law with each stiffness.
+    /// Tests each control law with each stiffness on all device variants, and prints the results.
     pub fn main(&self, scene: &Scene, laws: &[(String, Scene)], seed: u64) -> Result<ExitCode> {
         let around = Around {
             rates_hz: self.rates.clone(),
@@ -78,7 +79,7 @@ impl Options {
         Ok(self.conclude(&families))
     }
 
-    /// Names every wall that does not meet the demands.
+    /// Prints every wall that does not meet the demands, and returns the exit code.
     fn conclude(&self, families: &[Family]) -> ExitCode {
         let mut code = ExitCode::SUCCESS;
         for family in families {

@@ -1,5 +1,5 @@
-//! `touchstone flash`: the firmware into a board. The work is done by probe-rs: with the feature `probe` by the crate, which is then in
-//! this program, otherwise by the program of that name.
+//! `touchstone flash`: writes the firmware to a board with probe-rs. With the feature `probe`, the crate probe-rs in this program
+//! does the work, otherwise the installed program probe-rs.
 
 mod mark;
 #[cfg_attr(feature = "probe", path = "flash/by_crate.rs")]
@@ -18,41 +18,43 @@ use touchstone_sim::error::{Error, Result};
 
 pub use means::{log, probes, there};
 
-/// Options of `flash`.
+/// Options of the command `touchstone flash`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// The program; without it, the one that came with touchstone, else what `cargo xtask firmware` built for the board.
+    /// The firmware's ELF file; without it, the one that came with touchstone, else the one that `cargo xtask firmware` built for
+    /// the board.
     elf: Option<PathBuf>,
-    /// The board.
+    /// The board to write to.
     #[arg(long)]
     board: BoardName,
-    /// The probe if there are several: VID:PID or VID:PID:SERIAL, as `touchstone doctor` shows it.
+    /// The debug probe if there are several: VID:PID or VID:PID:SERIAL, as `touchstone doctor` shows it.
     #[arg(long, value_name = "PROBE")]
     probe: Option<String>,
-    /// Shows the program's log from its start on, as `touchstone log` does, until Ctrl-C.
+    /// Shows the firmware's log from its start on, as `touchstone log` does, until Ctrl-C.
     #[arg(long)]
     log: bool,
-    /// Checks the program and says what would be done with it, without a probe and without a board.
+    /// Checks the firmware and says what would be done with it, without a probe and without a board.
     #[arg(long, conflicts_with = "log")]
     dry_run: bool,
-    /// Writes a program that says another board's name, or none.
+    /// Writes firmware even if it names another board, or none.
     #[arg(long)]
     force: bool,
 }
 
-/// A program for a board, and through which probe it is reached.
+/// Firmware to write to a board, and the debug probe through which to write.
 #[derive(Debug)]
 pub struct Job<'a> {
-    /// The board.
+    /// The board to which the firmware is written.
     pub board: BoardName,
-    /// The program's ELF file.
+    /// The firmware's ELF file.
     pub elf: PathBuf,
-    /// The probe, if it is named.
+    /// The debug probe that the user named; `None` if there is only one.
     pub probe: Option<&'a str>,
 }
 
 impl<'a> Job<'a> {
-    /// A job for the named file, or the board's own program, which is checked first.
+    /// Makes a job for the named file or, without one, for the firmware that came with touchstone or was built. Errors: the file
+    /// cannot be read, or is no program for a 32-bit Arm.
     pub fn new(board: BoardName, elf: Option<PathBuf>, probe: Option<&'a str>) -> Result<Self> {
         let elf = elf.unwrap_or_else(|| board.program());
         let job = Self { board, elf, probe };
@@ -60,12 +62,12 @@ impl<'a> Job<'a> {
         Ok(job)
     }
 
-    /// The chip, as probe-rs calls it.
+    /// Name of the board's chip, as probe-rs calls it.
     pub const fn chip(&self) -> &'static str {
         self.board.board().chip()
     }
 
-    /// An error about this file.
+    /// An error about the firmware file of this job, with a remedy.
     pub fn wrong(&self, problem: impl Into<String>) -> Error {
         Error::Io {
             path: self.elf.clone(),
@@ -77,7 +79,7 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Whether the program says that it is this board's.
+    /// Checks that the firmware names the board of this job. Error: it names another board, or none.
     fn is_this_boards(&self) -> Result<()> {
         let file = self.read()?;
         let (board, marks) = (self.board.name(), mark::boards(&file));
@@ -102,9 +104,9 @@ impl<'a> Job<'a> {
         })
     }
 
-    /// Whether it is a program for a Cortex-M, before anything is erased.
+    /// Checks that the file is a program for a 32-bit Arm, before anything on the board is erased.
     fn check(&self) -> Result<()> {
-        /// Magic, 32 bits, little-endian.
+        /// First bytes of an ELF file: magic number, 32-bit format, little-endian.
         const START: &[u8] = b"\x7fELF\x01\x01";
         /// Machine number of Arm in an ELF file.
         const ARM: &[u8] = &[40, 0];
@@ -117,7 +119,7 @@ impl<'a> Job<'a> {
     }
 }
 
-/// The boards by their names.
+/// The supported boards, by their names on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum BoardName {
     /// NUCLEO-G474RE with an X-NUCLEO-IHM08M1.
@@ -138,7 +140,7 @@ pub enum BoardName {
 }
 
 impl BoardName {
-    /// The board's name on the wire.
+    /// The same board in the type that the serial protocol uses.
     pub const fn board(self) -> Board {
         match self {
             Self::NucleoG474re => Board::NucleoG474re,
@@ -154,7 +156,7 @@ impl BoardName {
         self.board().name()
     }
 
-    /// The board's program: the one that came with this program, else where `cargo xtask firmware` puts it.
+    /// Path of the board's firmware: the file that came with this program, else the file that `cargo xtask firmware` builds.
     pub fn program(self) -> PathBuf {
         self.shipped().unwrap_or_else(|| {
             let folder = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
@@ -162,7 +164,8 @@ impl BoardName {
         })
     }
 
-    /// The board's program in an archive of `cargo xtask dist`, beside this program: both are of one version.
+    /// Path of the firmware beside this program, as in an archive of `cargo xtask dist`, so that their versions agree; `None` if
+    /// there is none.
     pub fn shipped(self) -> Option<PathBuf> {
         let beside = std::env::current_exe().ok()?.canonicalize().ok()?;
         let program = self.below(beside.parent()?);
@@ -190,7 +193,7 @@ pub fn main(options: &Options) -> Result<()> {
     if !options.log && !means::IS_CRATE {
         return into(&job, None);
     }
-    // A flash that is half written is worse than one that is written a second later.
+    // Ctrl-C waits for the end of writing: a board with half a program is worse than a delay.
     let log = Log::until(interrupt::noted()?);
     into(&job, options.log.then_some(&log))?;
     if !options.log && log.stop.load(Ordering::Relaxed) {
@@ -200,7 +203,7 @@ pub fn main(options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Writes what there is for a board.
+/// Writes to the board the firmware that came with this program or was built.
 pub fn write(board: BoardName) -> Result<()> {
     let job = Job::new(board, None, None)?;
     job.is_this_boards()?;
@@ -212,7 +215,7 @@ fn into(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
     means::write(job, log)
 }
 
-/// Prints that the program is written.
+/// Prints that the firmware was written.
 fn written() -> Result<()> {
     tell!("flashed, verified and started");
     Ok(())

@@ -1,4 +1,4 @@
-//! `touchstone hard`: the hard cases, each against what must come out.
+//! `touchstone hard`: simulates the difficult test cases, and compares each result with the known right answer.
 
 use super::out;
 use super::out::{json, note, quiet, say, tell};
@@ -8,19 +8,19 @@ use touchstone_lab::hard::{Effort, cases, run, table};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::nearest;
 
-/// Exit code where a case does not come out as it must.
+/// Exit code if the result of a case is wrong.
 const FAILED: u8 = 3;
 
-/// Options of `hard`.
+/// Options of the command `touchstone hard`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// Run only the cases of this name; may be given several times.
+    /// Runs only the cases of this name; may be given several times.
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
     /// Lists the cases, each with its difficulty and the source of the right answer, and runs none.
     #[arg(long)]
     list: bool,
-    /// 10^9 ticks where the sample does 10^7: minutes instead of seconds.
+    /// Simulates 10^9 control periods where the sample has 10^7: minutes instead of seconds.
     #[arg(long)]
     long: bool,
 }
@@ -60,7 +60,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let effort = Effort { long: options.long };
-    // Cases run side by side and end in any order: progress goes to standard error, the table comes in order.
+    // Cases run in parallel and end in any order: progress goes to standard error, and the table is printed in order.
     let found = run(&chosen, effort, program(), |outcome| {
         if !json() && !quiet() {
             note!("{} {:.1} s", outcome.name, outcome.seconds);

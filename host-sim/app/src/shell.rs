@@ -1,5 +1,5 @@
-//! `touchstone completions` and `touchstone man`: completions for shells and manual pages, made from the command
-//! line's definition.
+//! `touchstone completions` and `touchstone man`: shell completions and manual pages, generated from the definition of the command
+//! line.
 
 use super::Cli;
 use super::out::{print, tell};
@@ -10,7 +10,8 @@ use std::path::{Path, PathBuf};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::harmless::is_harmful;
 
-/// The command line as a line that a shell reads back as the same; bytes that are no UTF-8 are shown as such.
+/// This program's command line, quoted so that a shell parses it into the same arguments. Bytes that are not UTF-8 appear as
+/// U+FFFD.
 pub fn command_line() -> String {
     let given = std::env::args_os().skip(1);
     let words = given.map(|given| word(&given.to_string_lossy()));
@@ -18,8 +19,8 @@ pub fn command_line() -> String {
     words.collect::<Vec<_>>().join(" ")
 }
 
-/// A word as a shell takes it for that word and nothing else. Control characters, which a terminal would obey before any shell, are shown
-/// as U+FFFD.
+/// Quotes a word so that a shell reads it as one literal argument. Control characters are replaced by U+FFFD, because a terminal
+/// would execute them.
 pub fn word(text: &str) -> String {
     let is_plain = |letter: char| letter.is_alphanumeric() || "_-.,/:=+@%".contains(letter);
     if !text.is_empty() && text.chars().all(is_plain) {
@@ -38,29 +39,29 @@ pub fn word(text: &str) -> String {
     format!("'{}'", shown.replace('\'', r"'\''"))
 }
 
-/// Options of `completions`.
+/// Options of `touchstone completions`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Completions {
-    /// The shell.
+    /// Name of the shell.
     shell: Shell,
 }
 
-/// Options of `man`.
+/// Options of `touchstone man`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Man {
-    /// Folder for the pages of all commands; without it, the page of the program goes to standard output.
+    /// Folder for the pages of all commands; without it, the program's page is printed on standard output.
     #[arg(value_name = "DIR")]
     folder: Option<PathBuf>,
 }
 
-/// Prints the completions.
+/// Prints the completion script for a shell.
 pub fn completions(options: &Completions) -> Result<()> {
     let mut text = Vec::new();
     clap_complete::generate(options.shell, &mut Cli::command(), "touchstone", &mut text);
     print(format_args!("{}", String::from_utf8_lossy(&text)))
 }
 
-/// Prints the manual page, or writes all of them.
+/// Prints the program's manual page, or writes the pages of all commands to a folder.
 pub fn man(options: &Man) -> Result<()> {
     match &options.folder {
         Some(folder) => {
@@ -89,7 +90,7 @@ fn io(path: &Path, error: &std::io::Error) -> Error {
     }
 }
 
-/// The page of a command, after those of its own commands; pages that this program wrote before are replaced.
+/// Writes the manual pages of a command's subcommands, then the command's own page. Replaces pages that this program wrote earlier.
 fn pages(command: &clap::Command, folder: &Path) -> Result<()> {
     for own in command.get_subcommands().filter(|own| !own.is_hide_set()) {
         pages(own, folder)?;
@@ -132,7 +133,7 @@ mod tests {
         }
     }
 
-    /// A real shell reads the line back as the same words.
+    /// A real shell parses the quoted command line into the original words.
     #[cfg(unix)]
     #[test]
     fn a_shell_takes_it_for_the_same() {

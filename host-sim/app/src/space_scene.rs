@@ -1,4 +1,4 @@
-//! `touchstone run` of a scene of three axes.
+//! `touchstone run` for a scene with three axes.
 
 use super::expect::Expectations;
 use super::out::{self, json, note, say};
@@ -10,14 +10,15 @@ use touchstone_lab::thesis::space::scene::SpaceScene;
 use touchstone_lab::thesis::space::{self};
 use touchstone_sim::error::{Error, Result};
 
-/// Name, description and text of the scene of three axes that comes with the program.
+/// Name, description and TOML text of the three-axis scene that comes with the program.
 pub const SHIPPED: (&str, &str, &str) = (
     "delta-ball",
     "three axes: a ball before a simulated delta device; probed, held, slid along and let go",
     include_str!("../../../scenes/delta-ball.toml"),
 );
 
-/// The scene of this shipped name, or of a file that has `dof`; `None` of every other name or file.
+/// Reads a three-axis scene: the shipped scene by its name, or a TOML file with the field `dof`. Returns `None` for other names and
+/// files.
 pub fn read(file: &str) -> Result<Option<SpaceScene>> {
     let path = Path::new(file);
     let read = touchstone_sim::input::text(path, touchstone_sim::input::MOST_OF_SCENE);
@@ -50,17 +51,17 @@ pub fn read(file: &str) -> Result<Option<SpaceScene>> {
     })
 }
 
-/// Options of `run` beside the scene.
+/// Options of `touchstone run` for a three-axis scene, without the scene itself.
 pub struct RunOfSpace<'a> {
     pub print: bool,
     pub out: Option<&'a Path>,
     pub report: &'a ReportOptions,
-    /// An option that has no meaning here.
+    /// Name of a given option that a three-axis scene does not support.
     pub lost: Option<&'static str>,
     pub expectations: &'a Expectations,
 }
 
-/// Runs the command.
+/// Runs `touchstone run` for a three-axis scene.
 pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
     if let Some(option) = asked.lost.or(asked.expectations.first_given()) {
         return Err(Error::Option {

@@ -1,4 +1,4 @@
-//! Telemetry of a device, record by record, for as long as a command wants it.
+//! Receives a device's telemetry, record by record, until a command's end condition is met.
 
 use super::out::is_read;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,27 +7,29 @@ use touchstone_device::Client;
 use touchstone_protocol::{Request, Telemetry};
 use touchstone_sim::error::{Error, Result};
 
-/// A device that should send and is silent for this long is taken to be gone.
+/// Time without telemetry after which a device that should send counts as disconnected.
 pub const SILENCE_LIMIT: Duration = Duration::from_secs(2);
 
-/// The device hears of the desktop at least this often: the shortest useful setting of its watchdog on the desktop is twice as long.
+/// Longest time between two messages to the device. It is half of the shortest useful time limit of the device's watchdog on the
+/// host.
 pub const SIGN_OF_LIFE: Duration = Duration::from_millis(250);
 
-/// When a command has enough of a device's records.
+/// Conditions that end the reception of a device's telemetry.
 #[derive(Debug, Clone, Copy)]
 pub struct Until<'a> {
-    /// Set by Ctrl-C.
+    /// Ends the reception when true; set by Ctrl-C.
     pub stop: &'a AtomicBool,
-    /// After this many seconds, if given.
+    /// Time after which the reception ends, s; `None` for no time limit.
     pub seconds: Option<f64>,
-    /// Whether to go on although nobody reads the standard output any more.
+    /// Whether to continue after the reader of standard output has closed the pipe.
     pub unread: bool,
 }
 
-/// Hands every record to `take`, until that returns false or the end that was asked for; shows the device that the desktop is alive.
+/// Passes every telemetry record to `take`, until `take` returns false or an end condition in `until` is met. Meanwhile sends
+/// requests to the device, so that its watchdog on the host does not expire.
 ///
 /// # Errors
-/// The device fails, or sends nothing for two seconds; what `take` refuses.
+/// The device fails, or sends nothing for two seconds; `take` returns an error.
 pub fn records(
     client: &mut Client,
     until: Until<'_>,

@@ -1,4 +1,4 @@
-//! `touchstone sweep`: any two settings of a scene against any measure of its run, as a map.
+//! `touchstone sweep`: varies any two settings of a scene and draws measures of its runs as a map.
 
 use super::out::{self, note, tell};
 use super::report_options::program;
@@ -11,10 +11,10 @@ use touchstone_lab::sweep::store::{Cells, Shard, Store};
 use touchstone_lab::sweep::{Filled, Sweep, gathered};
 use touchstone_sim::error::{Error, Result};
 
-/// Message on an interrupt: finished cells stay.
+/// Message on an interrupt: finished cells of the map are kept.
 const KEPT: &str = "interrupted: what is done is kept; the same command goes on";
 
-/// Options of `sweep`.
+/// Options of `touchstone sweep`.
 #[derive(Debug, Clone, clap::Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct Options {
@@ -25,16 +25,16 @@ pub struct Options {
     scene: Option<String>,
     #[command(flatten)]
     changes: SceneOptions,
-    /// Across: FIELD=FROM..TO:COUNT, with :log at its end for even ratios, or FIELD=VALUE,VALUE,…; a field as in --set.
+    /// Horizontal axis: FIELD=FROM..TO:COUNT, with :log at its end for even ratios, or FIELD=VALUE,VALUE,…; a field as in --set.
     #[arg(long, value_name = "FIELD=VALUES", required = true)]
     x: Option<String>,
-    /// Upwards: the same with another field.
+    /// Vertical axis: the same format with another field.
     #[arg(long, value_name = "FIELD=VALUES", required = true)]
     y: Option<String>,
-    /// A measure of each run to keep and to draw beside the verdict, such as k_displayed; may be given several times.
+    /// Measure of each run to record and to draw beside the verdict, such as k_displayed; may be given several times.
     #[arg(long, value_name = "NAME")]
     measure: Vec<String>,
-    /// Computes only the I-th of N parts of the cells, for a job array; `touchstone sweep merge` puts them together.
+    /// Computes only the I-th of N parts of the cells, for a job array; `touchstone sweep merge` combines the parts.
     #[arg(long, value_name = "I/N", default_value = "1/1", value_parser = parsed_shard)]
     shard: Shard,
     #[command(flatten)]
@@ -44,36 +44,36 @@ pub struct Options {
     place: Option<Place>,
 }
 
-/// How the maps are drawn.
+/// Options for the drawing of the maps.
 #[derive(Debug, Clone, Default, clap::Args)]
 struct DrawingOptions {
-    /// Draws these places over the maps: a CSV file of two columns, x and y, under a header.
+    /// Draws additional points on the maps: a CSV file of two columns, x and y, under a header.
     #[arg(long, value_name = "FILE.csv")]
     overlay: Option<PathBuf>,
-    /// Leaves out the boundary of `certify`, which may take minutes.
+    /// Leaves out the stability limit from `certify`, which may take minutes.
     #[arg(long)]
     no_certificate: bool,
 }
 
-/// Where it is written.
+/// Options for the output folder and the number of threads.
 #[derive(Debug, Clone, clap::Args)]
 struct Place {
-    /// Folder for cells and maps. One with a part of the cells goes on where it was ended.
+    /// Folder for cells and maps. A folder with some of the cells is completed.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// How many threads compute; default: one for each core. The results are the same.
+    /// Number of computing threads; default: one for each core. The results do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
-    /// Replaces what another command left in the folder.
+    /// Replaces files that another command left in the folder.
     #[arg(long)]
     force: bool,
 }
 
 #[derive(Debug, Clone, clap::Subcommand)]
 enum Merge {
-    /// Puts the parts of a sweep together, to the same bytes as without parts.
+    /// Combines the parts of a sweep; the files are byte for byte those of a sweep without parts.
     Merge {
-        /// Folders of the parts.
+        /// Folders of the parts to combine.
         #[arg(required = true, value_name = "DIR")]
         folders: Vec<PathBuf>,
         #[command(flatten)]
@@ -87,7 +87,7 @@ fn parsed_shard(text: &str) -> std::result::Result<Shard, String> {
     text.parse()
 }
 
-/// Runs the command.
+/// Runs `touchstone sweep`.
 pub fn main(options: &Options) -> Result<()> {
     match &options.merge {
         Some(Merge::Merge {
@@ -158,7 +158,7 @@ fn merge(folders: &[PathBuf], drawing: &DrawingOptions, place: &Place) -> Result
     print(&results, &place.out)
 }
 
-/// Writes cells and maps, with a bar while the certificates of the boundary are computed, which takes longest.
+/// Writes cells and maps. Shows a progress bar while the stability limit is computed from certificates, the slowest step.
 fn draw(
     sweep: &Sweep,
     shard: Shard,
@@ -202,7 +202,7 @@ fn in_threads(threads: Option<u16>) -> Result<()> {
     })
 }
 
-/// The cells of a shard out of all that a folder has.
+/// Cells of the given part (shard), selected from all cells in a folder.
 fn own_cells(cells: &Cells, shard: Shard) -> Cells {
     cells
         .iter()
@@ -256,7 +256,8 @@ fn print(results: &Value, folder: &Path) -> Result<()> {
     )
 }
 
-/// The command without what does not change the whole's bytes: where to, which part, how fast, how loud.
+/// This program's command line without options that do not change the results: output folder, shard, threads, `--force`, `--quiet`
+/// and `--json`. Parts of one sweep so record the same command.
 fn plain_command() -> String {
     let given = std::env::args_os().skip(1);
     let words: Vec<String> = given

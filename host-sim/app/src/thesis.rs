@@ -1,4 +1,4 @@
-//! `touchstone thesis`: the main job.
+//! `touchstone thesis`: the thesis' comparison of control laws, and the program's default command.
 
 use super::expect::{self, Expectations};
 use super::out::{json, print, quiet, tell};
@@ -19,29 +19,29 @@ use touchstone_sim::error::{Error, Result};
 use touchstone_sim::run::record::{Run, Verdict};
 use touchstone_sim::scene::{Preset, Scene};
 
-/// Options of `thesis`.
+/// Options of `touchstone thesis`.
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = EXIT_CODES)]
 pub struct Options {
-    /// Folder of the report.
+    /// Folder for the report.
     #[arg(long, value_name = "DIR", default_value = "touchstone-report")]
     out: PathBuf,
     #[command(flatten)]
     report: ReportOptions,
-    /// Degrees of freedom: 1, a knob (§5.1), or 3, an omega.3 at a plane, an inclined plane and a sphere of 30 mm at 5 and 25 N/mm (§5.2),
-    /// whose settings are its own.
+    /// Degrees of freedom: 1, a knob (§5.1), or 3, an omega.3 (§5.2). The latter touches a plane, an inclined plane and a sphere of 30 mm
+    /// at 5 and 25 N/mm, with settings of its own.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..))]
     dof: u8,
     #[command(flatten)]
     space: SpaceOptions,
-    /// Changes a field of the scene thesis-knob for all cells, e.g. device.friction.kinetic_n_m=1e-3; not law, stiffness, grip and
+    /// Changes a field of the scene thesis-knob in all runs, e.g. device.friction.kinetic_n_m=1e-3; not law, stiffness, grip and
     /// encoder, which the comparison itself varies. TDPA keeps the thesis' observer whatever law.observer says.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
-    /// Refuses an enhanced law beyond its own passivity bounds instead of warning of it; ends with 3 where a run of it gives energy.
+    /// Rejects an enhanced law beyond its own passivity bounds instead of warning; ends with 3 if one of its runs gives energy.
     #[arg(long)]
     strict_passive: bool,
-    /// Demands on the enhanced law's runs; the other laws are expected to fail.
+    /// Limits that the enhanced law's runs must meet; the other control laws are expected to fail.
     #[command(flatten)]
     expectations: Expectations,
 }
@@ -60,7 +60,7 @@ impl Default for Options {
     }
 }
 
-/// Runs the command.
+/// Runs `touchstone thesis`.
 pub fn main(options: &Options) -> Result<ExitCode> {
     match options.dof {
         1 => {
@@ -175,7 +175,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     checked.conclude()
 }
 
-/// The comparison in three degrees of freedom.
+/// Runs the comparison in three degrees of freedom.
 fn space(options: &Options) -> Result<ExitCode> {
     let lost = [
         ("--set", !options.sets.is_empty()),
@@ -197,7 +197,7 @@ fn space(options: &Options) -> Result<ExitCode> {
     super::thesis_space::main(&options.out, &options.report, &options.space, &bar)
 }
 
-/// A claim for programs.
+/// Converts a checked claim of the thesis to JSON.
 fn claim(claim: &claims::Claim) -> serde_json::Value {
     serde_json::json!({
         "name": claim.name,
@@ -213,7 +213,7 @@ fn style() -> ProgressStyle {
         .unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
-/// One line on the cells that have no plot.
+/// One line of text that summarises the runs without a plot.
 fn others(runs: &[Run]) -> String {
     let rest: Vec<&Run> = runs.iter().filter(|run| run.trace.is_none()).collect();
     let same = rest.iter().filter(|run| {

@@ -1,4 +1,4 @@
-//! `touchstone thesis --dof 3`: the comparison of §5.2.
+//! `touchstone thesis --dof 3`: the thesis' comparison in three degrees of freedom (§5.2).
 
 use super::out::{json, print, tell};
 use super::report_options::{ReportOptions, program};
@@ -12,19 +12,20 @@ use touchstone_lab::thesis::space::tuned_wall::TunedWall;
 use touchstone_lab::thesis::space::{self, Mechanism};
 use touchstone_sim::error::{Error, Result};
 
-/// Options of the comparison in three axes.
+/// Options of the comparison in three degrees of freedom.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct SpaceOptions {
-    /// With --dof 3: cartesian, an omega.3 as three equal axes (default), or delta, a mechanism of a Falcon's lengths.
+    /// With --dof 3: cartesian, an omega.3 as three equal axes (default), or delta, a mechanism with a Falcon's arm lengths.
     #[arg(long, value_name = "KIND", value_parser = mechanism)]
     pub mechanism: Option<Mechanism>,
-    /// With --dof 3: also plays the tuned law on 200 walls, hands and devices of a seed that its setting was not chosen on.
+    /// With --dof 3: also simulates the tuned law on 200 walls, hands and devices drawn from this seed, which the tuning did not
+    /// use.
     #[arg(long, value_name = "SEED")]
     pub held_out: Option<u64>,
 }
 
 impl SpaceOptions {
-    /// The first that was given.
+    /// Name of the first of these options that the user gave; `None` if none.
     pub fn any(&self) -> Option<&'static str> {
         let mechanism = self.mechanism.map(|_| "--mechanism");
         mechanism.or(self.held_out.map(|_| "--held-out"))
@@ -38,7 +39,7 @@ fn mechanism(word: &str) -> std::result::Result<Mechanism, String> {
         .ok_or_else(|| format!("\"{word}\" is no mechanism; give cartesian or delta"))
 }
 
-/// Runs it: claims on the terminal, the report in a folder.
+/// Runs the comparison: prints the checked claims, and writes the report to a folder.
 pub fn main(
     out: &Path,
     options: &ReportOptions,

@@ -1,4 +1,4 @@
-//! `touchstone tune`: settings for a device.
+//! `touchstone tune`: searches the settings of a control law for a device.
 
 use super::expect::NOT_MET;
 use super::interrupt;
@@ -19,7 +19,7 @@ use touchstone_lab::tune::{self, Effort, Tuned, settings};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::Scene;
 
-/// Options of `tune`.
+/// Options of `touchstone tune`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
     /// Name of a shipped scene, or path of a TOML file with a scene or only its tables device, encoder, timing and wall.
@@ -27,32 +27,32 @@ pub struct Options {
     device: String,
     #[command(flatten)]
     wall: WallOptions,
-    /// Law to tune.
+    /// Control law to tune.
     #[arg(long, value_name = "NAME", default_value = "enhanced", value_parser = super::law_name::of_scorecard())]
     law: String,
-    /// Seed of the search: the same finds the same.
+    /// Seed of the search: the same seed finds the same settings.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Looks for seconds instead of minutes: at fewer devices and fewer settings.
+    /// Searches for seconds instead of minutes, with fewer devices and fewer settings.
     #[arg(long)]
     quick: bool,
-    /// Largest allowed ripple on the nominal device, N·m. Default: 0.6 of that of a spring-damper on differences which
-    /// holds the same delays; 1.1 of it where the delay is a whole tick.
+    /// Largest allowed force ripple on the nominal device, N·m. Default: 0.6 times the ripple of a spring-damper on position
+    /// differences that is stable at the same delays; 1.1 times if the delay is a whole tick.
     #[arg(long, value_name = "N_M", value_parser = number::up_to(100.0, "N·m"))]
     ripple: Option<f64>,
-    /// Writes the settings to this file where they hold (exit code 3 where they do not), for `touchstone config import` and for `--settings`.
-    /// Of a file that is there, only settings of the same law and scene are replaced.
+    /// Writes the settings to this file, for `touchstone config import` and for `--settings`; not if they fail a limit (exit code
+    /// 3). Of an existing file, only settings of the same law and scene are replaced.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Writes a page with scorecard, Pareto table and its plot, results.json and the settings to this folder.
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
-    /// Replaces what another command left in file and folder, and writes settings that do not hold every device within every limit.
+    /// Replaces files of another command, and writes settings even if a device exceeds a limit.
     #[arg(long)]
     force: bool,
 }
 
-/// Runs the command.
+/// Runs `touchstone tune`.
 pub fn main(options: &Options) -> Result<ExitCode> {
     let scene = options.wall.load(&options.device)?;
     refuse_late(&scene)?;
@@ -122,7 +122,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     Ok(ExitCode::from(NOT_MET))
 }
 
-/// Prints one line: place, what fails, why, remedy.
+/// Prints one line of error if tuning fails: the scene, the failed limit, the cause and the remedy.
 fn complain(scene: &Scene, options: &Options, fails: &[String], cause: FailureCause) {
     let worst = fails.first().map_or("no run was possible", String::as_str);
     let unwritten = options.out.is_some() || options.report.is_some();
@@ -146,7 +146,7 @@ fn complain(scene: &Scene, options: &Options, fails: &[String], cause: FailureCa
     );
 }
 
-/// A tuned wall is a device's, and so behind the guard.
+/// Returns an error if the scene's delay is longer than the energy guard allows: a device runs tuned settings only with the guard.
 fn refuse_late(scene: &Scene) -> Result<()> {
     let ticks = delay_ticks(scene);
     if ticks <= MOST_DELAY_TICKS {

@@ -1,17 +1,17 @@
-//! Options that change a scene for a command which chooses laws itself.
+//! Options that change a scene, for a command that chooses the control laws itself.
 
 use super::scene_options::refuse_replaced;
 use std::path::PathBuf;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 
-/// Stiffness and fields.
+/// Options for the wall's stiffness and for other fields of the scene.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct WallOptions {
     /// Desired stiffness k_de, N·m/rad; default: the scene's.
     #[arg(long, value_name = "N_M_PER_RAD", allow_negative_numbers = true)]
     k_desired: Option<String>,
-    /// Takes rate, stiffness and law from a file of settings, as `touchstone tune --out` writes it.
+    /// Reads rate, stiffness and law from a settings file, as `touchstone tune --out` writes it.
     #[arg(long, value_name = "FILE.toml")]
     settings: Option<PathBuf>,
     /// Changes a field of the scene, e.g. device.inertia_kg_m2=2e-4; may be given several times.
@@ -19,7 +19,7 @@ pub struct WallOptions {
     sets: Vec<String>,
 }
 
-/// Fields that the devices and hands of a scorecard replace.
+/// Fields of the scene that a scorecard overwrites with its own devices and hands. `--set` refuses these fields.
 const REPLACED: [(&str, &str); 3] = [
     ("law.kind", "laws"),
     ("operator.grip", "grips"),
@@ -27,7 +27,7 @@ const REPLACED: [(&str, &str); 3] = [
 ];
 
 impl WallOptions {
-    /// The scene with the options applied.
+    /// Reads a scene and applies the options.
     pub fn load(&self, name: &str) -> Result<Scene> {
         refuse_replaced("a scorecard", &self.sets, &REPLACED)?;
         let mut scene = Scene::load(name)?;

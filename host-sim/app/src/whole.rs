@@ -1,31 +1,32 @@
-//! The files that people name: whole or not at all, and no older one lost that another command made.
+//! Writes output files that the user names. A file is written completely or not at all, and a file that another command wrote is
+//! not replaced.
 
 use std::io::ErrorKind;
 use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::output;
 
-/// `--force` of a command that writes a file.
+/// The option `--force` of a command that writes a file.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub struct Overwrite {
-    /// Replaces a file that is there already.
+    /// Replaces an existing file.
     #[arg(long)]
     pub force: bool,
 }
 
-/// A file to be written, by the option that named it.
+/// A file to write, with the option that named it.
 #[derive(Debug, Clone, Copy)]
 pub struct Named<'a> {
-    /// Where.
+    /// Path of the file.
     pub path: &'a Path,
-    /// The option.
+    /// Name of the option, for error messages.
     pub option: &'a str,
-    /// What is there may go.
+    /// Whether an existing file may be replaced.
     pub replaces: bool,
 }
 
 impl Named<'_> {
-    /// Refuses a place that is taken, before anything is done for what would come there.
+    /// Returns an error if the file exists and may not be replaced. Called before the command starts its work.
     pub fn check(&self) -> Result<()> {
         match output::is_free(self.path) {
             Err(error) if error.kind() == ErrorKind::AlreadyExists && self.replaces => Ok(()),
@@ -33,7 +34,7 @@ impl Named<'_> {
         }
     }
 
-    /// Writes it.
+    /// Writes the content to the file.
     pub fn write(&self, content: impl AsRef<[u8]>) -> Result<()> {
         let written = match self.replaces {
             true => output::write(self.path, content),
@@ -42,7 +43,7 @@ impl Named<'_> {
         written.map_err(|error| self.error(&error))
     }
 
-    /// What the system said of it.
+    /// Converts an error of the operating system to an error message with a remedy.
     pub fn error(&self, error: &std::io::Error) -> Error {
         let option = self.option;
         let (problem, fix) = match error.kind() {
@@ -63,7 +64,7 @@ impl Named<'_> {
     }
 }
 
-/// Whether a file is there that begins so, or has this in its first lines: then the same command made it, and makes it again.
+/// Whether the file exists and has `mark` in its first 1024 bytes. Then the same command wrote the file, and may replace it.
 pub fn is_of_same_command(path: &Path, mark: &str) -> bool {
     use std::io::Read as _;
     let is_file = std::fs::symlink_metadata(path).is_ok_and(|meta| meta.is_file());
@@ -75,7 +76,8 @@ pub fn is_of_same_command(path: &Path, mark: &str) -> bool {
         && String::from_utf8_lossy(&begin).contains(mark)
 }
 
-/// What `tests/scripts/readers.py` says of a table: whether every reader that is installed takes it for what was written.
+/// Checks with `tests/scripts/readers.py` that the installed CSV readers, such as pandas, read a table as it was written. Without
+/// Python the check is skipped.
 #[cfg(test)]
 pub fn is_read_by_others(name: &str, table: &[u8]) {
     let folder = std::env::temp_dir().join(format!("touchstone-readers-{}", std::process::id()));

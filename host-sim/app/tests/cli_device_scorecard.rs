@@ -1,4 +1,5 @@
-//! The scorecard of `touchstone device run`: on simulated devices beside the simulator's, on the mocks of real ones with what cannot be known.
+//! Tests of the scorecard that `touchstone device run` writes. On simulated devices its figures match the simulator's. On mocks of
+//! real devices it names the figures that cannot be measured.
 #![cfg(target_os = "linux")]
 
 mod common;
@@ -55,7 +56,7 @@ fn value(card: &serde_json::Value, key: &str) -> f64 {
         .unwrap_or_else(|| panic!("{figure}"))
 }
 
-/// How many figures are beyond their limits, or lost.
+/// Number of measured figures that exceed their limits or have no value.
 fn beyond(card: &serde_json::Value) -> usize {
     let figures = card["figures"].as_array().expect("figures");
     figures
@@ -66,7 +67,7 @@ fn beyond(card: &serde_json::Value) -> usize {
         .count()
 }
 
-/// What the simulator says of the same wall, hand and actions, with true depths.
+/// The simulator's worst figures over all actions of the hand, for the same wall and hand. The simulator knows the true depths.
 fn simulated(normal: [f64; 3]) -> DirectionFigures {
     let wall = PressedWall {
         surface: PressedSurface::Plane([0.0; 3], normal),
@@ -84,8 +85,11 @@ fn simulated(normal: [f64; 3]) -> DirectionFigures {
         })
 }
 
-/// Within what half a count of each axis is along the normal, over the depth of 8 N in 5 N/mm. The wall is one that gives energy, which is the harder comparison; without a guard, whose
-/// account one run has for all actions and the simulator anew for each: there it never acts.
+/// The figures of depth may differ by half an encoder count of each axis along the wall's normal, relative to the depth of 8 N in 5
+/// N/mm. The tested wall gives energy, which is the harder comparison.
+///
+/// No energy guard takes part: on the device one energy account lasts for all actions, in the simulator each action has a new
+/// account.
 #[test]
 fn a_simulated_device_has_the_simulators_figures() {
     let folder = common::folder("device-scorecard-equal");
@@ -129,7 +133,8 @@ fn a_simulated_device_has_the_simulators_figures() {
     }
 }
 
-/// The wall that is played where nothing is said of one is within all six limits, at every rate that has one of its own. The thesis' settings are not, and say so beforehand.
+/// The default wall of an omega.3 meets all six limits at every control rate that has a default wall. The thesis' settings exceed
+/// limits, and the program warns of this before the run.
 #[test]
 fn the_default_wall_of_an_omega3_is_within_the_limits() {
     let folder = common::folder("device-scorecard-default");
@@ -162,7 +167,8 @@ fn the_default_wall_of_an_omega3_is_within_the_limits() {
     assert!(said.contains("above k_v"), "{said}");
 }
 
-/// A spring far above what the devices hold, without a guard, is beyond nearly every limit; one that they hold is within.
+/// A spring far too stiff for the device, without a guard, exceeds nearly every limit. A spring that the device holds stably meets
+/// them.
 #[test]
 fn a_bad_wall_is_seen_as_bad_on_both_simulated_devices() {
     let folder = common::folder("device-scorecard-bad");
@@ -181,7 +187,8 @@ fn a_bad_wall_is_seen_as_bad_on_both_simulated_devices() {
     }
 }
 
-/// Nobody commands the hand of a real device: its figures are those of what it did, the others are named with the reason.
+/// The program cannot command the hand on a real device. The scorecard has figures of the motion that the hand made, and gives the
+/// reason for each figure that is missing.
 #[test]
 fn on_the_mocks_it_is_said_what_cannot_be_known() {
     let folder = common::folder("device-scorecard-mocks");

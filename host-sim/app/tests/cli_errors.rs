@@ -1,9 +1,10 @@
-//! The program from outside: bad input is one line that names file or option, field and fix, exit code 2, and nothing written.
+//! Runs the program with invalid input. Each error is one line that names file or option, field and remedy; the exit code is 2, and
+//! no file is written.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A folder of its own for each test, empty at the start.
+/// Folder for one test, empty at the start.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -27,7 +28,7 @@ impl Folder {
         names
     }
 
-    /// Runs the program here.
+    /// Runs the program in this folder.
     fn run(&self, arguments: &[&str]) -> Output {
         Command::new(env!("CARGO_BIN_EXE_touchstone"))
             .args(arguments)
@@ -36,7 +37,7 @@ impl Folder {
             .unwrap()
     }
 
-    /// Runs a scene that is expected to be refused, with results asked for; gives the one line on standard error.
+    /// Runs the program, and checks that it refuses its input: exit code 2, one line of error with all `parts`, and no new file.
     #[track_caller]
     fn refused(&self, arguments: &[&str], parts: &[&str]) {
         let before = self.names();
@@ -58,7 +59,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// A scene of ten lines; `device` stands on line 3.
+/// Text of a scene of ten lines; the field `device` is on line 3.
 fn scene(device: &str, law: &str) -> String {
     format!(
         "name = \"small\"\n[device]\n{device}\n[timing]\nrate_hz = 1000\nduration_s = 0.2\n[law]\n{law}\n[operator]\ngrip = \"none\"\n"

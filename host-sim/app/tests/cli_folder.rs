@@ -1,4 +1,4 @@
-//! The program from outside: a report's folder tells what it was made from, and every run in it can be made again.
+//! Tests of a report's folder: it records how its files were made, and every run in it can be repeated from it.
 
 mod common;
 
@@ -40,7 +40,8 @@ fn schema_file(name: &str) -> PathBuf {
     Path::new(docs).join(format!("{name}.schema.json"))
 }
 
-/// What a documented schema says of each of `instances`, under Python's validator, which shares no code with the program.
+/// Whether each of `instances` is valid under a documented JSON schema. A Python validator decides, which shares no code with the
+/// program.
 fn valid(here: &Path, schema: &str, instances: &[Value]) -> Vec<bool> {
     const PROGRAM: &str = "
 import json, jsonschema, sys
@@ -69,14 +70,15 @@ for instance in json.load(open(sys.argv[2])):
     said
 }
 
-/// The bytes of a Parquet file before its footer, which holds the command: all pages of all columns.
+/// Data pages of all columns of a Parquet file: the bytes before the footer. The footer also holds the command line, which differs
+/// between runs.
 fn pages(file: &[u8]) -> &[u8] {
     let end = file.len() - 8;
     let footer = u32::from_le_bytes(file[end..end + 4].try_into().unwrap()) as usize;
     &file[..end - footer]
 }
 
-/// Makes `first`, makes it again from its folder alone, and compares.
+/// Runs the command `first`, repeats the run from the scene file in its report's folder, and checks that both results are equal.
 #[track_caller]
 fn assert_made_again(here: &Path, first: &str) {
     done(here, &format!("{first} --out a"));
@@ -257,7 +259,7 @@ fn results_obey_the_documented_schema_and_it_refuses_others() {
     assert_eq!(valid(&here, "results", &bad), [false; 7]);
 }
 
-/// The two files that a person writes, and what prints the schema of each.
+/// The two kinds of file that a user writes, each with the command that prints its JSON schema.
 const WRITTEN: [(&str, &str); 2] = [
     ("scene", "scenes --json-schema"),
     ("settings", "config schema --json-schema"),
@@ -386,7 +388,8 @@ fn what_other_commands_write_obeys_its_documented_schema() {
     check(&here, "space-scene", scene, "dof");
 }
 
-/// Valid as it is; not with a field that nobody knows, and not without one of its own.
+/// Checks a JSON schema: `good` is valid, `good` with an unknown field is invalid, and `good` without the required `field` is
+/// invalid.
 fn check(here: &Path, name: &str, good: Value, field: &str) {
     let mut more = good.clone();
     more["more"] = 1.into();

@@ -1,4 +1,5 @@
-//! `touchstone device list`, `info`, `run` and `survey`: against a library that behaves as the omega.3's, in processes of their own.
+//! Tests of `touchstone device list`, `info`, `run` and `survey` with a mock of the omega.3's driver library. Each test runs the
+//! program in a separate process.
 #![cfg(target_os = "linux")]
 
 mod common;
@@ -8,7 +9,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use touchstone_mock_dhd::door::built;
 
-/// The program with the mock for its library, and with what is to go wrong.
+/// The program's command with the mock in place of the driver library; `plan` lists the faults that the mock produces.
 fn program(folder: &Path, plan: &str, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_touchstone"));
     command
@@ -45,7 +46,7 @@ fn failed(output: &Output, code: i32, parts: &[&str]) {
     }
 }
 
-/// What the mock noted when it was closed.
+/// Checks the mock's log: the device was closed at zero force. Returns the last number in the log.
 #[track_caller]
 fn closed(folder: &Path) -> f64 {
     let log = std::fs::read_to_string(folder.join("log")).expect("it was closed");
@@ -160,7 +161,7 @@ fn a_wall_is_played_in_real_time_and_the_device_released() {
     );
 }
 
-/// Every tick of a run as CSV: its forces are those of the run, and its places those of the hand.
+/// A run writes every control tick as CSV. The forces in the file are those of the run, and the positions are those of the hand.
 #[test]
 fn a_run_is_kept_tick_by_tick() {
     let folder = common::folder("haptic-trace");
@@ -192,7 +193,8 @@ fn a_run_is_kept_tick_by_tick() {
     );
 }
 
-/// Simulated and faster than real time: the same twice, and every law and object holds its device.
+/// A device simulated faster than real time gives the same results in two runs. The run ends without a fault with every control law
+/// and object.
 #[test]
 fn a_simulated_device_plays_every_object_without_a_fault() {
     let folder = common::folder("haptic-fast");
@@ -306,7 +308,7 @@ fn interrupt(child: &Child, signal: &str) {
     );
 }
 
-/// Ctrl-C and being told to end.
+/// After Ctrl-C (SIGINT) or SIGTERM, the program releases the device.
 #[test]
 fn an_interrupt_ends_with_a_released_device() {
     for (signal, seconds, code) in [("-INT", &[][..], 0), ("-TERM", &["--seconds", "30"], 130)] {
@@ -322,7 +324,7 @@ fn an_interrupt_ends_with_a_released_device() {
     }
 }
 
-/// Two programs, one device.
+/// While one program uses a device, a second program that opens the device gets an error.
 #[test]
 fn a_second_program_is_told_that_the_first_has_it() {
     let folder = common::folder("haptic-held");
@@ -434,7 +436,7 @@ fn what_does_not_go_together_is_said() {
     }
 }
 
-/// A floor of two triangles pushes as the floor does; what is no mesh is refused before anything moves.
+/// A mesh of two triangles gives the same forces as the built-in floor. A file that is no mesh is refused before the device moves.
 #[test]
 fn a_mesh_from_a_file_is_an_object() {
     let folder = common::folder("cli-haptic-mesh");

@@ -1,4 +1,4 @@
-//! `hard` and `accuracy` from outside: what they print, write and refuse, and their exit codes.
+//! Tests of `touchstone hard` and `touchstone accuracy`: what they print, write and refuse, and their exit codes.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! The program from outside: warnings for what leaves a passivity bound, and what the commands leave behind.
+//! Tests of the warnings for settings beyond a passivity bound, and of the files that the commands write.
 
 mod common;
 
@@ -14,7 +14,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// A setting just inside its bound and one just outside, with what the warning must say.
+/// For each passivity bound: a setting just inside, a setting just outside, and the parts of the expected warning.
 const BOUNDS: [(&str, &str, &[&str]); 3] = [
     (
         "law.k_soft_n_m_per_rad=1.0",
@@ -121,7 +121,7 @@ fn strictly_passive_refuses_the_default_credit_and_names_it() {
     }
 }
 
-/// Fields that every run has.
+/// Fields that every run has in `results.json`.
 const FIELDS: [&str; 11] = [
     "law",
     "k_desired",

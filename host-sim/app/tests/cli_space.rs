@@ -1,4 +1,4 @@
-//! The comparison in three degrees of freedom from outside.
+//! Tests of the thesis' comparison in three degrees of freedom.
 
 mod common;
 
@@ -11,7 +11,7 @@ fn folder(test: &str) -> PathBuf {
     common::folder(&format!("cli-space-{test}"))
 }
 
-/// All claims hold, and the page has the figures of every run.
+/// All checked claims of the thesis hold, and the report's page has the figures of every run.
 #[test]
 fn the_comparison_reproduces_what_the_thesis_claims() {
     let folder = folder("claims");

@@ -1,4 +1,4 @@
-//! Three axes on a delta mechanism, and the tuned law where its setting was not chosen: from outside.
+//! Tests of three-axis walls on a delta mechanism, and of the tuned law on walls and devices that the tuning did not use.
 
 mod common;
 
@@ -14,7 +14,8 @@ fn said(bytes: &[u8]) -> String {
 
 const BALL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/delta-ball.toml");
 
-/// The comparison on both mechanisms with the check on other walls: what a mechanism changes is seen, and the energy balance closes on both.
+/// The comparison runs on a cartesian and on a delta mechanism, with walls that the tuning did not use. The results show the effect
+/// of the mechanism, and the energy balance closes on each mechanism.
 #[test]
 fn the_comparison_runs_on_a_delta_with_the_check_on_other_walls() {
     let folder = common::folder("space-mechanism");

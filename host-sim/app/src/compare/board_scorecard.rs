@@ -1,4 +1,5 @@
-//! `touchstone compare --hand programme`: a board whose hand did the scorecard's programme, beside the scene's scorecard.
+//! `touchstone compare --hand programme`: compares the scorecard of a board with that of its simulation. On the board, a program
+//! moved the hand as the scorecard prescribes.
 
 use super::{APART, Options};
 use crate::out::{self, note, say, tell};

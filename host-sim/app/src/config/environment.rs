@@ -1,4 +1,5 @@
-//! `touchstone config environment`: things to touch in addition to the wall, in the words of a scene.
+//! `touchstone config environment`: shows or changes what a board renders besides the wall (further walls, detents, end stops), in
+//! the form of a scene file.
 
 use crate::number;
 use crate::out::{self, say, tell};
@@ -12,18 +13,18 @@ use touchstone_protocol::{Board, Decimal, DeviceSettings, Reply, Request};
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{self, DetentRing, Endstops, FurtherWall, Scene, TorqueProfile};
 
-/// Options of `config environment`.
+/// Options of the command `touchstone config environment`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct EnvironmentOptions {
-    /// A scene, by file or name: its `[environment]` is sent. Without it, that of the device is taken.
+    /// A scene, by file or name, whose `[environment]` is sent. Without it, the options change the device's own environment.
     scene: Option<String>,
     /// Changes a field of the environment, e.g. environment.detents.strength_n_m=0.02; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
-    /// Back to the wall alone.
+    /// Removes everything but the wall.
     #[arg(long, conflicts_with_all = ["scene", "sets"])]
     wall_alone: bool,
-    /// How fast a force may change while this takes the place of another under a hand, N·m/s.
+    /// Limit on the change of the force while the new environment replaces the old one under a hand, N·m/s.
     #[arg(long, value_name = "N_M_PER_S", allow_negative_numbers = true, value_parser = number::not_negative("in N·m/s"))]
     change: Option<f64>,
 }
@@ -34,7 +35,7 @@ impl EnvironmentOptions {
     }
 }
 
-/// Shows it, or sends another.
+/// Shows the environment of the device, or sends a new one to it.
 pub fn main(client: &mut Client, options: &EnvironmentOptions) -> Result<()> {
     let board = client.identity().board;
     if !board.is_large() {
@@ -49,7 +50,7 @@ pub fn main(client: &mut Client, options: &EnvironmentOptions) -> Result<()> {
     }
     let settings = client.settings()?;
     let after = wanted(options, &before, &settings)?;
-    // The check of the device, with the place that a person wrote.
+    // The device's own check, made here, so that the error names the option's path.
     if let Err(error) = after.check(&settings) {
         return Err(Error::Option {
             option: error.path.into(),
@@ -78,7 +79,7 @@ pub fn main(client: &mut Client, options: &EnvironmentOptions) -> Result<()> {
     )
 }
 
-/// Why there is no room, and what to do.
+/// The error for a board whose flash has no room for an environment, with the remedy.
 fn small(place: &str, board: Board) -> Error {
     let fix = "use a NUCLEO-G474RE for it; on this board, `touchstone config set wall.surface_rad` moves its one wall";
     let problem = format!(
@@ -88,7 +89,7 @@ fn small(place: &str, board: Board) -> Error {
     Error::device(place, problem, fix)
 }
 
-/// The wanted environment: the changes applied to the present one.
+/// The environment that the options request: the present one of the device, with their changes.
 fn wanted(
     options: &EnvironmentOptions,
     before: &Surround,
@@ -105,7 +106,7 @@ fn wanted(
                 scene
             }
         };
-        // What it is checked against is the device's.
+        // The environment is checked against the force limit of the device, not that of the scene.
         scene.law.force_limit_n_m = settings.law.force_limit_n_m.to_num();
         let scene = scene.with_overrides(&options.sets)?;
         of_scene(&scene.environment.unwrap_or_default())
@@ -124,12 +125,12 @@ fn decimal(value: f64) -> Decimal {
 }
 
 fn plain(value: Decimal) -> f64 {
-    // As a person wrote it: the exact format has more digits.
+    // Rounded to nine decimals, as a person wrote it: the fixed-point format has more digits.
     let value: f64 = value.0.to_num();
     format!("{value:.9}").parse().unwrap_or(value)
 }
 
-/// A scene's, for a board.
+/// Translates the environment of a scene file to a board's format.
 fn of_scene(named: &scene::Environment) -> Surround {
     let further = |wall: &Option<FurtherWall>| {
         wall.as_ref().map(|wall| WallBeside {
@@ -167,7 +168,7 @@ fn of_scene(named: &scene::Environment) -> Surround {
     }
 }
 
-/// A board's, for a scene.
+/// Translates the environment of a board to a scene file's format.
 fn as_scene(there: &Surround) -> scene::Environment {
     let further = |wall: Option<WallBeside>| {
         wall.map(|wall| FurtherWall {
@@ -189,7 +190,7 @@ fn as_scene(there: &Surround) -> scene::Environment {
         }),
         detents: there.detents.map(|ring| DetentRing {
             per_rev: ring.per_rev.into(),
-            // What a board has of another spacing is 0, which no scene has.
+            // A board has the pitch 0 if the detents are given per turn; a scene may not have a pitch of 0.
             pitch_rad: match plain(ring.pitch_rad) {
                 0.0 => DetentRing::default().pitch_rad,
                 pitch_rad => pitch_rad,
@@ -214,9 +215,9 @@ fn json(environment: &Surround) -> serde_json::Value {
     })
 }
 
-/// Prints the environment as TOML, in the form of a scene.
+/// Prints the environment as TOML, in the form of a scene file.
 fn shown(environment: &Surround) -> Result<()> {
-    // Not by way of a JSON value: how that keeps its numbers is for JSON alone.
+    // Not through a JSON value, which stores numbers differently from TOML.
     let environment_table = toml::Value::try_from(as_scene(environment));
     let table: toml::Table = environment_table
         .into_iter()

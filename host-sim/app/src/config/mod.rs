@@ -1,4 +1,4 @@
-//! `touchstone config`: the settings of a device, one by one or all at once.
+//! `touchstone config`: shows and changes the settings of a device, one by one or all at once.
 
 pub mod environment;
 pub mod toml_file;
@@ -17,7 +17,7 @@ use touchstone_protocol::settings::fields::{FIELDS, Field};
 use touchstone_protocol::{Board, DeviceSettings, Request};
 use touchstone_sim::error::{Error, Result};
 
-/// Options of `config`.
+/// Options of the command `touchstone config`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
     #[command(flatten)]
@@ -33,17 +33,17 @@ enum Action {
         /// Paths of settings or tables.
         paths: Vec<String>,
     },
-    /// Changes one setting. It counts from the next calibration; `save` keeps it.
+    /// Changes one setting, which takes effect from the next calibration on; `save` keeps it.
     Set {
-        /// The path, e.g. wall.k_desired_n_m_per_rad.
+        /// The path of the setting, e.g. wall.k_desired_n_m_per_rad.
         path: String,
-        /// The value, in the unit of its name.
+        /// The value, in the unit that the setting's name ends with.
         #[arg(allow_hyphen_values = true)]
         value: String,
     },
     /// Writes all settings as TOML, with units, ranges and comments.
     Export {
-        /// The file; without it, standard output.
+        /// The file to write; without it, standard output.
         file: Option<PathBuf>,
         #[command(flatten)]
         overwrite: Overwrite,
@@ -51,33 +51,33 @@ enum Action {
     /// Takes settings from TOML: all are checked before any is changed. Settings that the file leaves out do not
     /// change.
     Import {
-        /// The file.
+        /// The TOML file to read.
         file: PathBuf,
-        /// Only check, and show what would change.
+        /// Only checks the file, and shows what would change.
         #[arg(long)]
         dry_run: bool,
-        /// Also accepts settings that weaken the energy guard: off, less delay, more damping, capacity or refill than
-        /// is certain. THE BOUNDS OF docs/guard-promise.md THEN NO LONGER HOLD FOR A HAND.
+        /// Also accepts settings that weaken the energy guard: a guard that is off, or less delay, more damping, a larger energy
+        /// account or faster refill than is certain. THE BOUNDS OF docs/guard-promise.md THEN NO LONGER HOLD FOR A HAND.
         #[arg(long)]
         weaken_guard: bool,
     },
-    /// Back to the defaults of the board; `save` keeps them.
+    /// Sets all settings to the defaults of the board; `save` keeps them.
     Defaults,
-    /// Keeps the settings in the device's flash.
+    /// Saves the settings in the device's flash, so that they outlast a restart.
     Save,
-    /// Shows things to touch in addition to the wall, or sends a scene's: further walls, endstops, detents. Counts at once, also under a
-    /// hand; `save` keeps it.
+    /// Shows or changes what the device renders besides the wall: further walls, end stops, detents, from a scene. Takes effect at
+    /// once, also under a hand; `save` keeps it.
     Environment(environment::EnvironmentOptions),
     /// Lists all settings with units, ranges and meanings; needs no device.
     Schema {
-        /// Prints the JSON schema of a file of settings instead.
+        /// Prints the JSON schema of a settings file instead.
         #[arg(long)]
         json_schema: bool,
     },
 }
 
 impl Options {
-    /// Whether settings go out as TOML, which has no other form.
+    /// Whether the command prints the settings as TOML; TOML has no JSON form.
     pub fn exports(&self) -> bool {
         matches!(self.action, Action::Export { .. })
     }
@@ -92,7 +92,7 @@ pub fn main(options: &Options) -> Result<()> {
             get(&mut connect()?, &shown)
         }
         Action::Set { path, value } => {
-            // What no device would accept needs none to be refused.
+            // A value that no device accepts is refused before a connection is made.
             let setting = parsed(path, value)?;
             let mut client = connect()?;
             let (before, after) = set(&mut client, &setting)?;
@@ -115,7 +115,7 @@ pub fn main(options: &Options) -> Result<()> {
         } => {
             let text = touchstone_sim::input::text(file, touchstone_sim::input::MOST_OF_SETTINGS)
                 .map_err(|error| io(file, &error))?;
-            // What is wrong for every device needs none to be refused.
+            // A file that is wrong for every device is refused before a connection is made.
             toml_file::read(&text, file, &DeviceSettings::defaults(Board::NucleoG474re))?;
             import(&mut connect()?, file, &text, (*dry_run, *weaken_guard))
         }
@@ -145,7 +145,7 @@ pub fn main(options: &Options) -> Result<()> {
     }
 }
 
-/// The settings that paths of settings or tables name; all without any.
+/// The settings that the paths name: one for each setting's path, several for a table's. An empty list names all settings.
 fn select(paths: &[String]) -> Result<Vec<&'static Field>> {
     let mut shown: Vec<&'static Field> = Vec::new();
     for path in paths {
@@ -182,7 +182,7 @@ fn get(client: &mut Client, shown: &[&Field]) -> Result<()> {
                 let value = value::shown(&settings, field);
                 say!("{} = {value}{}", field.path, value::unit(field));
             }
-            // Where the guard is asked for, what it comes to.
+            // If the guard's settings are shown, the bound that they give is shown, too.
             if shown
                 .iter()
                 .any(|field| field.path == "law.guard.capacity_j")
@@ -194,7 +194,7 @@ fn get(client: &mut Client, shown: &[&Field]) -> Result<()> {
     )
 }
 
-/// Changes a setting; returns all settings before and after.
+/// Changes one setting of the device; returns all settings before and after the change.
 pub fn set(client: &mut Client, setting: &Setting) -> Result<(DeviceSettings, DeviceSettings)> {
     let before = client.settings()?;
     let after = setting::changed(&before, setting, client.identity().board)?;
@@ -235,7 +235,7 @@ fn import(
     if let Err(invalid) = checked(&after, board) {
         return Err(Error::File {
             file: file.to_owned(),
-            // A setting that the file leaves out can be refused too, for what the file says of another.
+            // A setting that the file leaves out can be refused, too, because it conflicts with one in the file.
             line: lines.get(invalid.path).copied().unwrap_or(1),
             field: invalid.path.to_string(),
             problem: without_path(&invalid, invalid.path),
@@ -278,14 +278,14 @@ fn import(
     changed(&before, &after)
 }
 
-/// Notes which part of the guard's bound no longer holds.
+/// Prints a warning for each changed setting that weakens the guard's bound on energy.
 fn note_weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) {
     for it in guard::weaker(before, after, board) {
         note!("warning: the guard is weaker: {}: {}", it.path, it.problem);
     }
 }
 
-/// Settings that differ.
+/// The settings whose values differ before and after.
 fn different<'a>(
     before: &'a DeviceSettings,
     after: &'a DeviceSettings,
@@ -295,7 +295,7 @@ fn different<'a>(
         .filter(|field| value::shown(before, field) != value::shown(after, field))
 }
 
-/// Shows what differs, one line a setting.
+/// Prints the settings that differ, one per line.
 fn differences(before: &DeviceSettings, after: &DeviceSettings) -> Result<()> {
     for field in different(before, after) {
         let (old, new) = (value::shown(before, field), value::shown(after, field));
@@ -304,7 +304,7 @@ fn differences(before: &DeviceSettings, after: &DeviceSettings) -> Result<()> {
     Ok(())
 }
 
-/// The differences as JSON.
+/// The settings that differ, as JSON.
 fn differences_json(
     before: &DeviceSettings,
     after: &DeviceSettings,
@@ -324,7 +324,7 @@ fn differences_json(
     })
 }
 
-/// Shows what was changed, and what is left to do.
+/// Prints the settings that were changed, and what the user still has to do for them to take effect.
 fn changed(before: &DeviceSettings, after: &DeviceSettings) -> Result<()> {
     out::result(
         || differences_json(before, after, before != after),

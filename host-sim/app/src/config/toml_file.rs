@@ -1,4 +1,4 @@
-//! All settings as a TOML file: written with units, ranges and comments, read with every error at its line.
+//! All settings as a TOML file. It is written with units, ranges and comments; errors of reading name the line.
 
 use super::unknown;
 use std::collections::BTreeMap;
@@ -11,11 +11,11 @@ use touchstone_protocol::settings::fields::{FIELDS, Field, Kind, field};
 use touchstone_protocol::{DeviceSettings, Identity};
 use touchstone_sim::error::{Error, Result};
 
-/// First words and last line of what [`write()`] makes: a file with the one and without the other was cut.
+/// First words of a file that [`write()`] makes. A file that begins with them but lacks the last line `END` was cut off.
 const BEGIN: &str = "# Settings of ";
 const END: &str = "# End of the settings.";
 
-/// Writes all settings.
+/// All settings as the text of a TOML file.
 pub fn write(settings: &DeviceSettings, identity: &Identity) -> String {
     let mut text = format!("{BEGIN}{}.\n", described(identity));
     text.push_str("# Back with: touchstone config import FILE\n");
@@ -44,7 +44,7 @@ pub fn write(settings: &DeviceSettings, identity: &Identity) -> String {
     text
 }
 
-/// The tables in their order, each once.
+/// The names of the tables in the order of the file, each once.
 fn tables() -> Vec<&'static str> {
     let mut tables = Vec::new();
     for field in FIELDS {
@@ -56,18 +56,18 @@ fn tables() -> Vec<&'static str> {
     tables
 }
 
-/// Table and name.
+/// Splits the path of a setting into the table and the name within the table.
 fn split(path: &str) -> (&str, &str) {
     path.rsplit_once('.').unwrap_or(("", path))
 }
 
-/// Lines of the fields that a file has.
+/// For each setting that a file has, the number of its line.
 pub type Lines = BTreeMap<&'static str, usize>;
 
-/// Reads settings on top of others; those that the file leaves out stay.
+/// Reads settings from the text of a TOML file. Settings that the file leaves out keep their values in `before`.
 ///
 /// # Errors
-/// The first line that has no setting, or no value for it.
+/// The first line with an unknown setting or with an invalid value.
 pub fn read(text: &str, file: &Path, before: &DeviceSettings) -> Result<(DeviceSettings, Lines)> {
     let line = |offset: usize| 1 + text.get(..offset).unwrap_or(text).matches('\n').count();
     let wrong = |offset: usize, field: &str, (problem, fix): Wrong| Error::File {
@@ -114,7 +114,7 @@ pub fn read(text: &str, file: &Path, before: &DeviceSettings) -> Result<(DeviceS
     Ok((settings, lines))
 }
 
-/// A leaf of a file: its path, where it stands, its value.
+/// One value of a TOML file: its path, its position in the text, and the value.
 type Leaf<'v, 't> = (String, usize, &'v DeValue<'t>);
 
 fn flatten<'v, 't>(table: &str, values: &'v DeTable<'t>, leaves: &mut Vec<Leaf<'v, 't>>) {
@@ -131,7 +131,7 @@ fn flatten<'v, 't>(table: &str, values: &'v DeTable<'t>, leaves: &mut Vec<Leaf<'
     }
 }
 
-/// The text of a value as it stands in the file: a number is not taken through a float.
+/// A value as text, as it stands in the file: numbers are not converted to a float, which would lose digits.
 fn text_of(field: &Field, value: &DeValue<'_>) -> Option<String> {
     match (field.kind, value) {
         (Kind::Number { .. }, DeValue::Float(number)) => Some(number.as_str().to_owned()),
@@ -161,7 +161,7 @@ mod tests {
             build_hash: 0,
         };
         let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
-        // Steps of the format that no float of 53 bits could carry.
+        // Values of the fixed-point format that a float of 53 bits cannot represent.
         settings.wall.k_desired_n_m_per_rad =
             touchstone_control::Si::from_bits((5000_i64 << 32) + 1);
         settings.wall.surface_rad = touchstone_control::Si::from_bits(-(7_i64 << 32) - 3);

@@ -22,11 +22,11 @@ use touchstone_sim::error::{Error, Result};
 /// The actions on a map.
 #[derive(Debug, Clone, Copy, Subcommand)]
 pub enum CoggingAction {
-    /// Measures it, tries it, keeps and saves it: HANDS OFF, THE SHAFT TURNS SLOWLY, both ways and twice, for a minute.
+    /// Measures, checks and stores a map: HANDS OFF, THE SHAFT TURNS SLOWLY, both ways and twice, for a minute.
     Measure,
-    /// Tries the kept map: HANDS OFF, THE SHAFT TURNS SLOWLY, without the map and with it.
+    /// Measures the shaft's ripple without and with the stored map: HANDS OFF, THE SHAFT TURNS SLOWLY.
     Check,
-    /// Forgets it, and saves that.
+    /// Deletes the map, and saves the settings without it.
     Forget,
 }
 
@@ -51,7 +51,7 @@ impl Tried {
         self.ripple_rad[1] / self.ripple_rad[0]
     }
 
-    /// JSON for programs.
+    /// The map and the ripples as JSON for programs.
     pub fn json(&self) -> serde_json::Value {
         serde_json::json!({
             "rms_n_m": self.found.rms_n_m,
@@ -63,7 +63,7 @@ impl Tried {
         })
     }
 
-    /// Text for people.
+    /// The map and the ripples as lines of text for people.
     pub fn lines(&self) -> [String; 3] {
         let found = &self.found;
         let orders: Vec<String> = found
@@ -247,7 +247,7 @@ fn check(client: &mut Client, settings: &DeviceSettings, stop: &AtomicBool) -> R
 
 const AGAIN: &str = "measure it: touchstone device cogging measure";
 
-/// The shaft's ripple while the kept map is played, rad.
+/// Measures the shaft's ripple while the stored map is in use, rad.
 fn tried(
     client: &mut Client,
     asked: &DeviceSettings,
@@ -261,7 +261,7 @@ fn tried(
 
 fn judged(client: &Client, tried: &Tried) -> Result<()> {
     let left = tried.left();
-    // What is no number is refused, too.
+    // NaN fails this comparison and is refused, too.
     if left < LEFT_MOST {
         return Ok(());
     }
@@ -328,7 +328,7 @@ fn swept(
     let calibrate = client.tell(&Request::Command(DeviceCommand::Calibrate));
     calibrate.map_err(|refused| spin::fault(client).unwrap_or(refused))?;
     client.forget_telemetry();
-    // Two ways, each with a quarter of a turn more.
+    // The shaft turns both ways, each with a quarter of a turn in addition.
     let quarters = 2 * (4 * TURNS + 1) / QUARTERS_PER_S;
     let turning = Duration::from_secs(quarters.unsigned_abs());
     let limit = calibration_limit(settings) + turning + SWEEP_REST;

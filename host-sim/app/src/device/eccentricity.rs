@@ -13,14 +13,15 @@ use touchstone_lab::identify::eccentricity::{Eccentricity, Harmonic, ORDERS, Res
 use touchstone_protocol::DeviceSettings;
 use touchstone_sim::error::Result;
 
-/// The actions on the encoder's error.
+/// The actions on the angle error of the encoder.
 #[derive(Debug, Clone, Copy, Subcommand)]
 pub enum EccentricityAction {
-    /// Measures it: HANDS OFF, THE SHAFT TURNS, THEN SPINS BOTH WAYS, for half a minute. Nothing is kept; the device is left stopped.
+    /// Measures the error: HANDS OFF, THE SHAFT TURNS, THEN SPINS BOTH WAYS, for half a minute. Nothing is stored; the device is
+    /// left stopped.
     Measure,
 }
 
-/// Measures and shows.
+/// Measures the encoder's error and shows it.
 pub fn main(client: &mut Client, action: EccentricityAction) -> Result<()> {
     let EccentricityAction::Measure = action;
     let settings = client.settings()?;
@@ -93,7 +94,7 @@ fn by_field_alone(field_n_m_per_rad: f64) -> String {
     )
 }
 
-/// Text for people, with the stiffness by which the field held the shaft, N·m/rad.
+/// The measured error as lines of text. `field_n_m_per_rad`: stiffness by which the magnetic field held the shaft, N·m/rad.
 pub fn lines(found: &Eccentricity, pole_pairs: f64, field_n_m_per_rad: f64) -> Vec<String> {
     let mut lines: Vec<String> = (0..ORDERS)
         .map(|index| {
@@ -131,7 +132,7 @@ pub fn warning(found: &Eccentricity, pole_pairs: f64) -> Option<String> {
     ))
 }
 
-/// JSON for programs, and for a setup that goes on later.
+/// The measured error as JSON, for programs and for a setup that is continued later.
 pub fn as_json(found: &Eccentricity, pole_pairs: f64) -> Value {
     let cost = found.cost(pole_pairs);
     let harmonics = (0..ORDERS).map(|index| {

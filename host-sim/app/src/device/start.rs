@@ -12,26 +12,26 @@ use touchstone_sim::error::{Error, Result};
 
 const SILENCE: &str = "limits.host_silence_s";
 
-/// The actions on an alignment.
+/// The actions on the stored alignment of motor and encoder.
 #[derive(Debug, Clone, Copy, Subcommand)]
 pub enum AlignmentAction {
-    /// Keeps the alignment that the calibration found, saves it with the settings, and checks it at once: THE SHAFT
-    /// MOVES A LITTLE.
+    /// Stores the alignment that the calibration measured, saves it with the settings, and checks it at once: THE SHAFT MOVES A
+    /// LITTLE.
     Keep,
-    /// Forgets the alignment, and saves that: each calibration searches for it again.
+    /// Deletes the stored alignment, and saves that: each calibration measures the alignment again.
     Forget,
 }
 
 /// Whether a board starts unattended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Switch {
-    /// The board checks the kept alignment and arms when power comes on: the shaft moves with no person present.
+    /// The board checks the stored alignment and arms when power comes on: the shaft moves with no person present.
     On,
-    /// The board waits for a desktop, as shipped.
+    /// The board waits for a command from a desktop, as shipped.
     Off,
 }
 
-/// The device's report on its start; `None` from a board that keeps nothing for it.
+/// The device's report on its start; `None` from a board that can store nothing for its start.
 pub fn report(client: &mut Client) -> Result<Option<StartReport>> {
     if !client.identity().board.is_large() {
         return Ok(None);
@@ -103,7 +103,7 @@ pub fn json(
     })
 }
 
-/// Shows both errors.
+/// Shows the state of the stored alignment and of the unattended start.
 fn shown(client: &mut Client) -> Result<()> {
     let board = client.identity().board;
     let (report, settings) = (demanded(client)?, client.settings()?);
@@ -118,7 +118,7 @@ fn shown(client: &mut Client) -> Result<()> {
     )
 }
 
-/// Shows, keeps or forgets.
+/// Shows, stores or deletes the alignment of motor and encoder.
 pub fn alignment(client: &mut Client, action: Option<AlignmentAction>) -> Result<()> {
     demanded(client)?;
     match action {
@@ -161,7 +161,7 @@ pub fn keep(client: &mut Client) -> Result<()> {
         Error::Device { problem, .. } => problem.clone(),
         other => other.to_string(),
     };
-    // Off and forgotten, if it can still be told.
+    // Switches the board off and deletes the alignment, if the board still answers.
     client.tell(&Request::Command(DeviceCommand::Stop))?;
     client.tell(&Request::ForgetAlignment)?;
     client.tell(&Request::Save)?;

@@ -1,5 +1,5 @@
-//! `touchstone doctor`: everything that a board or an omega.3 needs, whether it is there, and how to get what is
-//! missing.
+//! `touchstone doctor`: checks whether everything that a board or an omega.3 needs is installed and connected, and says how to get
+//! what is missing.
 
 mod usb;
 
@@ -19,23 +19,23 @@ use touchstone_protocol::PROTOCOL_VERSION;
 use touchstone_protocol::stored::LAYOUT_VERSION;
 use touchstone_sim::error::Error;
 
-/// The Cortex-M4 with its float unit.
+/// Rust target of the boards' processor, a Cortex-M4 with its floating-point unit.
 const TARGET: &str = "thumbv7em-none-eabihf";
 
-/// Options of `doctor`.
+/// Options of the command `touchstone doctor`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// What you want to use: exit code 1 where something is missing for it. If you name nothing, the command looks for everything and ends
-    /// with 0. `--port` means a board.
+    /// What you want to use: exit code 1 if something is missing for it. If you name nothing, the command looks for everything and
+    /// ends with 0. `--port` means a board.
     #[arg(value_name = "FOR")]
     needs: Option<Needs>,
     /// Serial port or tcp:HOST:PORT; for a TCP port no probe is looked for.
     #[arg(long, value_name = "PORT")]
     port: Option<Address>,
-    /// Where the kernel shows USB devices; for tests.
+    /// Folder in which the kernel shows USB devices; for tests.
     #[arg(long, hide = true, default_value = "/sys")]
     sysfs: PathBuf,
-    /// Where their nodes are; for tests.
+    /// Folder of the device nodes of USB devices; for tests.
     #[arg(long, hide = true, default_value = "/dev")]
     dev: PathBuf,
 }
@@ -45,15 +45,15 @@ pub struct Options {
 enum Needs {
     /// A board: to flash it and to communicate with it.
     Board,
-    /// An omega.3.
+    /// An omega.3, a haptic device on USB.
     Omega3,
 }
 
-/// The finding on one thing: for people a line, for programs an entry of `things`.
+/// The finding on one requirement: a line for people, an entry of `things` in the JSON for programs.
 enum Found {
-    /// Found; holds a description.
+    /// The requirement is met; holds a description.
     There(String),
-    /// Missing; holds the problem and how to mend it.
+    /// The requirement is missing; holds the problem and the remedy.
     Missing { problem: String, fix: String },
     /// Not needed, or not detectable here; holds the reason.
     Skipped(String),
@@ -61,7 +61,7 @@ enum Found {
 
 use Found::{Missing, Skipped, There};
 
-/// A missing thing, and how to get it.
+/// The finding that a requirement is missing, and how to get it.
 fn missing(problem: impl Into<String>, fix: impl Into<String>) -> Found {
     Missing {
         problem: problem.into(),
@@ -69,7 +69,7 @@ fn missing(problem: impl Into<String>, fix: impl Into<String>) -> Found {
     }
 }
 
-/// Runs it. Exit code 1 if something is missing for the named use, else 0.
+/// Runs the command `touchstone doctor`. Exit code 1 if something is missing for the use that the user named, else 0.
 #[must_use]
 pub fn main(options: &Options) -> ExitCode {
     let needs = options
@@ -90,7 +90,7 @@ pub fn main(options: &Options) -> ExitCode {
             );
             return;
         }
-        // A reader that has gone away still gets the exit code.
+        // If the reader of the output is gone, the exit code still tells the result.
         let _ = match (fix, out::quiet()) {
             (Some(fix), _) => {
                 let fix = fix.replace('\n', &format!("\n{:24}", ""));
@@ -132,10 +132,10 @@ pub fn main(options: &Options) -> ExitCode {
     ExitCode::from(u8::from(lacks > 0 && needs.is_some()))
 }
 
-/// Checks everything that a board needs.
+/// Checks everything that a board needs, and reports each finding to `tell`.
 fn board(options: &Options, tell: &mut impl FnMut(&str, Found)) {
     let tcp = matches!(options.port, Some(Address::Tcp(_))) && options.sysfs == Path::new("/sys");
-    // Behind a TCP port there is no board to be flashed.
+    // A TCP port leads to a simulated knob, which cannot be flashed.
     let for_boards = |found| match found {
         Missing { problem, .. } if tcp => Skipped(format!("{problem}; not needed for a TCP port")),
         found => found,
@@ -159,7 +159,7 @@ fn board(options: &Options, tell: &mut impl FnMut(&str, Found)) {
     }
 }
 
-/// First line of a program's output.
+/// First line of the output of another program; `None` if it cannot run.
 fn first_line(program: &str, arguments: &[&str]) -> Option<String> {
     let output = Command::new(program).args(arguments).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
@@ -210,7 +210,7 @@ fn firmware(board: BoardName) -> Found {
     }
 }
 
-/// The port to ask, if there is one.
+/// The port on which to look for a device: the given one, or one that was detected; `None` without a port.
 fn port(given: Option<&Address>, tell: &mut impl FnMut(&str, Found)) -> Option<Address> {
     if let Some(address) = given {
         tell("port", There(format!("{address}, as given")));
@@ -245,8 +245,7 @@ fn port(given: Option<&Address>, tell: &mut impl FnMut(&str, Found)) -> Option<A
     }
 }
 
-/// Checks the omega.3's library, and with it the device. The library counts as missing only where the user wants an
-/// omega.3.
+/// Checks the omega.3's library, and with the library the device. The library counts as missing only if the user wants an omega.3.
 fn omega3(is_needed: bool, tell: &mut impl FnMut(&str, Found)) {
     let library = match haptic::library(None) {
         Ok(library) => library,
@@ -265,7 +264,7 @@ fn omega3(is_needed: bool, tell: &mut impl FnMut(&str, Found)) {
     );
 }
 
-/// Checks the device, how it starts, and what its guard promises.
+/// Checks the device at this address, how it starts, and what energy its guard bounds.
 fn device(address: Option<&Address>) -> (Found, Option<(String, String)>) {
     let Some(address) = address else {
         return (Skipped("no port to ask it on".into()), None);
@@ -279,7 +278,8 @@ fn device(address: Option<&Address>) -> (Found, Option<(String, String)>) {
     }
 }
 
-/// Whether the device's alignment is kept, and whether it starts unattended; and the energy that its guard bounds.
+/// Two texts: whether the device's alignment is stored and whether the device starts unattended; and the energy that its guard
+/// bounds.
 fn how_it_is_set(client: &mut Client) -> touchstone_sim::error::Result<(String, String)> {
     let (report, settings) = (start::report(client)?, client.settings()?);
     let board = client.identity().board;
@@ -288,7 +288,7 @@ fn how_it_is_set(client: &mut Client) -> touchstone_sim::error::Result<(String, 
     Ok((start, guard::promise(&settings, board)))
 }
 
-/// Why no device answers, and the remedy.
+/// The finding for a device that does not answer: the reason and the remedy.
 fn not_there(address: &Address, error: Error) -> Found {
     match error {
         Error::Device { problem, .. } if problem.contains("ermission") => missing(

@@ -1,4 +1,4 @@
-//! The probe at the USB: on Linux from its files, elsewhere through probe-rs.
+//! Looks for the debug probe on USB: on Linux in the kernel's files, elsewhere through probe-rs.
 
 use super::{Found, Skipped, There, missing};
 use crate::flash;
@@ -7,10 +7,11 @@ use std::io::ErrorKind;
 use std::path::Path;
 use touchstone_device::is_st_link;
 
-/// STMicroelectronics, as in `idVendor`.
+/// USB vendor number of STMicroelectronics, as in the kernel's file `idVendor`.
 const VENDOR_ST: &str = "0483";
 
-/// The rule, and how to install it. All ST-LINKs that probe-rs knows share these product numbers.
+/// The udev rule that lets users access a probe, and how to install it. All ST-LINKs that probe-rs knows share these product
+/// numbers.
 pub const INSTALL_RULE: &str = "\
 sudo tee /etc/udev/rules.d/70-st-link.rules <<'RULE'
 SUBSYSTEM==\"usb\", ATTRS{idVendor}==\"0483\", ATTRS{idProduct}==\"374[48abdef]\", MODE=\"0660\", TAG+=\"uaccess\"
@@ -20,7 +21,7 @@ RULE
 sudo udevadm control --reload && sudo udevadm trigger
 then disconnect the board and connect it again";
 
-/// Looks for ST-LINKs and whether this user may use them.
+/// Looks for ST-LINK probes, and checks whether this user may access them.
 pub fn examine(sysfs: &Path, dev: &Path, tell: &mut impl FnMut(&str, Found)) {
     let devices = sysfs.join("bus/usb/devices");
     let Ok(entries) = fs::read_dir(&devices) else {
@@ -68,7 +69,7 @@ pub fn examine(sysfs: &Path, dev: &Path, tell: &mut impl FnMut(&str, Found)) {
     }
 }
 
-/// Whether a node may be read and written, by opening it so.
+/// Checks whether this user may read and write a device node, by opening the node.
 fn permission(node: &Path) -> Found {
     match OpenOptions::new().read(true).write(true).open(node) {
         Ok(_) => There(format!("{} may be used", node.display())),
@@ -83,7 +84,7 @@ fn permission(node: &Path) -> Found {
     }
 }
 
-/// Check for systems other than Linux, and for containers without USB.
+/// Checks for a probe through probe-rs, on systems other than Linux and in containers without USB.
 fn elsewhere(devices: &Path) -> Found {
     match flash::probes() {
         Some(probes) if !probes.is_empty() => There(probes.join(", ")),

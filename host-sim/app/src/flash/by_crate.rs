@@ -1,4 +1,4 @@
-//! Flash and log by the crate probe-rs, which is in this program.
+//! Writes firmware to a board and shows its log, through the crate probe-rs, which is compiled into this program.
 
 use super::{Job, written};
 use crate::log::Log;
@@ -10,22 +10,22 @@ use touchstone_probe::{
 };
 use touchstone_sim::error::{Error, Result};
 
-/// Whether it needs no other program.
+/// Whether flashing works without another installed program.
 pub const IS_CRATE: bool = true;
 
-/// What does the work; nothing can be missing.
+/// Names the library that writes to the board. It is compiled in, so the result is never an error.
 pub fn there() -> std::result::Result<String, (String, String)> {
     Ok(format!("{LIBRARY}, in this program"))
 }
 
-/// The probes it sees, a line each.
+/// The connected debug probes, one line for each.
 pub fn probes() -> Option<Vec<String>> {
     let found = choose::found(&Lister::new());
     let line = |probe: &touchstone_probe::Found| format!("{} {}", probe.name, probe.selector);
     Some(found.iter().map(line).collect())
 }
 
-/// Says what [`write()`] would do.
+/// Prints what [`write()`] would do, without a probe.
 pub fn rehearse(job: &Job<'_>) -> Result<()> {
     let image = image(job, &read(job)?)?;
     let begin = image.ranges().next().map_or(0, |(begin, _)| begin);
@@ -37,7 +37,7 @@ pub fn rehearse(job: &Job<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Writes, compares and starts it.
+/// Writes the firmware to the board, reads it back to compare, and starts it. With `log`, shows the firmware's log afterwards.
 pub fn write(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
     let elf = read(job)?;
     let image = image(job, &elf)?;
@@ -73,7 +73,7 @@ pub fn write(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
     }
 }
 
-/// Shows the log of the running program.
+/// Shows the log of the firmware that runs on the board.
 pub fn log(job: &Job<'_>, log: &Log) -> Result<()> {
     let elf = read(job)?;
     let (image, words) = (image(job, &elf)?, words(job, &elf)?);
@@ -121,7 +121,7 @@ fn error(fault: Fault) -> Error {
     }
 }
 
-/// The lines, until the log is to end.
+/// Prints the lines of the log until `log` says to stop.
 fn shown(attached: &mut Attached, image: &Image, words: &Words, log: &Log) -> Result<()> {
     tell!("seconds since this log began, or the board's own time; Ctrl-C ends it");
     let mut printed = Ok(());

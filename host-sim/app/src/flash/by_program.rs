@@ -1,4 +1,4 @@
-//! Flash and log through the program probe-rs, which has to be installed; its progress is shown unchanged.
+//! Writes firmware to a board and shows its log, through the installed program probe-rs, whose progress is shown unchanged.
 
 use super::{Job, written};
 use crate::log::Log;
@@ -10,17 +10,17 @@ use std::thread::sleep;
 use std::time::Duration;
 use touchstone_sim::error::{Error, Result};
 
-/// Whether it needs no other program.
+/// Whether flashing works without another installed program.
 pub const IS_CRATE: bool = false;
-/// How to get probe-rs.
+/// Text on how to install probe-rs.
 const INSTALL: &str = "install it, without a compiler by https://probe.rs/docs/getting-started/installation, with one by cargo install probe-rs-tools --locked; a touchstone of `cargo xtask dist` needs none";
 
-/// The installed tool, in its own words; or what is missing, and how to get it.
+/// Name and version of the installed probe-rs, as it prints them. Error: the problem, and how to install probe-rs.
 pub fn there() -> std::result::Result<String, (String, String)> {
     asked(&["--version"]).ok_or_else(|| ("not on the PATH".to_owned(), INSTALL.to_owned()))
 }
 
-/// The probes that probe-rs finds, a line each; `None` where it cannot run.
+/// What probe-rs says of the connected debug probes, as lines; empty without a probe, `None` if probe-rs cannot run.
 pub fn probes() -> Option<Vec<String>> {
     let line = asked(&["list"])?;
     match line.contains("No debug probes") {
@@ -29,7 +29,7 @@ pub fn probes() -> Option<Vec<String>> {
     }
 }
 
-/// The first line that it prints.
+/// Runs probe-rs with these arguments and returns the first line of its output; `None` if it fails.
 fn asked(words: &[&str]) -> Option<String> {
     let Output { status, stdout, .. } = Command::new("probe-rs").args(words).output().ok()?;
     let line = String::from_utf8(stdout)
@@ -41,7 +41,7 @@ fn asked(words: &[&str]) -> Option<String> {
     (status.success() && !line.is_empty()).then_some(line)
 }
 
-/// Says what [`write()`] would do.
+/// Prints the commands that [`write()`] would run.
 pub fn rehearse(job: &Job<'_>) -> Result<()> {
     for command in [download(job), command("reset", job)] {
         let words: Vec<_> = std::iter::once(command.get_program())
@@ -53,7 +53,7 @@ pub fn rehearse(job: &Job<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Writes, compares and starts it.
+/// Writes the firmware to the board and starts it. With `log`, shows the firmware's log afterwards.
 pub fn write(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
     done(&mut download(job))?;
     done(&mut command("reset", job))?;
@@ -61,7 +61,7 @@ pub fn write(job: &Job<'_>, log: Option<&Log>) -> Result<()> {
     log.map_or(Ok(()), |log| self::log(job, log))
 }
 
-/// Shows the log of the running program.
+/// Shows the log of the firmware that runs on the board.
 pub fn log(job: &Job<'_>, log: &Log) -> Result<()> {
     tell!("{}; Ctrl-C ends it", job.elf.display());
     let mut child = command("attach", job)
@@ -71,7 +71,7 @@ pub fn log(job: &Job<'_>, log: &Log) -> Result<()> {
     loop {
         let ended = child.try_wait().map_err(|error| not_run(&error))?;
         if !log.goes_on() {
-            // Ctrl-C goes to both.
+            // Ctrl-C reaches probe-rs, too.
             let _ = child.kill();
             let _ = child.wait();
             return Ok(());
@@ -90,7 +90,7 @@ fn download(job: &Job<'_>) -> Command {
     command
 }
 
-/// One of probe-rs' commands, for a board's chip and a probe.
+/// A call of a command of probe-rs, with the chip of the board and the probe of the job.
 fn command(what: &str, job: &Job<'_>) -> Command {
     let mut command = Command::new("probe-rs");
     command.args([what, "--chip", job.chip()]);
@@ -100,7 +100,7 @@ fn command(what: &str, job: &Job<'_>) -> Command {
     command
 }
 
-/// Runs probe-rs to its end; it speaks for itself.
+/// Runs probe-rs to its end. Its messages go to the terminal directly.
 fn done(command: &mut Command) -> Result<()> {
     match command.status() {
         Ok(status) if status.success() => Ok(()),

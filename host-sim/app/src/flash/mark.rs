@@ -1,14 +1,14 @@
-//! The board that a program says it is for: a symbol without a place, which the linker adds (`firmware/build.rs`). It is in the ELF
-//! file alone and costs no flash.
+//! Reads from a firmware file for which board it was built. The board's name is in an undefined symbol that the linker adds
+//! (`firmware/build.rs`). The symbol is in the ELF file alone and takes no space in flash.
 
-/// The beginning of the symbol's name; the board's name follows, with `_` for `-`.
+/// Beginning of the name of that symbol in the ELF file; the board's name follows, with `_` for `-`.
 const BEGIN: &[u8] = b"touchstone_board_";
-/// Type of a section that is a table of symbols.
+/// Type number of an ELF section that is a symbol table.
 const SYMBOLS: u32 = 2;
-/// Bytes of a symbol in a 32-bit file.
+/// Size in bytes of a symbol in a 32-bit ELF file.
 const SYMBOL: usize = 16;
 
-/// The marks of a 32-bit little-endian ELF file, as names of boards; none where it has no table of symbols.
+/// Names of the boards for which a 32-bit little-endian ELF file was built; empty if the file has no symbol table.
 pub fn boards(elf: &[u8]) -> Vec<String> {
     let mut found: Vec<String> = sections(elf)
         .filter(|section| section.kind == SYMBOLS)
@@ -29,7 +29,7 @@ pub fn boards(elf: &[u8]) -> Vec<String> {
     found
 }
 
-/// A section: its type, where it is, and the section that it refers to.
+/// An ELF section: its type, place and size in the file, and the index of the section that it refers to.
 struct Section {
     kind: u32,
     begin: usize,
@@ -86,7 +86,7 @@ mod tests {
                     .wrapping_add(1);
                 *byte = (state >> 56) as u8;
             }
-            // Its table is within the file, so that something is looked at.
+            // The section table must be inside the file, so that the function has a table to read.
             bytes[32..36].copy_from_slice(&64_u32.to_le_bytes());
             bytes[46..50].copy_from_slice(&[40, 0, 90, 0]);
             assert!(boards(&bytes).is_empty());

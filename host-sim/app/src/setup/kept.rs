@@ -1,4 +1,4 @@
-//! Progress of `touchstone setup`, kept in its folder. An interruption loses only the step during which it happens.
+//! Progress file of `touchstone setup` in the setup's folder. An interruption loses only the results of the unfinished step.
 
 use crate::device::eccentricity;
 use serde_json::{Map, Value, json};

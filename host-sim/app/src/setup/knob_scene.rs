@@ -7,15 +7,17 @@ use touchstone_lab::identify::eccentricity::Eccentricity;
 use touchstone_lab::identify::motor::MeasuredMotor;
 use touchstone_protocol::DeviceSettings;
 
-/// Time from a reading to its command at the motor, PWM periods: half a one in the mean until the current loop takes the command, one until the
-/// compare values act in the middle.
+/// Delay from a position reading to the motor's response, in PWM periods: on average 0.5 until the current loop takes the command,
+/// then 1 until the PWM compare values act at mid-period.
 const DELAY_PERIODS: f64 = 1.5;
-/// Fraction of the measured damping that the energy guard may assume. The guard's bound holds only if the real damping is at least
-/// that.
+/// Fraction of the measured damping that the energy guard may assume. The guard's energy bound holds only if the real damping is at
+/// least the assumed damping.
 const GUARD_SHARE: f64 = 0.8;
-/// The guard's damping is also at most the measured damping less this many standard uncertainties.
+/// Number of standard uncertainties that are subtracted from the measured damping. The result is an upper limit of the damping that
+/// the energy guard may assume.
 const GUARD_UNCERTAINTIES: f64 = 2.0;
-/// Fraction of the motor's torque at its largest allowed current with which the simulated hand presses, up to the thesis' 0.1 N·m.
+/// Torque with which the simulated hand presses, as a fraction of the motor's torque at its largest allowed current. The torque is
+/// at most 0.1 N·m, as in the thesis.
 const PRESS_SHARE: f64 = 0.6;
 
 /// Damping that the energy guard may assume, N·m·s/rad.
@@ -26,7 +28,7 @@ pub fn sure_damping(motor: &MeasuredMotor) -> f64 {
         .max(0.0)
 }
 
-/// Text of the scene file.
+/// Text of the scene file for the measured knob.
 pub fn text(
     motor: &MeasuredMotor,
     settings: &DeviceSettings,
@@ -119,7 +121,7 @@ push_torque_n_m = {press:.4e}
     text
 }
 
-/// The scene's lines on the encoder's eccentricity; empty where no order stands out.
+/// Lines of the scene file on the encoder's eccentricity error; empty if no order of the error is significant.
 pub fn encoder_text(encoder: Option<&Eccentricity>) -> String {
     let Some(encoder) = encoder.filter(|it| it.stands_out(0) || it.stands_out(1)) else {
         return String::new();

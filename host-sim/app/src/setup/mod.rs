@@ -1,5 +1,5 @@
-//! `touchstone setup`: from a connected board to a tuned wall, step by step. A folder keeps the finished steps; the
-//! same command goes on where the last one was interrupted.
+//! `touchstone setup`: from a connected board to a tuned wall, step by step. A folder keeps the results of finished steps; after an
+//! interruption, the same command resumes at the unfinished step.
 
 mod kept;
 mod knob_scene;
@@ -34,18 +34,18 @@ use touchstone_sim::error::{Error, Result};
 use touchstone_sim::output;
 use touchstone_sim::scene::Scene;
 
-/// Options of `setup`.
+/// Options of `touchstone setup`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
     #[command(flatten)]
     port: PortOption,
-    /// Folder of measurements and settings; an interrupted setup in it goes on.
+    /// Folder of measurements and settings; an interrupted setup in this folder resumes.
     #[arg(long, value_name = "DIR", default_value = "knob")]
     out: PathBuf,
     /// Settings of this knob: pole pairs, encoder, currents, supply; as `touchstone config export` writes them.
     #[arg(long, value_name = "FILE.toml")]
     settings: Option<PathBuf>,
-    /// Stiffness of the wall, N·m/rad; without it, that of the settings.
+    /// Stiffness of the wall, N·m/rad; default: the stiffness in the settings.
     #[arg(long, value_name = "N_M_PER_RAD", allow_negative_numbers = true, value_parser = number::up_to(1e5, "N·m/rad"))]
     k_desired: Option<f64>,
     /// Writes the firmware of this board if no device answers at the port.
@@ -54,22 +54,22 @@ pub struct Options {
     /// Tunes for seconds instead of minutes.
     #[arg(long)]
     quick: bool,
-    /// Takes the law's settings from this file, as `touchstone tune --out` writes it, instead of looking for them.
+    /// Reads the control law's settings from this file, as `touchstone tune --out` writes it, instead of tuning.
     #[arg(long, value_name = "FILE.toml", conflicts_with = "quick")]
     law: Option<PathBuf>,
-    /// Measures and tunes again what was done before.
+    /// Measures and tunes again, even if an earlier setup did.
     #[arg(long)]
     again: bool,
-    /// Keeps the alignment of an encoder that knows where it is, so that the next start checks it with a small motion and looks for nothing.
+    /// Saves the alignment of an absolute encoder, so that the next start only checks it with a small motion.
     #[arg(long)]
     keep_alignment: bool,
-    /// Measures the motor's cogging as well, and keeps a map that takes it away: THE SHAFT TURNS SLOWLY for a minute more. For an
-    /// encoder that knows where it is.
+    /// Also measures the motor's cogging and saves a map that compensates it: THE SHAFT TURNS SLOWLY for a minute more. Needs an
+    /// absolute encoder.
     #[arg(long)]
     cogging: bool,
 }
 
-/// Runs it. If board, cable or supply fail halfway, only the present step is lost.
+/// Runs `touchstone setup`. If board, cable or supply fail, only the results of the present step are lost.
 pub fn main(options: &Options) -> Result<()> {
     stepped(options).map_err(|error| match error {
         Error::Device {
@@ -89,7 +89,7 @@ pub fn main(options: &Options) -> Result<()> {
     })
 }
 
-/// How an interrupted setup is taken up.
+/// Error-message text that says how to resume an interrupted setup.
 const AGAIN: &str = "the same command again";
 
 fn stepped(options: &Options) -> Result<()> {
@@ -228,7 +228,7 @@ fn stepped(options: &Options) -> Result<()> {
     )
 }
 
-/// The cogging is measured and its map kept, and the board is ready again.
+/// Measures the motor's cogging, saves the compensation map on the board, and calibrates the board again.
 fn uncogged(
     client: &mut Client,
     all: &DeviceSettings,
@@ -245,14 +245,14 @@ fn uncogged(
     Ok(tried)
 }
 
-/// The settings that the board had at first: whatever comes, `touchstone config import` brings them back.
+/// Name of the file with the board's settings before the setup. `touchstone config import` restores them from this file.
 const BEFORE: &str = "before.toml";
 
 fn write(file: &Path, text: &str) -> Result<()> {
     output::write(file, text).map_err(|error| io(file, &error))
 }
 
-/// Connects; if no device answers and the board is known, after writing its firmware.
+/// Connects to the device. If no device answers and `--board` names the board, writes the firmware and connects again.
 fn connect(options: &Options) -> Result<Client> {
     let silent = match options.port.connect() {
         Ok(client) => return Ok(client),
@@ -270,7 +270,8 @@ fn connect(options: &Options) -> Result<Client> {
     }
 }
 
-/// The folder is this board's, and the board is at rest.
+/// Prepares the folder and the board: checks that the folder belongs to this board, stops the board, and saves its settings if the
+/// folder is new. Errors: the folder belongs to another board, or the wall is on.
 fn begin(client: &mut Client, kept: &mut Kept, folder: &Path) -> Result<()> {
     let number = number_of(client.identity());
     match kept.device() {
@@ -306,8 +307,7 @@ fn begin(client: &mut Client, kept: &mut Kept, folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The error for a board without current sensors, which cannot measure its motor: the settings that follow would be
-/// guesses.
+/// Error for a board without current sensors. Such a board cannot measure its motor's resistance, inductance and torque constant.
 fn cannot_measure(client: &Client) -> Error {
     Error::device(
         client.place(),
@@ -316,7 +316,7 @@ fn cannot_measure(client: &Client) -> Error {
     )
 }
 
-/// The settings before the setup, with the user's facts about the knob.
+/// Settings for the setup: the board's earlier settings, changed by the user's settings file and stiffness.
 fn settings(client: &Client, options: &Options, before: &Path) -> Result<DeviceSettings> {
     let board = client.identity().board;
     let mut settings = DeviceSettings::defaults(board);
@@ -348,7 +348,7 @@ fn settings(client: &Client, options: &Options, before: &Path) -> Result<DeviceS
     Ok(settings)
 }
 
-/// Whether this board keeps an alignment and a map with these settings; else why not.
+/// Whether the board can save an alignment and a cogging map with these settings. The error says why not.
 fn may_keep(client: &Client, settings: &DeviceSettings) -> std::result::Result<(), &'static str> {
     kept_start::may_keep(settings).map_err(Unkept::words)?;
     match client.identity().board.is_large() {
@@ -373,7 +373,7 @@ fn named(path: &str) -> Result<&'static touchstone_protocol::settings::fields::F
     })
 }
 
-/// The law's settings for a scene, as text.
+/// Tuned settings of the control law for a scene, as TOML text.
 fn tuned(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<String> {
     let asked = tune::Options {
         seed: 1,
@@ -416,7 +416,7 @@ fn tuned(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<String> 
     Ok(tune::settings::toml(&tuned))
 }
 
-/// All settings, with the found motor and law.
+/// Complete device settings with the values of the measured motor and the tuned control law.
 fn with_knob(
     settings: DeviceSettings,
     motor: &MeasuredMotor,
@@ -448,7 +448,7 @@ fn with_knob(
     Ok(all)
 }
 
-/// The board takes settings, keeps them, and calibrates with them.
+/// Sends settings to the board, lets the board save them, and calibrates with them.
 fn take(client: &mut Client, all: &DeviceSettings) -> Result<()> {
     client.tell(&Request::SetAll(all.clone()))?;
     client.tell(&Request::Save)?;

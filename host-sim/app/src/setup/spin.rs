@@ -1,4 +1,4 @@
-//! Lets a device measure its motor, and receives its telemetry of motor and encoder.
+//! Commands a device to measure its motor, and receives the telemetry of motor and encoder.
 
 use crate::device::calibration_limit;
 use crate::interrupt;
@@ -22,20 +22,21 @@ use touchstone_protocol::{
 };
 use touchstone_sim::error::{Error, Result};
 
-/// Time that a measurement takes in addition to the calibration: two currents, four pushes, coasts and brakes.
+/// Longest time that a measurement takes in addition to the calibration. The measurement has two current steps and four pushes,
+/// each with coasting and braking.
 const MEASUREMENT_LONGEST: Duration = Duration::from_secs(45);
-/// Time after which the device switches its motor off if the host is silent (such as a pulled cable), s.
+/// Time without messages from the host after which the device switches its motor off, s; such as after a pulled cable.
 const HOST_SILENCE_S: Si = Si::ONE;
 
-/// Result of a measurement.
+/// Result of a measurement of motor and encoder.
 pub struct Measured {
-    /// The motor and its knob.
+    /// Measured properties of the motor and its knob.
     pub motor: MeasuredMotor,
-    /// The encoder's error over a turn, or why it was not seen.
+    /// Error of the encoder's angle over one turn, or the reason why it could not be determined.
     pub encoder: std::result::Result<Eccentricity, NotSeen>,
 }
 
-/// Measures. The device is left stopped, with the settings that it is given.
+/// Measures motor and encoder. Afterwards the device is stopped and has the given settings.
 pub fn measure(
     client: &mut Client,
     settings: &DeviceSettings,
@@ -54,8 +55,8 @@ pub fn measure(
     Ok(Measured { motor, encoder })
 }
 
-/// The encoder alone; where the board measures no currents, by the field alone. The device is left stopped, with the settings that it is
-/// given.
+/// Measures only the encoder's angle error. If the board measures no currents, only the turning field moves the motor. Afterwards
+/// the device is stopped and has the given settings.
 pub fn encoder(
     client: &mut Client,
     settings: &DeviceSettings,
@@ -82,13 +83,13 @@ fn not_measured(client: &Client, why: &dyn Display) -> Error {
     )
 }
 
-/// The motor's telemetry, one entry a tick, and the encoder's error that the same motion shows.
+/// Telemetry of the motor, one entry per control tick, and the encoder's angle error computed from the same motion.
 type Heard = (
     Vec<Option<MotorTick>>,
     std::result::Result<Eccentricity, NotSeen>,
 );
 
-/// A whole calibration, with the spins of a measurement or without.
+/// Runs a whole calibration and returns its telemetry. With `spins`, the device also spins the motor to measure it.
 fn heard(
     client: &mut Client,
     settings: &DeviceSettings,
@@ -132,7 +133,8 @@ fn heard(
     Ok((of_motor, Eccentricity::new(&of_encoder, &known)))
 }
 
-/// The same settings for a shaft that turns unattended: the device switches off if it hears nothing.
+/// Settings for a shaft that turns unattended. If the given settings have no limit on the host's silence, the device switches off
+/// after 1 s without messages.
 pub fn watched(settings: &DeviceSettings) -> DeviceSettings {
     let mut asked = settings.clone();
     if asked.limits.host_silence_s == Si::ZERO {
@@ -141,7 +143,7 @@ pub fn watched(settings: &DeviceSettings) -> DeviceSettings {
     asked
 }
 
-/// The motor's telemetry until the device is ready; `None` if the user interrupts.
+/// Receives telemetry until the device is ready; returns `None` if the user interrupts.
 pub fn listen<T>(
     client: &mut Client,
     limit: Duration,
@@ -196,7 +198,7 @@ pub fn listen<T>(
     }
 }
 
-/// The fault that ended it, with what to do.
+/// Reads the device's fault that ended the calibration, and converts it to an error message with a remedy.
 pub fn fault(client: &mut Client) -> Result<Error> {
     let fault = match client.ask(&Request::Fault)? {
         Reply::Fault(fault) => fault,

@@ -1,10 +1,10 @@
-//! The program from outside, in a folder of its own.
+//! Runs the program in a separate folder for each test.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// An empty folder for a test.
+/// Creates an empty folder for a test.
 pub fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&folder);
@@ -12,7 +12,7 @@ pub fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Runs the program there.
+/// Runs the program in the folder.
 pub fn run_in<S: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = S>) -> Output {
     Command::new(env!("CARGO_BIN_EXE_touchstone"))
         .args(arguments)

@@ -1,4 +1,5 @@
-//! `touchstone live --port`: who is let in, what is told and carried out, and that nobody's wall stays on.
+//! Tests of `touchstone live --port`: which clients may connect, what the page shows, which orders the board executes, and that no
+//! wall stays on after its page is closed.
 
 use crate::fake::{Fake, Trouble, nonsense};
 use crate::program;
@@ -11,10 +12,10 @@ use touchstone_protocol::{FaultCode, Phase};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket};
 
-/// Nothing here takes longer, on a busy machine either.
+/// Longest time for any step of these tests, with a margin for a busy machine.
 const LIMIT: Duration = Duration::from_secs(20);
 
-/// The program at work; ended with the test.
+/// A running `touchstone live --port`; its process ends with the test.
 struct Served {
     child: Child,
     out: BufReader<ChildStdout>,
@@ -54,7 +55,7 @@ impl Served {
         }
     }
 
-    /// The answer to bytes.
+    /// Sends raw bytes to the server and returns its answer.
     fn raw(&self, bytes: &[u8]) -> String {
         let mut stream = TcpStream::connect(&self.host).unwrap();
         stream.set_read_timeout(Some(LIMIT)).unwrap();
@@ -65,7 +66,7 @@ impl Served {
         String::from_utf8_lossy(&answer).into_owned()
     }
 
-    /// The answer to a request with these headers.
+    /// Sends an HTTP GET request with these headers and returns the answer.
     fn get(&self, path: &str, host: &str, headers: &str) -> String {
         self.raw(format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n{headers}\r\n").as_bytes())
     }
@@ -89,7 +90,7 @@ impl Served {
         }
     }
 
-    /// A page as the browser opens it; once more while the one before is not yet gone.
+    /// Opens a page's WebSocket as a browser does. Repeats while the server still holds the connection of an earlier page.
     fn page(&self) -> Page {
         let begun = Instant::now();
         loop {
@@ -102,10 +103,10 @@ impl Served {
     }
 }
 
-/// What a page hears and says.
+/// The page's end of the WebSocket, with the telemetry received so far.
 struct Page {
     socket: WebSocket<TcpStream>,
-    /// All numbers of all records.
+    /// All numbers of all telemetry records received.
     numbers: Vec<f64>,
 }
 
@@ -114,7 +115,7 @@ impl Page {
         self.socket.send(Message::text(order.to_string())).unwrap();
     }
 
-    /// The next words for which this holds; every batch is taken and acknowledged.
+    /// Waits for a JSON message that satisfies `holds`, and returns it. Stores and acknowledges telemetry batches meanwhile.
     #[track_caller]
     fn until(&mut self, holds: impl Fn(&Value) -> bool) -> Value {
         let begun = Instant::now();
@@ -151,7 +152,7 @@ impl Page {
         self.until(|words| words["type"] == "state" && words["phase"] == phase)
     }
 
-    /// Asks, and gives the error that came of it.
+    /// Sends an order, waits for its result, and returns its error message, if any.
     #[track_caller]
     fn ask(&mut self, order: Value) -> Option<String> {
         self.say(order.clone());
@@ -170,7 +171,7 @@ impl Page {
     }
 }
 
-/// Waits until the device stands there.
+/// Waits until the device is in this phase.
 #[track_caller]
 fn stands(device: &Fake, phase: Phase) {
     let begun = Instant::now();
@@ -184,7 +185,7 @@ fn stands(device: &Fake, phase: Phase) {
     }
 }
 
-/// From the first word to the stop.
+/// Plays a whole session of a page, from the server's greeting to the stop.
 fn talk(device: &Fake) {
     let served = Served::new(device);
     let mut page = served.page();

@@ -1,4 +1,4 @@
-//! `touchstone bridge`, through a client that is written from SmartKnob's published messages and shares no code with the program.
+//! Tests of `touchstone bridge` with a client that follows SmartKnob's published messages and shares no code with the program.
 
 use crate::demo::Demo;
 use crate::fake::{Fake, Trouble};
@@ -8,7 +8,7 @@ use std::os::unix::fs::OpenOptionsExt;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
-/// A number of a message: seven bits a byte, the lowest first.
+/// Encodes a number as a protobuf varint: seven bits per byte, the lowest bits first.
 fn varint(mut value: u64) -> Vec<u8> {
     let mut bytes = Vec::new();
     loop {
@@ -38,7 +38,7 @@ fn bytes(tag: u64, content: &[u8]) -> Vec<u8> {
     )
 }
 
-/// CRC-32 of Ethernet, bit by bit.
+/// Ethernet's CRC-32, computed bit by bit.
 fn crc(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(u32::MAX, |crc, byte| {
         (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
@@ -69,7 +69,7 @@ fn unstuffed(frame: &[u8]) -> Vec<u8> {
     out
 }
 
-/// A field of a message: its tag, its number or float's bits, and its bytes.
+/// A field of a protobuf message: its tag, its integer or the bits of its float, and its bytes.
 type Part = (u64, u64, Vec<u8>);
 fn parts(mut message: &[u8]) -> Vec<Part> {
     fn number(message: &mut &[u8]) -> u64 {
@@ -117,7 +117,7 @@ fn value(parts: &[Part], tag: u64) -> u64 {
     parts.iter().find(|part| part.0 == tag).map_or(0, |it| it.1)
 }
 
-/// The number that is left out where it is 0, as a signed one of 32 bits.
+/// Position in a state message, as a signed 32-bit number. Protobuf omits the field if the position is 0.
 fn position_of(state: &[Part]) -> i32 {
     value(state, 1) as u32 as i32
 }
@@ -128,7 +128,7 @@ struct Client {
     nonce: i64,
     acknowledged: Vec<u64>,
     logs: Vec<String>,
-    /// Position and the name of the configuration, of the newest state.
+    /// Position and configuration name in the newest state message.
     state: Option<(i32, String)>,
     positions: Vec<i32>,
 }
@@ -169,7 +169,7 @@ impl Client {
         nonce.cast_unsigned()
     }
 
-    /// Reads until something holds, or panics after some seconds.
+    /// Reads messages until the condition holds; panics after some seconds.
     fn until(&mut self, what: &str, holds: impl Fn(&Self) -> bool) {
         let end = Instant::now() + Duration::from_secs(20);
         while !holds(self) {
@@ -216,7 +216,8 @@ impl Client {
     }
 }
 
-/// A configuration: first and last position, width in degrees, detents only at some positions, and the present position.
+/// Encodes a configuration: first and last position, width of a position in degrees, positions that have detents, and the present
+/// position.
 fn config(position: i64, bounds: [i64; 2], width_deg: f32, only: &[u64], name: &str) -> Vec<u8> {
     let mut config = [
         whole(1, position),

@@ -1,4 +1,5 @@
-//! `touchstone device cogging` and `setup --cogging`: a map is measured, tried, kept, used after the next start and refused where it is wrong.
+//! Tests of `touchstone device cogging` and `setup --cogging`: a cogging map is measured, tried, saved and used after the next
+//! start; a wrong map is refused.
 
 use crate::folder;
 use crate::spun::{Pulled, Spun};
@@ -27,7 +28,7 @@ fn spun(number: u8) -> Spun {
     device
 }
 
-/// The simulated motor has cogging, also after its power was off.
+/// Gives the simulated motor cogging torque, which also remains after a power cycle.
 fn cog(device: &Spun) {
     let part = |amplitude, per_rev, phase| Harmonic {
         amplitude,
@@ -91,7 +92,7 @@ fn a_map_is_measured_kept_tried_and_forgotten() {
     assert_eq!(shown(&device)["kept"], false);
 }
 
-/// Changes what is kept; what it was before.
+/// Changes the saved cogging map with `how`; returns the map from before the change.
 fn bent(device: &Spun, how: impl FnOnce(&mut KeptCogging)) -> KeptCogging {
     let (session, world) = &mut *device.world();
     let before = session.kept_cogging().cloned().unwrap();

@@ -1,4 +1,4 @@
-//! `touchstone compare`: what `monitor` kept, beside a scene.
+//! Tests of `touchstone compare`: a recording of `touchstone monitor` against the simulation of a scene.
 
 use super::spun::Spun;
 use super::{Said, folder, program, run};
@@ -7,7 +7,7 @@ use std::time::Duration;
 use touchstone_world::motor::GIMBAL;
 use touchstone_world::plant::{Coulomb, Device, State};
 
-/// A knob that is flicked while `monitor` listens.
+/// Records with `touchstone monitor` while a hand flicks the simulated knob.
 fn recorded(file: &Path) -> u32 {
     let knob = Device {
         inertia: 1e-4,

@@ -1,4 +1,4 @@
-//! `touchstone config`.
+//! Tests of `touchstone config`.
 
 use crate::fake::{Fake, Trouble};
 use crate::{folder, run};

@@ -1,11 +1,11 @@
-//! A simulated knob, whole, that a test starts and turns.
+//! Runs a complete simulated knob, which a test starts and turns.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_touchstone");
 
-/// `touchstone demo --port-only`, ended with the test.
+/// A running `touchstone demo --port-only`; its process ends with the test.
 pub struct Demo {
     pub process: Child,
     address: String,
@@ -16,7 +16,7 @@ impl Demo {
         Self::with_input(Stdio::piped())
     }
 
-    /// The same, with another standard input.
+    /// Starts the demo with this standard input.
     pub fn with_input(input: Stdio) -> Self {
         let mut process = Command::new(PROGRAM)
             .args(["--quiet", "demo", "--port-only", "--listen", "127.0.0.1:0"])
@@ -33,21 +33,21 @@ impl Demo {
         }
     }
 
-    /// The program with these words, at the knob's port.
+    /// The program's command with these arguments, connected to the demo's port; not yet run.
     pub fn command(&self, words: &[&str]) -> Command {
         let mut command = Command::new(PROGRAM);
         command.args(words).args(["--port", &self.address]);
         command
     }
 
-    /// Something happens to the knob: a line of the demo's standard input.
+    /// Writes a line to the demo's standard input, which moves or disturbs the simulated knob.
     pub fn happens(&mut self, what: &str) {
         use std::io::Write;
         let input = self.process.stdin.as_mut().unwrap();
         writeln!(input, "{what}").unwrap();
     }
 
-    /// What the program says with these words.
+    /// Runs the program with these arguments at the demo's port; returns its standard output.
     pub fn run(&self, words: &[&str]) -> String {
         let output = self.command(words).output().unwrap();
         let said = String::from_utf8(output.stdout).unwrap();

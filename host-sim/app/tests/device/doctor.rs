@@ -1,4 +1,4 @@
-//! `touchstone doctor`, with a made-up PATH, a made-up USB, and a fake device.
+//! Tests of `touchstone doctor` with an artificial PATH, artificial USB devices, and a fake device.
 #![cfg(unix)]
 
 use crate::fake::{Fake, Trouble};
@@ -6,7 +6,7 @@ use crate::{Said, folder, program, script};
 use std::path::{Path, PathBuf};
 use touchstone_protocol::PROTOCOL_VERSION;
 
-/// A machine on which everything is there.
+/// An artificial machine with all tools that a board needs.
 struct Machine(PathBuf);
 
 impl Machine {
@@ -189,7 +189,8 @@ fn who_asks_for_nothing_fails_for_nothing() {
     assert!(said.out.contains("MISSING  omega.3"), "{}", said.out);
 }
 
-/// Root may open every node: there is nothing to see then.
+/// For a USB node that the user may not open, the program prints the udev rule. The root user may open every node, so that the test
+/// is skipped.
 #[test]
 fn a_node_without_permission_comes_with_the_rule() {
     use std::os::unix::fs::PermissionsExt;

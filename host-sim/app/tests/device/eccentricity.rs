@@ -1,5 +1,5 @@
-//! `touchstone device eccentricity` and `touchstone setup`: an encoder whose magnet is out of the axis is measured, told, and played by the
-//! simulator; one that is far out is warned of.
+//! Tests of `touchstone device eccentricity` and `touchstone setup` with an encoder whose magnet is off the axis. The error is
+//! measured, reported and written into the scene for the simulator; a large error causes a warning.
 
 use super::spun::Spun;
 use super::{folder, run};
@@ -18,7 +18,7 @@ const KNOB: Device = Device {
     }),
 };
 
-/// A device whose encoder is so many degrees off once and twice a turn.
+/// A device whose encoder error has these amplitudes in degrees, once and twice per turn.
 fn spun(number: u8, degrees: [f64; 2]) -> Spun {
     let motor = MotorParameters {
         electrical_zero_rad: 2.0,
@@ -36,7 +36,7 @@ fn spun(number: u8, degrees: [f64; 2]) -> Spun {
     device
 }
 
-/// Amplitudes in degrees.
+/// Amplitudes of the measured encoder error, once and twice per turn, in degrees.
 fn amplitudes(found: &Value) -> [f64; 2] {
     [0, 1].map(|index| {
         let it = &found["harmonics"][index]["amplitude_rad"];
@@ -44,7 +44,7 @@ fn amplitudes(found: &Value) -> [f64; 2] {
     })
 }
 
-/// A count is 0.022 degrees.
+/// Checks that the measured amplitudes are within one encoder count, 0.022 degrees, of the true ones.
 fn near(found: [f64; 2], truth: [f64; 2]) {
     for (found, truth) in found.into_iter().zip(truth) {
         assert!((found - truth).abs() < 0.022, "{found} for {truth}");

@@ -1,11 +1,11 @@
-//! `touchstone config environment`.
+//! Tests of `touchstone config environment`.
 
 use crate::fake::{Fake, Trouble};
 use crate::folder;
 use std::path::PathBuf;
 use touchstone_protocol::stored;
 
-/// A knob with ends to both sides and detents between them.
+/// Scene of a knob with an end stop on each side and detents between the end stops.
 const DIAL: &str = r#"
 [environment]
 first_wall = false
@@ -70,7 +70,7 @@ fn a_scene_is_sent_shown_changed_saved_and_taken_back() {
     assert_eq!(ask(&[]).done(), alone.replace("0.5 N·m/s", "0.25 N·m/s"));
 }
 
-/// What a simulated knob gets can be tried under a hand, so that every shipped feel must fit into one.
+/// Every shipped haptic effect fits into a simulated knob, so that a user can try it there.
 #[cfg(unix)]
 #[test]
 fn a_demo_knob_takes_every_shipped_feel() {

@@ -1,4 +1,4 @@
-//! What may go wrong between the program and a device.
+//! Tests of failures between the program and a device.
 
 use crate::fake::{Fake, Trouble};
 use crate::run;
@@ -97,7 +97,8 @@ fn a_connection_that_is_cut_is_named() {
     }
 }
 
-/// As `/dev/knob` of a udev rule; then what is no port, and one whose board is pulled out.
+/// A port may be a symbolic link, as `/dev/knob` of a udev rule. A file that is no port, and a port whose board is unplugged, give
+/// errors.
 #[cfg(unix)]
 #[test]
 fn a_port_may_be_a_link_be_none_or_vanish() {

@@ -1,4 +1,5 @@
-//! A device on a TCP socket or a pseudo terminal: session, fault machine and frames are the firmware's own; only the board around them is made up.
+//! A fake device on a TCP socket or a pseudo terminal. It uses the firmware's own session, fault state machine and frames; only the
+//! board hardware is imitated.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpListener;
@@ -15,50 +16,50 @@ use touchstone_protocol::{
     RingChunk, RingRecord, State, Surround, Telemetry, stored,
 };
 
-/// What may be wrong with it.
+/// Faults that the fake device can be given.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Trouble {
     /// The device answers no request.
     pub silent: bool,
-    /// It speaks this version.
+    /// Protocol version that the device reports in place of the right one.
     pub version: Option<u16>,
-    /// So many of its answers have a flipped bit.
+    /// Number of the device's next answers that have a flipped bit.
     pub damaged: usize,
-    /// Its answer of this number has a flipped bit.
+    /// Index of the one answer, counted from 0, that has a flipped bit.
     pub damages: Option<usize>,
-    /// It closes the connection instead of its answer of this number.
+    /// Index of the request, counted from 0, at which the device closes the connection without an answer.
     pub closes_at: Option<usize>,
-    /// Its flash cannot be written.
+    /// The device's flash cannot be written.
     pub flash_fails: bool,
-    /// Every record of this number is dropped, and counted.
+    /// The device drops every Nth telemetry record and counts the dropped records.
     pub drops_every: Option<u32>,
-    /// Its telemetry ends after so many records.
+    /// Number of telemetry records after which the device sends no more.
     pub records: Option<u32>,
-    /// Its calibration ends with a fault.
+    /// The device's calibration ends with a fault.
     pub calibration_fails: bool,
-    /// It is the board without room for more than one wall.
+    /// The device is a board without memory for more than one wall.
     pub small: bool,
-    /// The NUCLEO of the kit: magnetic encoders, and no room for more than one wall.
+    /// The device is the NUCLEO board of the motor kit: magnetic encoders, and no memory for more than one wall.
     pub kit: bool,
-    /// It is the board that measures no current.
+    /// The device is a board without current sensors.
     pub no_current: bool,
 }
 
-/// Ticks between two looks at the socket, and how long one takes.
+/// Number of control ticks between two reads of the socket. One read waits at most `LOOK`.
 const TICKS: u32 = 5;
 const LOOK: Duration = Duration::from_millis(5);
-/// A calibration takes so many ticks.
+/// Duration of a calibration in control ticks.
 const CALIBRATION: u32 = 400;
 
-/// The board around the talk.
+/// State of the imitated board hardware behind the protocol session.
 pub struct World {
     pub machine: Machine,
     pub saved: Option<Vec<u8>>,
     pub used: DeviceSettings,
     pub rebooted: bool,
-    /// The cable is out.
+    /// Whether the cable is unplugged.
     pub pulled: bool,
-    /// Bytes that mean nothing, to be sent next.
+    /// Number of meaningless bytes that the device sends next.
     pub noise: usize,
     trouble: Trouble,
     board: Board,
@@ -66,31 +67,31 @@ pub struct World {
     calibrated_at: Option<u32>,
     decimation: u16,
     dropped: u32,
-    /// Requests that came in.
+    /// Number of requests received.
     pub answers: usize,
     records: u32,
 }
 
-/// A running device.
+/// A running fake device.
 pub struct Fake {
     pub address: String,
     both: Arc<Mutex<(Session, World)>>,
 }
 
 impl Fake {
-    /// A device without troubles.
+    /// Starts a device without faults on a TCP socket.
     pub fn new() -> Self {
         Self::with(Trouble::default())
     }
 
-    /// A device with troubles.
+    /// Starts a device with these faults on a TCP socket.
     pub fn with(trouble: Trouble) -> Self {
         let both = Self::switched_on(trouble);
         let address = listen(&both);
         Self { address, both }
     }
 
-    /// A device without troubles at a pseudo terminal.
+    /// Starts a device without faults on a pseudo terminal.
     #[cfg(unix)]
     pub fn on_a_terminal() -> Self {
         use serialport::{SerialPort, TTYPort};
@@ -143,12 +144,12 @@ impl Fake {
         Arc::new(Mutex::new((Session::new(settings, true), world)))
     }
 
-    /// The program, spoken to this device.
+    /// Runs the program with these arguments, connected to this device.
     pub fn run(&self, arguments: &[&str]) -> super::Said {
         super::run(&[arguments, &["--port", &self.address]].concat())
     }
 
-    /// A look into the device.
+    /// Locks and returns the device's session and board state.
     pub fn world(&self) -> MutexGuard<'_, (Session, World)> {
         self.both.lock().unwrap()
     }
@@ -163,33 +164,33 @@ impl Fake {
     }
 }
 
-/// Bytes that mean nothing.
+/// Meaningless bytes, the same in each call.
 pub fn nonsense(count: usize) -> Vec<u8> {
     (0..count).map(|i| ((i * 7919) >> 3) as u8).collect()
 }
 
-/// A board behind a session.
+/// An imitated board that answers requests through the firmware's protocol session.
 pub trait Served: Backend {
-    /// Nobody hears it any more.
+    /// Whether the board is disconnected.
     fn is_gone(&self) -> bool;
-    /// Bytes before everything else.
+    /// Bytes that the board sends before its answers.
     fn noise(&mut self) -> Vec<u8> {
         Vec::new()
     }
-    /// Takes notice of a request; `false` ends the connection instead.
+    /// Called for each request, before its answer. `false` closes the connection.
     fn is_asked(&mut self) -> bool {
         true
     }
-    /// What goes out for an answer.
+    /// Encodes an answer to the bytes that the board sends.
     fn answered(&mut self, answer: &FromDevice) -> Vec<u8> {
         let mut buffer = [0; FRAME_MAX];
         frame::encode(answer, &mut buffer).unwrap().to_vec()
     }
-    /// Some control ticks; their telemetry.
+    /// Runs some control ticks; returns the encoded telemetry of these ticks.
     fn ticks(&mut self) -> Vec<u8>;
 }
 
-/// Serves connections, one after the other, as long as the test's process lives; the address.
+/// Serves connections one after the other until the test's process ends. Returns the server's address.
 pub fn listen<B: Served + Send + 'static>(both: &Arc<Mutex<(Session, B)>>) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = format!("tcp:{}", listener.local_addr().unwrap());
@@ -257,7 +258,7 @@ impl Served for World {
     fn ticks(&mut self) -> Vec<u8> {
         (0..TICKS).flat_map(|_| self.tick()).collect()
     }
-    /// Damaged if that is its trouble.
+    /// Encodes an answer; flips a bit or returns nothing if the configured fault says so.
     fn answered(&mut self, message: &FromDevice) -> Vec<u8> {
         if self.trouble.silent {
             return Vec::new();
@@ -278,7 +279,7 @@ impl Served for World {
 }
 
 impl World {
-    /// One control tick: the telemetry record's frame, if one is due.
+    /// Runs one control tick; returns the encoded telemetry record if one is due.
     fn tick(&mut self) -> Vec<u8> {
         self.tick += 1;
         if self.calibrated_at.take_if(|at| *at <= self.tick).is_some() {

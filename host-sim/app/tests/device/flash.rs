@@ -1,4 +1,5 @@
-//! `touchstone flash` and `log`: with a program probe-rs that only writes down what it was asked, or with the crate and no probe.
+//! Tests of `touchstone flash` and `log`, with a fake program probe-rs that only records its arguments, or with the probe-rs crate
+//! and no debug probe.
 #![cfg(unix)]
 
 #[cfg(not(feature = "probe"))]
@@ -8,7 +9,7 @@ use std::path::Path;
 use std::process::Command;
 use touchstone_protocol::Board;
 
-/// An ELF program for a 32-bit Arm that says a board's name: 16 bytes for the beginning of the flash.
+/// Writes a 32-bit Arm ELF file with a board's name. The file has 16 bytes for the start of the flash.
 fn elf_of(path: &Path, board: &str) {
     let mut bytes = b"\x7fELF\x01\x01\x01".to_vec();
     bytes.resize(16, 0);
@@ -35,7 +36,7 @@ fn elf_of(path: &Path, board: &str) {
     std::fs::write(path, bytes).unwrap();
 }
 
-/// Runs the program in a folder, with its `bin` as the only PATH.
+/// Runs the program in a folder; PATH contains only the folder's `bin`.
 fn run(folder: &Path, arguments: &[&str]) -> Said {
     std::fs::create_dir_all(folder.join("bin")).unwrap();
     let mut command = program(arguments);
@@ -117,7 +118,7 @@ fn a_log_is_shown_after_the_flash_and_by_itself() {
     assert!(began.elapsed().as_secs() < 30);
 }
 
-/// No probe has these numbers: whatever is connected to this machine, nothing is written.
+/// No debug probe has these USB numbers. Nothing is written, whatever is connected to the test machine.
 #[cfg(feature = "probe")]
 #[test]
 fn without_its_probe_nothing_is_written() {
@@ -148,7 +149,7 @@ fn without_its_probe_nothing_is_written() {
     with("fffe:fffd:NONE").failed(2, &["own.elf", "cut off"]);
 }
 
-/// Before a probe is looked for.
+/// Firmware of another board is refused before the program looks for a debug probe.
 #[test]
 fn another_boards_program_is_refused_by_both_names() {
     let here = folder("flash-other-board");
@@ -231,7 +232,8 @@ fn what_is_missing_is_named() {
     assert!(said.err.contains("b-g431b-esc1"), "{}", said.err);
 }
 
-/// As an archive of `cargo xtask dist` has it: no compiler, no probe-rs, nothing on the PATH, another folder to work in.
+/// The program works from an archive of `cargo xtask dist`: it finds the firmware files beside itself, without compiler, probe-rs
+/// or PATH, from any working folder.
 #[test]
 fn the_programs_that_came_with_it_are_found_beside_it() {
     let here = folder("flash-archive");

@@ -1,4 +1,4 @@
-//! `--json` and `--quiet` of the commands that speak to a device.
+//! Tests of `--json` and `--quiet` with the commands that connect to a device.
 
 use crate::fake::Fake;
 use crate::folder;

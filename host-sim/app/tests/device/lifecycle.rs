@@ -1,4 +1,4 @@
-//! `touchstone device`: from power on to a fault and back.
+//! Tests of `touchstone device`: from power-on to a fault and back.
 
 use crate::fake::{Fake, Trouble};
 use crate::folder;

@@ -1,4 +1,5 @@
-//! The program against a device that is not there: a TCP socket or a pseudo terminal behind which the device's own code of the protocol answers.
+//! Tests of the program against an imitated device. Behind a TCP socket or a pseudo terminal, the firmware's own protocol code
+//! answers.
 
 mod board_page;
 #[cfg(target_os = "linux")]
@@ -51,7 +52,7 @@ impl From<Output> for Said {
 }
 
 impl Said {
-    /// Checks that the program succeeded.
+    /// Checks that the program succeeded; returns its standard output.
     #[track_caller]
     pub fn done(self) -> String {
         assert_eq!(
@@ -63,7 +64,7 @@ impl Said {
         self.out
     }
 
-    /// Checks for this exit code and one line of error with all these parts.
+    /// Checks that the program ended with this exit code and one line of error that contains all `parts`.
     #[track_caller]
     pub fn failed(self, code: i32, parts: &[&str]) {
         let Said { err, .. } = &self;
@@ -79,14 +80,14 @@ impl Said {
     }
 }
 
-/// The program, not yet run.
+/// The program's command with these arguments, not yet run.
 pub fn program(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_touchstone"));
     command.args(arguments);
     command
 }
 
-/// Runs the program.
+/// Runs the program with these arguments.
 pub fn run(arguments: &[&str]) -> Said {
     program(arguments).output().unwrap().into()
 }
@@ -99,7 +100,7 @@ pub fn folder(test: &str) -> PathBuf {
     folder
 }
 
-/// Writes a program for the shell.
+/// Writes an executable shell script.
 #[cfg(unix)]
 pub fn script(folder: &Path, name: &str, text: &str) {
     use std::os::unix::fs::PermissionsExt;

@@ -1,10 +1,10 @@
-//! `touchstone monitor`.
+//! Tests of `touchstone monitor`.
 
 use crate::fake::{Fake, Trouble};
 use crate::{folder, program};
 use touchstone_protocol::FaultCode;
 
-/// Ticks of a CSV, and its header.
+/// Header line and tick numbers of a CSV recording.
 fn ticks(text: &str) -> (String, Vec<u32>) {
     let mut lines = text.lines();
     let header = lines.next().unwrap().to_owned();

@@ -1,4 +1,5 @@
-//! `touchstone setup`: from a board whose motor is another than its settings say to a tuned one; interrupted, it goes on or says why not.
+//! Tests of `touchstone setup` on a board whose motor differs from its settings. The setup ends with a tuned board; after an
+//! interruption it resumes, or says why it cannot.
 
 use super::fake::{Fake, Trouble};
 use super::spun::{Pulled, Spun};
@@ -29,7 +30,7 @@ fn knob(friction_n_m: f64) -> Device {
     }
 }
 
-/// A folder with a file of a law in it.
+/// Creates a file with a control law's settings. Returns the path for the setup's folder, and the path of the file.
 fn place(test: &str) -> (PathBuf, String) {
     let folder = folder(test);
     let law = folder.join("given.toml");
@@ -170,7 +171,8 @@ fn another_board_and_a_wall_that_is_on_are_refused() {
     );
 }
 
-/// A supply that is cut: the board forgets all that it did not save, and the shaft is wherever it came to rest.
+/// After a power cut, the board has only its saved settings, and the shaft stays where it came to rest. Only the interrupted step
+/// of the setup is repeated.
 #[test]
 fn a_supply_that_is_cut_in_any_step_costs_that_step_alone() {
     let (out, law) = place("setup-power");
@@ -217,12 +219,12 @@ fn a_supply_that_is_cut_in_any_step_costs_that_step_alone() {
     assert_eq!(Phase::from(world.knob.device.state()), Phase::Ready);
 }
 
-/// Numbers of new settings and calibrations so far.
+/// Number of times that settings were sent, and number of calibrations, since the device was created.
 fn counted(device: &Spun) -> (u32, u32) {
     device.world().1.counted()
 }
 
-/// Only the motor's supply is cut: a board on USB goes on and reports the fault.
+/// Only the motor's supply is cut: a board powered over USB keeps running and reports the fault.
 #[test]
 fn a_motor_without_its_supply_is_refused_and_another_try_goes_on() {
     let (out, law) = place("setup-supply");

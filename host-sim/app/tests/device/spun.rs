@@ -1,4 +1,4 @@
-//! A device with a motor: the drive's two interrupts around a simulated knob, faster than real time, behind a socket.
+//! A device with a motor behind a socket: the drive's two interrupt handlers run with a simulated knob, faster than real time.
 
 use super::fake::{Served, listen};
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -17,10 +17,10 @@ use touchstone_world::motor::MotorParameters;
 use touchstone_world::plant::{BareCoulomb, Device};
 
 const BOARD: Board = Board::NucleoG474re;
-/// Ticks between two looks at the socket.
+/// Number of control ticks between two reads of the socket.
 const TICKS: u32 = 200;
 
-/// The motor's supply, V: the board lives on without it.
+/// Voltage of the motor's supply, V. The board itself keeps running at 0 V.
 pub struct Supply(pub f64);
 
 impl Tamper for Supply {
@@ -29,29 +29,29 @@ impl Tamper for Supply {
     }
 }
 
-/// The moment at which the cable is pulled, which also cuts the supply of a board on USB.
+/// Moment at which the cable is pulled. A board powered over USB then loses its supply.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pulled {
-    /// With the first tick of this part.
+    /// At the first tick of this part of the motor measurement.
     In(MeasuringPart),
-    /// With so manieth new settings: before they count.
+    /// When settings are sent for the Nth time, before they take effect.
     AtSettings(u32),
-    /// While they are written: the flash has what it had.
+    /// While settings are written to the flash: the flash keeps its earlier contents.
     BeforeSaved,
-    /// After the settings were written and before the answer.
+    /// After the settings were written to the flash, before the answer is sent.
     AfterSaved,
-    /// With so manieth calibration, which begins.
+    /// At the start of the Nth calibration.
     AtCalibration(u32),
 }
 
-/// The board around the talk.
+/// State of the simulated board behind the protocol session.
 pub struct Spinning {
     pub knob: Knob<Supply, BareCoulomb>,
     pub saved: bool,
-    /// When the cable goes.
+    /// Moment at which the cable is pulled; `None` for never.
     pub pulled_in: Option<Pulled>,
     pulled: bool,
-    /// The motor's supply goes with the first tick of this part.
+    /// Part of the motor measurement at whose first tick the motor's supply fails; `None` for never.
     pub supply_goes_in: Option<MeasuringPart>,
     /// The contents of the flash.
     kept: Option<stored::Start>,
@@ -61,7 +61,7 @@ pub struct Spinning {
     decimation: u16,
 }
 
-/// A running device.
+/// A running device with a simulated motor.
 pub struct Spun {
     address: String,
     motor: MotorParameters,
@@ -70,7 +70,7 @@ pub struct Spun {
 }
 
 impl Spun {
-    /// A device with this motor and knob, and this number.
+    /// Starts a device with this motor, this knob and this serial number.
     pub fn new(motor: MotorParameters, device: &Device, number: u8) -> Self {
         let settings = DeviceSettings::defaults(BOARD);
         let spinning = Spinning {
@@ -94,7 +94,7 @@ impl Spun {
         }
     }
 
-    /// Restores supply and cable: the device starts with the contents of its flash.
+    /// Restores supply and cable: the device restarts with the contents of its flash.
     pub fn power_up(&self) {
         let (session, world) = &mut *self.world();
         let image = world.kept.clone();
@@ -112,24 +112,24 @@ impl Spun {
         world.show_map(session);
     }
 
-    /// The program, spoken to this device.
+    /// Runs the program with these arguments, connected to this device.
     pub fn run(&self, arguments: &[&str]) -> super::Said {
         super::run(&[arguments, &["--port", &self.address]].concat())
     }
 
-    /// A look into the device.
+    /// Locks and returns the device's session and board state.
     pub fn world(&self) -> MutexGuard<'_, (Session, Spinning)> {
         self.both.lock().unwrap()
     }
 
-    /// The cable is in again.
+    /// Plugs the cable in again, without a restart of the device.
     pub fn plug_in(&self) {
         let (_, world) = &mut *self.world();
         (world.pulled, world.pulled_in) = (false, None);
     }
 }
 
-/// The board as it starts.
+/// Creates the simulated knob as it is after a start with these settings.
 fn started(
     settings: &DeviceSettings,
     motor: MotorParameters,
@@ -143,17 +143,17 @@ fn started(
 }
 
 impl Spinning {
-    /// Numbers of new settings and calibrations so far.
+    /// Number of times that settings were sent, and number of calibrations, since the device was created.
     pub fn counted(&self) -> (u32, u32) {
         (self.settings, self.calibrations)
     }
 
-    /// The map of the cogging that the session has.
+    /// Passes the session's cogging map to the simulated drive.
     pub fn show_map(&mut self, session: &Session) {
         self.use_cogging(session.settings(), session.cogging(BOARD));
     }
 
-    /// Whether the cable goes now.
+    /// Whether the cable is pulled at this moment; if so, marks it as pulled.
     fn goes(&mut self, now: Pulled) -> bool {
         let goes = self.pulled_in == Some(now);
         self.pulled |= goes;

@@ -1,4 +1,4 @@
-//! `touchstone device alignment` and `autostart`: the data kept for the next start.
+//! Tests of `touchstone device alignment` and `autostart`: data that the device saves for its next start.
 
 use crate::fake::{Fake, Trouble};
 use crate::folder;
@@ -77,7 +77,7 @@ fn an_alignment_is_kept_checked_used_and_forgotten() {
     assert_eq!(status(&device)["start"]["was_checked"], false);
 }
 
-/// Changes the kept offset by this much, turns/65,536.
+/// Adds `by` to the saved alignment offset, in units of 1/65,536 turn.
 fn bend(device: &Spun, by: u16) {
     let (session, world) = &mut *device.world();
     let mut kept = *session.kept();
@@ -181,7 +181,7 @@ fn what_has_no_zero_of_its_own_is_refused_with_the_reason() {
         .failed(2, &["--keep-alignment", "incremental", "leave it out"]);
 }
 
-/// Checks the message where the encoder would allow it but the program has no room.
+/// Checks the error if the encoder would allow a saved alignment, but the board has no memory for it.
 #[test]
 fn the_kits_board_says_that_it_has_no_room() {
     let kit = Fake::with(Trouble {
@@ -230,7 +230,7 @@ fn a_setup_keeps_it_where_it_is_asked_to() {
     assert_eq!(status(&device)["start"]["alignment_is_usable"], true);
 }
 
-/// Checks that other requests do not lose the kept start.
+/// Checks that other requests do not lose the alignment saved for the next start.
 #[test]
 fn what_is_kept_is_what_the_calibration_found() {
     let device = spun(16);

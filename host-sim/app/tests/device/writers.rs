@@ -1,5 +1,7 @@
-//! Every output of the program × what goes wrong where it is written: an older file, a link, a full disk, a folder of somebody else, a killed
-//! process, two at once. What is at the place afterwards is whole or as it was, nothing else is left, and what is said is one line.
+//! Every output of the program is tested with every fault at its place: an older file, a link, a full disk, another user's folder,
+//! a killed process, two processes at once.
+//!
+//! Afterwards the file at the place is complete or unchanged, no other file is left, and the error is one line.
 
 use crate::fake::Fake;
 use crate::{Said, folder};
@@ -9,8 +11,8 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 use touchstone_protocol::FaultCode;
 
-/// An output: its name, its command with `OUT` in the place of the file, whether it asks a board, and whether its own file of before is
-/// replaced unasked.
+/// An output: its name; its command with `OUT` in place of the file; whether the command needs a board; whether it replaces its own
+/// earlier file without `--force`.
 struct Output(&'static str, &'static str, bool, bool);
 
 const FILES: [Output; 9] = [
@@ -60,7 +62,7 @@ const FILES: [Output; 9] = [
     Output("config export", "config export OUT -q", true, false),
 ];
 
-/// Reports, which one piece of code writes for all commands, and pages of the manual.
+/// Outputs that are folders: reports, which the same code writes for all commands, and manual pages.
 const FOLDERS: [Output; 6] = [
     Output("run --out", "run tap -q --out OUT", false, true),
     Output(
@@ -90,7 +92,7 @@ const FOLDERS: [Output; 6] = [
     Output("man", "man OUT", false, true),
 ];
 
-/// What takes long before it writes, by the same code as the others: that the place may be taken is seen before.
+/// Outputs of commands that compute for long before they write. They must refuse an occupied place before they compute.
 const SLOW: [Output; 5] = [
     Output("tune --out", "tune thesis-knob -q --out OUT", false, true),
     Output(
@@ -132,7 +134,7 @@ impl Output {
         self.command(here, board).output().unwrap().into()
     }
 
-    /// Refused or failed in one line with these words.
+    /// Checks that the command failed with exit code 1 or 2 and one line of error that contains `part`.
     #[track_caller]
     fn fails(&self, said: &Said, part: &str) {
         assert!(
@@ -157,14 +159,14 @@ impl Output {
     }
 }
 
-/// One whose ring has stopped.
+/// A board in a fault, so that its ring buffer of control ticks has stopped and can be read.
 fn board() -> Fake {
     let board = Fake::new();
     board.fault(FaultCode::OverSpeed, 61_000);
     board
 }
 
-/// All names, also hidden ones.
+/// Names of all files in the folder, including hidden ones, sorted.
 fn names(folder: &Path) -> Vec<String> {
     let entry = |entry: std::io::Result<std::fs::DirEntry>| {
         entry.unwrap().file_name().into_string().unwrap()
@@ -300,7 +302,7 @@ fn what_takes_long_refuses_a_taken_place_before_it_begins() {
     }
 }
 
-/// A disk of its own that is full, in a name space of its own.
+/// Runs each command on a full disk, mounted in a separate mount namespace.
 #[test]
 fn a_full_disk_is_said_and_nothing_is_left() {
     let board = board();
@@ -348,7 +350,7 @@ fn a_full_disk_is_said_and_nothing_is_left() {
     }
 }
 
-/// As nobody, where the tests run as root; else in a folder that may not be written.
+/// Runs each command in a folder without write permission. If the tests run as root, the command runs as the user nobody.
 #[test]
 fn a_folder_that_may_not_be_written_is_said() {
     let board = board();
@@ -393,7 +395,7 @@ fn begun(output: &Output, here: &Path, board: &Fake) -> Child {
         .unwrap()
 }
 
-/// What is there is whole: a page, a table, settings, each with its end.
+/// Whether the file is complete: a page, a table or settings with the expected last line.
 fn is_whole(output: &Output, file: &Path) -> bool {
     let text = std::fs::read_to_string(file).unwrap();
     if output.0 == "monitor --csv" {

@@ -1,4 +1,4 @@
-//! The program's output: JSON, silence, completions, the manual, and one line for a mistake.
+//! Tests of the program's output: JSON, `--quiet`, completions, manual pages, and one line of error for a mistake.
 
 use crate::{folder, names, run, run_in};
 
@@ -243,7 +243,7 @@ fn the_comparison_says_what_it_cannot_change() {
     assert!(names(&here).is_empty());
 }
 
-/// Feels are listed, run by their names, and are scenes to every command.
+/// Haptic effects are listed, can be run by their names, and every command accepts them as scenes.
 #[test]
 fn feels_are_listed_and_run() {
     let feels = run(&["feels", "--json"]).ended(0).json();
@@ -275,7 +275,8 @@ fn feels_are_listed_and_run() {
     );
 }
 
-/// A log of CI obeys lines that begin as its commands do, and a terminal control characters, of whatever file they come from.
+/// A CI system executes log lines that begin like its commands, and a terminal executes control characters. No text from a scene
+/// file may reach them unchanged.
 #[test]
 fn no_name_of_a_scene_reaches_a_log_as_a_command() {
     let here = folder("name-as-command");

@@ -1,4 +1,4 @@
-//! Inputs as people have them, from outside: a folder of cases where there is one, and paths that are no text.
+//! Tests with typical inputs of users: a folder of cases, if present, and paths that are not valid UTF-8.
 
 use crate::{Said, folder, run_in};
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 /// The expected outcome of a case.
 enum Right {
-    /// The input is accepted and the output has all these parts.
+    /// The input is accepted and the output contains all these parts.
     Said(&'static [&'static str]),
     /// The input is accepted without a note.
     Quiet,
@@ -14,11 +14,11 @@ enum Right {
     Refused(&'static str),
     /// The input is accepted and the verdict is not a fault of the wall.
     NotTheWall,
-    /// Every cell of its CSV is a decimal.
+    /// Every cell of the CSV file that the program writes is a decimal number.
     Decimals,
 }
 
-/// By folder and file.
+/// Expected outcome of a case, by its folder and file.
 fn right(case: &str, file: &str) -> Option<Right> {
     use Right::{Decimals, NotTheWall, Quiet, Refused, Said};
     Some(match (case, file) {
@@ -113,7 +113,7 @@ fn check(here: &Path, file: &Path, right: &Right) {
     }
 }
 
-/// Beside the repository, or where the variable says.
+/// Folder of the cases: beside the repository, or from the environment variable `TOUCHSTONE_CASES`.
 fn cases() -> PathBuf {
     match std::env::var_os("TOUCHSTONE_CASES") {
         Some(folder) => folder.into(),
@@ -160,7 +160,8 @@ fn every_case_of_the_folder_is_right() {
     assert!(checked > 0, "{}: empty", folder_of_cases.display());
 }
 
-/// Linux takes any bytes as a name. The program takes them where a file is only read, and refuses them in a line where a scene names it.
+/// Linux allows any bytes in a file name. The program accepts such names for files that it only reads; where a scene names such a
+/// file, the program refuses it with one line of error.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_path_that_is_not_utf_8_works_or_is_refused_in_a_line() {

@@ -1,8 +1,8 @@
-//! `--expect`, `--max-penetration`, `--min-stiffness`, `--max-energy-out`, `--junit`.
+//! Tests of the options `--expect`, `--max-penetration`, `--min-stiffness`, `--max-energy-out` and `--junit`.
 
 use crate::{folder, run, run_in};
 
-/// Runs that end in each of the verdicts.
+/// Verdicts, each with the arguments of a `touchstone run` that ends with the verdict.
 const ENDS: [(&str, &[&str]); 6] = [
     ("passive", &["low-stiffness"]),
     ("active", &["thesis-knob"]),
@@ -240,7 +240,7 @@ fn what_is_no_demand_is_refused() {
     }
 }
 
-/// An equal or better run passes; a softer wall, another verdict or another scene fails.
+/// Compared with a baseline, an equal or better run passes. A softer wall, another verdict or another scene fails.
 #[test]
 fn a_baseline_says_what_became_worse() {
     let here = folder("baseline");
@@ -284,7 +284,7 @@ fn a_baseline_says_what_became_worse() {
     );
 }
 
-/// The demands in docs/ci.md are met by the shipped wall, with every grip.
+/// The shipped wall meets the limits documented in docs/ci.md with every grip.
 #[test]
 fn the_demands_of_the_documented_script_are_met() {
     let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/ci.md");
@@ -303,7 +303,8 @@ fn the_demands_of_the_documented_script_are_met() {
     }
 }
 
-/// A hand that taps to the end: the wall is not judged by the hand's own motion, and every output says so.
+/// If the hand still taps at the end of the run, the program does not judge the wall by the hand's motion. Every output says why
+/// there is no verdict.
 #[test]
 fn what_cannot_be_judged_is_said_with_why() {
     let here = folder("not-judged");

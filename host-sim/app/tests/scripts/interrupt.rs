@@ -1,11 +1,11 @@
-//! Ctrl-C leaves no files and says so; files of a killed run are removed by the next one.
+//! Ctrl-C leaves no half-written files and prints a message. The next run removes the files of a killed run.
 
 use crate::{folder, names, program, run_in};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A command that runs for many seconds unless it is ended.
+/// Arguments of a command that runs for many seconds unless it is interrupted.
 const LONG: [&str; 6] = [
     "run",
     "thesis-knob",
@@ -15,7 +15,7 @@ const LONG: [&str; 6] = [
     "new/out",
 ];
 
-/// Starts a long run and waits until its hidden folder has a trace in it.
+/// Starts a long run and waits until its hidden folder contains a trace.
 fn begun(here: &Path) -> (Child, PathBuf) {
     let mut child = program(here, &LONG)
         .stdout(Stdio::piped())

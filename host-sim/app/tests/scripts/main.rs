@@ -1,4 +1,4 @@
-//! The program as scripts, shells and impatient people use it: demands, exit codes, JSON, silence, signals, its own files.
+//! Tests of the program in scripts and shells: limits on results, exit codes, JSON, `--quiet`, signals, and its own files as input.
 
 mod answers;
 mod cases;
@@ -26,20 +26,20 @@ pub struct Said {
 }
 
 impl Said {
-    /// Standard output of a program that ended with this code.
+    /// Checks that the program ended with this exit code; returns its output.
     #[track_caller]
     pub fn ended(self, code: i32) -> Self {
         assert_eq!(self.code, Some(code), "{}{}", self.out, self.err);
         self
     }
 
-    /// Standard output as JSON.
+    /// Parses the standard output as JSON.
     #[track_caller]
     pub fn json(&self) -> serde_json::Value {
         serde_json::from_str(&self.out).unwrap_or_else(|error| panic!("{error}: {}", self.out))
     }
 
-    /// Checks that the program refused with one line that has all these parts.
+    /// Checks that the program refused its input with one line of error that contains all `parts`.
     #[track_caller]
     pub fn refused(self, parts: &[&str]) {
         let Said { err, .. } = self.ended(2);
@@ -59,7 +59,7 @@ pub fn folder(test: &str) -> PathBuf {
     folder
 }
 
-/// The program in a folder, not yet run.
+/// The program's command in a folder, not yet run.
 pub fn program(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_touchstone"));
     command.args(arguments).current_dir(folder);
@@ -71,7 +71,7 @@ pub fn run_in(folder: &Path, arguments: &[&str]) -> Said {
     run_words(folder, arguments)
 }
 
-/// Runs the program with arguments that need not be valid text.
+/// Runs the program with arguments that need not be valid UTF-8.
 pub fn run_words<S: AsRef<OsStr>>(folder: &Path, words: &[S]) -> Said {
     let mut command = program(folder, &[]);
     let output = command.args(words).output().unwrap();
@@ -82,12 +82,12 @@ pub fn run_words<S: AsRef<OsStr>>(folder: &Path, words: &[S]) -> Said {
     }
 }
 
-/// Runs the program where it writes nothing.
+/// Runs a command that writes no files.
 pub fn run(arguments: &[&str]) -> Said {
     run_in(Path::new(env!("CARGO_TARGET_TMPDIR")), arguments)
 }
 
-/// Names in a folder, sorted.
+/// Names of the files in a folder, sorted.
 pub fn names(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).unwrap();
     let mut names: Vec<String> = entries

@@ -1,10 +1,10 @@
-//! CSV files of the program have the right types and values in pandas, Polars, DuckDB, R and LibreOffice.
+//! Tests that pandas, Polars, DuckDB, R and LibreOffice read the program's CSV files with the right types and values.
 
 use crate::{folder, names, run_in};
 use std::path::Path;
 use std::process::Command;
 
-/// A square far outside of the simulated hand's way: nothing but zeros for as long as anybody plays it.
+/// STL mesh of a triangle far from the simulated hand's path. The hand never touches the mesh, so that all forces are zero.
 const NEVER_MET: &str = "solid far
 facet normal 0 0 1
 outer loop

@@ -1,4 +1,5 @@
-//! `--strict-passive`: the law's own bound before the run, the user's port after it.
+//! Tests of `--strict-passive`: the control law's own passivity bound is checked before the run, and the energy given to the user
+//! after the run.
 
 use crate::run;
 

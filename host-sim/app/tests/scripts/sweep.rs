@@ -1,4 +1,4 @@
-//! Maps: after an interrupt, or made in parts, the result is the same to the byte.
+//! Tests of `touchstone sweep`: a map resumed after an interrupt, or combined from parts, is byte for byte that of a single run.
 
 use crate::{folder, names, program, run, run_in};
 use std::process::{Command, Stdio};

@@ -1,4 +1,4 @@
-//! `scorecard` and `tune` from outside.
+//! Tests of `touchstone scorecard` and `touchstone tune`.
 
 use super::{folder, names, run, run_in};
 
