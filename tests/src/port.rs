@@ -162,7 +162,7 @@ impl Port {
         }
     }
 
-    /// A port with the guard of [`settings`], or without a guard.
+    /// A port with the guard of [`Self::settings`], or without a guard.
     #[must_use]
     pub fn new(law: impl Into<PortLaw>, delay_ticks: f64, counts: bool, guarded: bool) -> Self {
         Self {

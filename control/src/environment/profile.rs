@@ -231,7 +231,7 @@ pub const fn repeated_between(part: u32, points: u32) -> Between {
     Between { before, after, way }
 }
 
-/// Same as [`Profile::between`], for a profile that is not repeated. The way is measured from the nearer end, so that the mirrored
+/// Same as `Profile::between`, for a profile that is not repeated. The way is measured from the nearer end, so that the mirrored
 /// profile has the mirrored roundings.
 #[cold]
 #[inline(never)]

@@ -51,7 +51,7 @@ pub fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
 /// Writes a file only if the path is free, also if another process creates a file there meanwhile.
 ///
 /// # Errors
-/// Same as [`write`] and [`is_free`].
+/// Same as [`write()`] and [`is_free`].
 pub fn write_new(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
     put(path, content.as_ref(), false)
 }
