@@ -258,7 +258,7 @@ fn what_cannot_be_is_refused_at_its_place() {
                 "environment.detents.per_rev=0",
                 "environment.detents.pitch_rad=0.0009",
             ],
-            "between 0.001 and 6.28318",
+            "between 0.001 and 6.283",
         ),
         (&["environment.wall2.solid=left"], "above"),
         (&["environment.wall5.at_rad=1"], "wall"),

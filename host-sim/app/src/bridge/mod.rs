@@ -152,10 +152,7 @@ impl Terminal {
     /// acknowledged.
     fn messages(&mut self) -> Vec<Vec<u8>> {
         let mut bytes = [0; 512];
-        let count = match self.master.read(&mut bytes) {
-            Ok(count) => count,
-            Err(_) => 0,
-        };
+        let count = self.master.read(&mut bytes).unwrap_or_default();
         let mut whole = Vec::new();
         for byte in bytes.get(..count).unwrap_or_default() {
             if let Some(Ok(payload)) = self.decoder.push(*byte) {

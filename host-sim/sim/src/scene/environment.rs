@@ -100,7 +100,7 @@ impl Default for Endstops {
 pub struct DetentRing {
     /// Number of detents in one turn, 1 to 6283; 0: detents are `pitch_rad` apart. Default 24.
     pub per_rev: u32,
-    /// Distance between two detents where `per_rev` is 0, rad, 0.001 to 6.2831853072. Default 0.2.
+    /// Distance between two detents where `per_rev` is 0, rad, 0.001 to a turn. Default 0.2.
     pub pitch_rad: f64,
     /// Largest torque of a detent, a quarter of the way to the next, N·m, from 0 to the law's force limit. Default 0.02.
     pub strength_n_m: f64,

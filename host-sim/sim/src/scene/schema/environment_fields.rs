@@ -94,7 +94,7 @@ pub(super) const ENVIRONMENT: &[Field] = &[
     number(
         "environment.detents.pitch_rad",
         "rad",
-        Within(0.001, 6.283_185_307_2),
+        Within(0.001, std::f64::consts::TAU),
         "the distance between two detents, if per_rev = 0",
     ),
     number(
