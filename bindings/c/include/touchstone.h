@@ -54,19 +54,19 @@ typedef enum {
    */
   TS_NOT_INITIALISED = 2,
   /*
-   A setting is out of its range. `ts_guard_check` and `ts_settings_check` name it.
+   A setting is out of its range. `ts_guard_check` and `ts_settings_check` report which setting.
    */
   TS_OUT_OF_RANGE = 3,
   /*
-   There is no setting of this name.
+   No setting has the given name.
    */
   TS_UNKNOWN_SETTING = 4,
   /*
-   The text is not a value of this setting.
+   The text is not a valid value of the setting.
    */
   TS_BAD_VALUE = 5,
   /*
-   The device moved further in a tick than the guard's `overspeed` allows. The force is 0 until guard or wall are resumed:
+   In one tick the device moved further than the guard's `overspeed` allows. The force is 0 until guard or wall are resumed:
    switch the motor off.
    */
   TS_OVERSPEED = 6,
@@ -86,11 +86,11 @@ typedef struct {
    */
   uint32_t rate_hz;
   /*
-   Largest force that is ever commanded, N·m (N).
+   Largest force that the guard ever allows, N·m (N).
    */
   ts_si force_limit;
   /*
-   One count of the encoder, or twice the largest error of a measured position, rad (m), at most 0.1.
+   Step of one encoder count, or twice the largest error of a measured position, rad (m), at most 0.1.
    */
   ts_si count;
   /*
@@ -98,28 +98,28 @@ typedef struct {
    */
   ts_si damping;
   /*
-   Fraction (0 to 1) of that damping that the guard relies on.
+   Fraction (0 to 1) of the measured damping that the guard relies on.
    */
   ts_si share_of_damping;
   /*
-   Energy that a hand may get out at once, J, at most 16.
+   Most energy that the energy account holds, which is the most that a hand can get out at once, J, at most 16.
    */
   ts_si capacity;
   /*
-   Power that a hand may get out in the long run, W, at most 1.
+   Power that refills the energy account, which is the most that a hand can get out in the long run, W, at most 1.
    */
   ts_si refill;
   /*
-   Largest speed at which the energy bound holds, rad/s (m/s). Above it the force is switched off and stays off.
+   Largest speed at which the energy bound holds, rad/s (m/s). Above it the guard allows no force until `ts_guard_resume`.
    */
   ts_si overspeed;
   /*
-   Time from a sample until its force begins to act, s, at most one tick.
+   Time from reading the position until the force computed from it begins to act, s, at most one tick.
    */
   ts_si delay;
   /*
-   Mean time of the current loop's step response, from when a force begins to act, s. Delay and lag together are at most one
-   tick.
+   Mean delay of the current loop's step response, counted from the moment at which a force begins to act, s. `delay` and `lag`
+   together are at most one tick.
    */
   ts_si lag;
   /*
@@ -169,13 +169,14 @@ extern "C" {
 #endif // __cplusplus
 
 /*
- Fills in capacity, refill, fraction of damping and over-speed of Touchstone's simulated knob. It sets to 0 what only you know of
- your device: rate, force limit, count, damping, delay and lag. `ts_guard_init` refuses a rate of 0.
+ Fills in capacity, refill, fraction of damping and largest speed with the values of Touchstone's simulated knob. The properties
+ of your own device are set to 0: rate, force limit, count, damping, delay and lag. `ts_guard_init` refuses a rate of 0.
  */
 ts_status ts_guard_defaults(ts_guard_config *config);
 
 /*
- Initialises a guard as at power-up, with a full energy account. Call it once: each call gives the hand a full account again.
+ Initialises a guard as at power-up, with a full energy account: the energy that the hand may get out. Call it once, because each
+ call fills the account again.
 
  Returns `TS_OUT_OF_RANGE` if a setting is refused; the guard is then not initialised, and allows no force.
  */
@@ -183,17 +184,18 @@ ts_status ts_guard_init(ts_guard *guard,
                         const ts_guard_config *config);
 
 /*
- Checks a configuration. If it is refused, `message` gets the reason in one line, with the setting's name and range; `message`
- may be null.
+ Checks a guard's configuration. If it is refused, `message` gets the reason in one line, with the setting's name and range;
+ `message` may be null.
  */
 ts_status ts_guard_check(const ts_guard_config *config,
                          char *message,
                          size_t length);
 
 /*
- Runs one control period. `moved` is the displacement since the last tick, `wanted` the force that your law requests, and
- `*allowed` the force to command. A force that resists a positive `moved` is positive. At most `capacity + refill * time` reaches
- the hand beyond what it put in.
+ Runs one control period. `moved` is the displacement since the last tick, `wanted` the force that your control law requests, and
+ `*allowed` the force to command. A force that resists a positive `moved` is positive.
+
+ The hand gets out at most `capacity + refill * time` more energy than it put in.
  */
 ts_status ts_guard_tick(ts_guard *guard,
                         ts_position moved,
@@ -201,8 +203,8 @@ ts_status ts_guard_tick(ts_guard *guard,
                         ts_force *allowed);
 
 /*
- As `ts_guard_tick`, for an encoder that was also read when the last force took effect. `before_change` is the part of `moved`
- before that reading.
+ Same as `ts_guard_tick`, for an encoder that is also read when the last force begins to act. `before_change` is the part of
+ `moved` up to that second reading.
  */
 ts_status ts_guard_tick_with_change(ts_guard *guard,
                                     ts_position moved,
@@ -211,23 +213,25 @@ ts_status ts_guard_tick_with_change(ts_guard *guard,
                                     ts_force *allowed);
 
 /*
- Reports that a smaller force than allowed was commanded. A larger force counts as the allowed one.
+ Reports to the guard that a smaller force than the allowed one was commanded. A larger force counts as the allowed one.
  */
-ts_status ts_guard_commanded(ts_guard *guard, ts_force force);
+ts_status ts_guard_commanded(ts_guard *guard,
+                             ts_force force);
 
 /*
- Reports that the motor was switched off and that no tick follows until `ts_guard_resume`.
+ Reports to the guard that the motor was switched off and that no tick follows until `ts_guard_resume`.
  */
 ts_status ts_guard_switched_off(ts_guard *guard);
 
 /*
- Resumes a guard that was switched off or tripped. The energy account keeps its level: arming again does not fill it.
+ Resumes a guard after the motor was switched off or after an over-speed. The energy account keeps its level: switching on again
+ does not fill it.
  */
 ts_status ts_guard_resume(ts_guard *guard);
 
 /*
- Energy that the hand may still get out, J times 2^48. It is negative after an over-speed, until refill and damping have made up
- for it.
+ Reads the energy account: energy that the hand may still get out, J times 2^48. It is negative after an over-speed, until refill
+ and damping have made up for the difference.
  */
 ts_status ts_guard_account(ts_guard *guard,
                            ts_energy *account);
@@ -238,21 +242,21 @@ ts_status ts_guard_account(ts_guard *guard,
 ts_status ts_settings_init(ts_settings *settings);
 
 /*
- Sets one setting by its path, from a decimal text or word: `"wall.k_desired_n_m_per_rad"`, `"5"`; `"law.kind"`,
- `"spring-damper"`. `ts_settings_check` and `ts_wall_init` check the ranges when all are set.
+ Sets one setting by its path and a text, a decimal number or a word: `"wall.k_desired_n_m_per_rad"`, `"5"`; `"law.kind"`,
+ `"spring-damper"`. Ranges are checked by `ts_settings_check` and `ts_wall_init`.
  */
 ts_status ts_settings_set(ts_settings *settings,
                           const char *path,
                           const char *value);
 
 /*
- Sets the encoder of estimator and guard: counts of a whole turn with all edges counted, at least 1.
+ Sets the encoder's resolution for estimator and guard: counts per turn with all edges counted, at least 1.
  */
 ts_status ts_settings_set_counts_per_rev(ts_settings *settings, uint32_t counts_per_rev);
 
 /*
- Checks all settings together. If they are refused, `message` gets the reason in one line, with the setting's name and range;
- `message` may be null.
+ Checks all settings of a wall together. If they are refused, `message` gets the reason in one line, with the setting's name and
+ range; `message` may be null.
  */
 ts_status ts_settings_check(ts_settings *settings,
                             char *message,
@@ -271,33 +275,34 @@ ts_status ts_wall_init(ts_wall *wall,
                        ts_settings *settings);
 
 /*
- Runs one control period: takes the depth in the wall, positive inside, and gives the force that pushes out. Command the motor
- with the negative of that force along the angle, and hold it until the next tick.
+ Runs one control period: takes the penetration into the wall, positive inside, and gives the force that pushes out. Command the
+ negative of the force along the angle, and hold it until the next tick.
  */
 ts_status ts_wall_tick(ts_wall *wall,
                        ts_position penetration,
                        ts_force *force);
 
 /*
- Reports to estimator and guard the commanded force, if it is smaller than the wall's.
+ Reports to estimator and guard the force that was commanded, if it is smaller than the force that the wall gave.
  */
-ts_status ts_wall_commanded(ts_wall *wall, ts_force force);
+ts_status ts_wall_commanded(ts_wall *wall,
+                            ts_force force);
 
 /*
- Reports that the motor was switched off and that no tick follows until `ts_wall_resume`.
+ Reports to the wall that the motor was switched off and that no tick follows until `ts_wall_resume`.
  */
 ts_status ts_wall_switched_off(ts_wall *wall);
 
 /*
- Resumes the wall for the next arming, with its settings or changed ones. All memory is new except the level of the guard's
- energy account.
+ Resumes the wall when the motor is switched on again, with the same settings or changed ones. The estimator and the law start
+ anew; the guard's energy account keeps its level.
  */
 ts_status ts_wall_resume(ts_wall *wall,
                          ts_settings *settings);
 
 /*
- Penetration of an encoder count into a wall with its surface at `surface`, rad: `2 pi count / counts_per_rev - surface`, limited
- to the range of positions. 0 if `counts_per_rev` is 0.
+ Penetration of an encoder count into a wall with its surface at `surface` in rad: `2 pi count / counts_per_rev - surface`,
+ limited to the range of `ts_position`. It is 0 if `counts_per_rev` is 0.
  */
 ts_position ts_penetration(int64_t count,
                            uint32_t counts_per_rev,

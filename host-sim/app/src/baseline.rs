@@ -88,7 +88,7 @@ pub fn on(run: &Summary, before: &[Value], margin: f64) -> Vec<Check> {
         before["verdict"] == now["verdict"],
     )];
     for (field, worse, nothing) in MEASURES {
-        // What had no number before has nothing to be worse than.
+        // A measure without a number in the baseline is not compared.
         let Some(was) = before[field].as_f64() else {
             continue;
         };
@@ -98,7 +98,7 @@ pub fn on(run: &Summary, before: &[Value], margin: f64) -> Vec<Check> {
             Worse::More => (was + slack, "at most"),
         };
         let came = now[field].as_f64();
-        // A number that is none, or infinite, is `null` in JSON: it meets nothing.
+        // NaN and infinity are `null` in JSON: such a value does not meet the limit.
         let met = came.is_some_and(|came| match worse {
             Worse::Less => came >= limit,
             Worse::More => came <= limit,

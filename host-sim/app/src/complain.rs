@@ -49,7 +49,7 @@ pub fn usage(error: &UsageError, commands: &[&str]) -> Option<String> {
         Some(other) => other.to_string(),
         None => String::new(),
     };
-    // `--steps <STEPS>` is known as --steps.
+    // Of `--steps <STEPS>`, only `--steps` is named.
     let option = |kind| {
         text(kind).map(|name| match name.split_once(' ') {
             Some((option, _)) if option.starts_with('-') => option.to_owned(),
@@ -74,7 +74,7 @@ pub fn usage(error: &UsageError, commands: &[&str]) -> Option<String> {
         ErrorKind::InvalidValue => {
             let words = many(ContextKind::ValidValue);
             let words: Vec<&str> = words.split(", ").filter(|word| !word.is_empty()).collect();
-            // One number is as near as the next.
+            // A number gets no suggestion: similar digits do not mean a similar intention.
             let is_number = value.parse::<f64>().is_ok();
             let near = touchstone_sim::scene::nearest(&value, &words).filter(|_| !is_number);
             let fix = match near {

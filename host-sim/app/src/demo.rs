@@ -16,8 +16,7 @@ use touchstone_sim::error::{Error, Result};
 #[command(after_help = HAPPENS)]
 pub struct Options {
     /// Opens no page: the simulated knob acts as a board that was just switched on, and waits for `setup`, `monitor`, `config`,
-    /// `device` or `live
-    /// --port`. Ctrl-C ends it.
+    /// `device` or `live --port`. Ctrl-C ends it.
     #[arg(long)]
     port_only: bool,
     /// TCP address at which the simulated knob listens; port 0 takes a free one.
@@ -94,7 +93,7 @@ pub fn main(options: &Options) -> Result<()> {
 
 /// Receives the lines of standard input.
 fn lines() -> Receiver<String> {
-    // Who writes faster than the knob takes it waits.
+    // A writer that is faster than the simulated knob has to wait.
     let (sender, happens) = sync_channel(16);
     std::thread::spawn(move || {
         let mut input = std::io::stdin().lock();

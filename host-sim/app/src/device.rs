@@ -134,7 +134,7 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
         BoardAction::Eccentricity { action } => return eccentricity::main(&mut client, *action),
         BoardAction::Autostart { switch } => return start::autostart(&mut client, *switch),
         BoardAction::Arm => {
-            // Asked for before: what fails here must not leave a device that is armed.
+            // Requested before arming: if this request fails, the device must not be left armed.
             let silence_s = client.settings()?.limits.host_silence_s;
             client.tell(&Request::Command(DeviceCommand::Arm))?;
             note_silence(silence_s);
@@ -189,7 +189,7 @@ fn state(name: &str) -> Result<()> {
 pub fn calibration_limit(settings: &DeviceSettings) -> Duration {
     let turns = 2.0 * (f64::from(settings.motor.pole_pairs) + 1.0);
     let turns_per_s: f64 = settings.calibration.electrical_turns_per_s.to_num();
-    // Positive by its range; what is not is no reason to panic.
+    // The speed's range allows positive values only; any other value must not cause a panic.
     CALIBRATION_REST + Duration::try_from_secs_f64(turns / turns_per_s).unwrap_or_default()
 }
 
@@ -206,7 +206,7 @@ pub fn calibrated(client: &mut Client) -> Result<()> {
                 continue;
             }
             Phase::Calibrating => {
-                // Nobody waits for it any more, and the shaft is driven.
+                // The shaft is driven and this command stops waiting, so the calibration is stopped.
                 client.tell(&Request::Command(DeviceCommand::Stop))?;
                 (
                     format!(
@@ -370,7 +370,7 @@ const RING_COLUMNS: [&str; 7] = [
 ];
 
 fn ring(client: &mut Client, place: &Named<'_>) -> Result<()> {
-    // All of it before a file is begun: a cut connection leaves nothing half-written.
+    // All records are read before the file is begun: a lost connection then leaves no incomplete file.
     let mut records: Vec<RingRecord> = Vec::new();
     loop {
         let first = u16::try_from(records.len()).unwrap_or(u16::MAX);
@@ -440,14 +440,14 @@ mod tests {
     #[test]
     fn a_slow_calibration_of_many_pole_pairs_is_waited_for() {
         let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
-        // 16 turns there and back at 4 in a second.
+        // 16 electrical turns forward and 16 back, at 4 turns per second.
         settings.motor.pole_pairs = 15;
         assert_eq!(
             calibration_limit(&settings),
             CALIBRATION_REST + Duration::from_secs(8)
         );
         settings.calibration.electrical_turns_per_s = Si::lit("0.8");
-        // 40 s and the rest, less what rounds 0.8 to its format.
+        // 40 s and `CALIBRATION_REST`; 0.8 is not exact in its fixed-point format.
         assert!((54..=55).contains(&calibration_limit(&settings).as_secs()));
     }
 }

@@ -121,7 +121,7 @@ impl Expectations {
 
     fn on(&self, run: &Summary, strict: bool) -> Vec<Check> {
         let mut checks = Vec::new();
-        // What never touched the wall shows nothing of it: no demand is met, unless that was to come.
+        // A run without contact says nothing about the wall: it meets no demand, unless no contact is the demanded verdict.
         let touched =
             run.verdict_name() != NO_CONTACT || self.expect.iter().any(|word| word == NO_CONTACT);
         let mut add = |option, met: bool, wanted: String, came: String| {
@@ -151,7 +151,7 @@ impl Expectations {
             );
         }
         let out = run.energy_out;
-        // Written so that what is no number meets nothing.
+        // NaN fails each of these comparisons, so that it meets no demand.
         if let Some(most) = self.max_penetration {
             let came = run.penetration_max;
             add(

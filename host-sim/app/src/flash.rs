@@ -193,7 +193,7 @@ pub fn main(options: &Options) -> Result<()> {
     if !options.log && !means::IS_CRATE {
         return into(&job, None);
     }
-    // A flash that is half written is worse than one that is written a second later.
+    // Ctrl-C waits for the end of writing: a board with half a program is worse than a delay.
     let log = Log::until(interrupt::noted()?);
     into(&job, options.log.then_some(&log))?;
     if !options.log && log.stop.load(Ordering::Relaxed) {

@@ -60,7 +60,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let effort = Effort { long: options.long };
-    // Cases run side by side and end in any order: progress goes to standard error, the table comes in order.
+    // Cases run in parallel and end in any order: progress goes to standard error, and the table is printed in order.
     let found = run(&chosen, effort, program(), |outcome| {
         if !json() && !quiet() {
             note!("{} {:.1} s", outcome.name, outcome.seconds);

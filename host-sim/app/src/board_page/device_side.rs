@@ -112,7 +112,7 @@ impl DeviceSide {
         let was_calibrating = self
             .state
             .is_some_and(|(phase, _)| phase == Phase::Calibrating);
-        // Settings count from the next calibration on.
+        // Changed settings take effect from the next calibration on.
         if record.phase == Phase::Calibrating && !was_calibrating {
             self.model();
         }
@@ -141,7 +141,7 @@ impl DeviceSide {
         let made = Client::connect(&self.address).and_then(|client| self.begin(client));
         self.tried = Instant::now();
         match made {
-            // Nobody knows what happened meanwhile: whoever wants the wall arms it again.
+            // What the device did without a connection is unknown: it is switched off, and a person must arm it again.
             Ok(()) => News::Back(self.off_in_words()),
             Err(_) => {
                 self.client = None;
@@ -156,7 +156,7 @@ impl DeviceSide {
     /// The request failed: the device may still be on.
     pub fn off(&mut self) -> Result<Option<&'static str>> {
         if self.client.is_none() {
-            // The page's connection is gone: one of its own is tried, since nobody else will switch it off.
+            // The connection is lost. A new one is tried here, since no other program switches the device off.
             self.client = Client::connect(&self.address).ok();
         }
         let done = match &mut self.client {
@@ -184,7 +184,7 @@ impl DeviceSide {
     pub fn leave(&mut self) {
         let decimation = self.settings.telemetry.decimation;
         if let Some(client) = &mut self.client {
-            // A device that just left has nothing to be set back.
+            // An error means that the device is gone, so there is no setting to restore.
             let _ = client.tell(&Request::Telemetry { decimation });
         }
     }

@@ -99,7 +99,7 @@ impl Door {
             taken: Arc::clone(&taken),
             visitors: AtomicUsize::new(0),
         });
-        // Ends with the program.
+        // This thread ends with the program.
         std::thread::spawn(move || {
             for stream in listener.incoming().flatten() {
                 let inside = Arc::clone(&inside);
@@ -108,7 +108,7 @@ impl Door {
                     continue;
                 }
                 std::thread::spawn(move || {
-                    // Who goes away or talks nonsense is no error here.
+                    // A browser that closes the connection or sends an invalid request is no error of this program.
                     let _ = inside.welcome(stream);
                     inside.visitors.fetch_sub(1, Ordering::Relaxed);
                 });
@@ -128,7 +128,7 @@ impl Inside {
         stream.set_write_timeout(Some(HEAD_LIMIT))?;
         let head = match head(&stream)? {
             Head::Whole(head) => head,
-            // A browser opens connections ahead: what it reads there would be the answer to its next request.
+            // Browsers open connections in advance. A reply sent now would be taken for the reply to the next request.
             Head::Silent => return Ok(()),
             Head::Broken => {
                 return refuse(&mut stream, "400 Bad Request", "this is no request");
@@ -176,7 +176,7 @@ impl Inside {
                 .iter()
                 .filter(|header| header.name.eq_ignore_ascii_case(name))
                 .map(|header| header.value);
-            // Twice is as wrong as another one.
+            // A header that occurs twice is as invalid as one with another value.
             (all.next(), all.next().is_some())
         };
         if named("host") != (Some(self.host.as_bytes()), false) {
@@ -255,7 +255,7 @@ fn head(stream: &TcpStream) -> std::io::Result<Head> {
             None if begun.elapsed() > IDLE_LIMIT => return Ok(Head::Silent),
             _ => {}
         }
-        // What is there is given again and again.
+        // `peek` returns at once with the bytes that it returned before, so this loop must pause.
         std::thread::sleep(Duration::from_millis(5));
     }
 }

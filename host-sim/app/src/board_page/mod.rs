@@ -63,12 +63,12 @@ pub fn main(address: &Address, opens: bool) -> Result<()> {
             match link.off() {
                 Ok(Some(what)) => note!("note: {gone}: {what}"),
                 Ok(None) => tell!("{gone}"),
-                // The next page can try again; until then it must be seen, whatever was asked to be quiet.
+                // The device may still be on, so the error is printed even with --quiet. The next page can try again.
                 Err(error) => eprintln!("error: {}", super::complain::line(&error.to_string())),
             }
         }
     }
-    // Whoever used the page to arm is not there any more.
+    // The page ends with this program, so no person can stop an armed device: it is switched off.
     let off = if served { link.off() } else { Ok(None) };
     if let Ok(Some(what)) = &off {
         note!("note: the program ends: {what}");

@@ -48,7 +48,7 @@ impl Visitor {
             spoken_at: now,
         };
         link.rows.take(0);
-        // A page that is gone already is noticed by its first turn.
+        // If the page is gone already, its first turn notices that.
         let _ = visitor.say(&link.hello());
         let _ = visitor.state(link);
         visitor
@@ -60,7 +60,7 @@ impl Visitor {
     /// The page is gone; holds the reason.
     pub fn turn(&mut self, link: &mut DeviceSide, news: News) -> std::result::Result<(), Gone> {
         self.listen(link)?;
-        // Judged when everything that came in was read: time that the device took to answer is not the page's.
+        // Checked after all messages of the page were read: a slow device must not make the page look hung.
         if self.seen != self.batch && self.seen_at.elapsed() > HANGS {
             return Err("the page does not answer");
         }
@@ -69,7 +69,7 @@ impl Visitor {
             self.sent_at = Instant::now();
             self.send_rows(link)?;
         }
-        // The device hears of the desktop as long as the page is there: its host watchdog is behind this program's.
+        // Only while the page answers does the device get the messages that keep its host watchdog content.
         if self.spoken_at.elapsed() >= SIGN_OF_LIFE {
             self.spoken_at = Instant::now();
             let news = link.sign_of_life();
@@ -100,11 +100,11 @@ impl Visitor {
     }
 
     fn send_rows(&mut self, link: &mut DeviceSide) -> std::result::Result<(), Gone> {
-        // What the page cannot keep up with waits, and is dropped when it is too much.
+        // If the page is too slow, records wait here, and are dropped when there are too many.
         if self.batch.wrapping_sub(self.seen) >= UNSEEN {
             return Ok(());
         }
-        // Its time runs from the first batch that it has not seen.
+        // The page's time to answer runs from the first batch that it has not acknowledged.
         if self.seen == self.batch {
             self.seen_at = Instant::now();
         }
@@ -139,7 +139,7 @@ impl Visitor {
                 Err(tungstenite::Error::Io(_) | tungstenite::Error::ConnectionClosed) => {
                     return Err("the page is gone");
                 }
-                // It is none of ours.
+                // This program's page sends no such message.
                 Err(_) => return Err("the page sent what is no message"),
             }
         }
@@ -156,7 +156,7 @@ impl Visitor {
         self.say(
             &json!({ "type": "done", "do": order["do"], "path": order["path"], "error": error }),
         )?;
-        // Settings are no part of a record. A value that was refused stays where it was written.
+        // Records do not contain the settings. A refused value stays in the field in which it was written.
         if error.is_none() && matches!(order["do"].as_str(), Some("set" | "defaults")) {
             self.say(&link.hello())?;
         }
@@ -166,7 +166,7 @@ impl Visitor {
     fn state(&mut self, link: &mut DeviceSide) -> std::result::Result<(), Gone> {
         match link.status() {
             Ok(status) => self.say(&told::state(&status)),
-            // The next turn finds out.
+            // The next turn reports that the device does not answer.
             Err(_) => Ok(()),
         }
     }
@@ -177,7 +177,7 @@ impl Visitor {
 
     fn send(&mut self, message: Message) -> std::result::Result<(), Gone> {
         match self.socket.send(message) {
-            // What does not fit now goes with the next.
+            // A message that does not fit into the socket's buffer now is sent with the next message.
             Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => Ok(()),
             Err(_) => Err("the page is gone"),
             Ok(()) => Ok(()),

@@ -96,7 +96,7 @@ pub fn played(config: &KnobConfig, position: i32, centre_rad: f64, strength: Str
             first_wall: false,
             endstops: ends.map(|[first, last]| TravelEnds {
                 lower_rad: decimal(place(first)),
-                // A knob of one position has both ends there, and the upper one must be above the lower one.
+                // A knob with one position has equal ends, but the upper end must be above the lower one.
                 upper_rad: decimal(place(last).max(place(first) + 1e-6)),
                 stiffness_n_m_per_rad: Some(decimal(
                     f64::from(config.endstop_strength_unit) * strength.endstop_n_m_per_rad,
@@ -124,7 +124,7 @@ fn detent_torque(
     strength: Strength,
     notes: &mut Vec<String>,
 ) -> f64 {
-    // A triangle of this stiffness at its middle is largest a quarter of a width beside it.
+    // A triangular torque with this stiffness at its middle is largest a quarter of a width away from the middle.
     let stiffness = f64::from(config.detent_strength_unit) * strength.detent_n_m_per_rad;
     let torque = stiffness * width / 4.0;
     if torque > strength.most_n_m {
@@ -145,7 +145,7 @@ fn magnetic(
     torque: f64,
     notes: &mut Vec<String>,
 ) -> Option<ProfileBeside> {
-    // The nearest first, as far as a profile reaches.
+    // The nearest positions first, as many as the points of a profile suffice for.
     let room = (MOST_POINTS as i64 - 5) / POINTS_A_POSITION;
     let mut wanted: Vec<i64> = config
         .detent_positions

@@ -240,7 +240,7 @@ impl SmartKnob {
             self.state.current_position = number as i32;
         }
         let beside = self.positions.beside(self.angle_rad) as f32;
-        // A program is not woken for what nobody sees.
+        // Changes too small to be seen are not sent to the program.
         if (beside - self.state.sub_position_unit).abs() > 0.005 {
             self.state.sub_position_unit = beside;
         }
@@ -310,7 +310,7 @@ impl SmartKnob {
             positions,
             notes,
         } = played(&config, position, centre_rad, self.strength);
-        // The check of the board, so that what it would refuse is a line for the program and no end of this one.
+        // The board's own check, made here: a refusal becomes a log line for the program and does not end this command.
         if let Err(error) = environment.check(&self.settings) {
             terminal.log(&format!("Ignoring invalid config: {error}"));
             return Ok(());

@@ -50,7 +50,7 @@ pub fn main(client: &mut Client, options: &EnvironmentOptions) -> Result<()> {
     }
     let settings = client.settings()?;
     let after = wanted(options, &before, &settings)?;
-    // The check of the device, with the place that a person wrote.
+    // The device's own check, made here, so that the error names the option's path.
     if let Err(error) = after.check(&settings) {
         return Err(Error::Option {
             option: error.path.into(),
@@ -106,7 +106,7 @@ fn wanted(
                 scene
             }
         };
-        // What it is checked against is the device's.
+        // The environment is checked against the force limit of the device, not that of the scene.
         scene.law.force_limit_n_m = settings.law.force_limit_n_m.to_num();
         let scene = scene.with_overrides(&options.sets)?;
         of_scene(&scene.environment.unwrap_or_default())
@@ -125,7 +125,7 @@ fn decimal(value: f64) -> Decimal {
 }
 
 fn plain(value: Decimal) -> f64 {
-    // As a person wrote it: the exact format has more digits.
+    // Rounded to nine decimals, as a person wrote it: the fixed-point format has more digits.
     let value: f64 = value.0.to_num();
     format!("{value:.9}").parse().unwrap_or(value)
 }
@@ -190,7 +190,7 @@ fn as_scene(there: &Surround) -> scene::Environment {
         }),
         detents: there.detents.map(|ring| DetentRing {
             per_rev: ring.per_rev.into(),
-            // What a board has of another spacing is 0, which no scene has.
+            // A board has the pitch 0 if the detents are given per turn; a scene may not have a pitch of 0.
             pitch_rad: match plain(ring.pitch_rad) {
                 0.0 => DetentRing::default().pitch_rad,
                 pitch_rad => pitch_rad,
@@ -217,7 +217,7 @@ fn json(environment: &Surround) -> serde_json::Value {
 
 /// Prints the environment as TOML, in the form of a scene file.
 fn shown(environment: &Surround) -> Result<()> {
-    // Not by way of a JSON value: how that keeps its numbers is for JSON alone.
+    // Not through a JSON value, which stores numbers differently from TOML.
     let environment_table = toml::Value::try_from(as_scene(environment));
     let table: toml::Table = environment_table
         .into_iter()

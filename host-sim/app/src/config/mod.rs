@@ -92,7 +92,7 @@ pub fn main(options: &Options) -> Result<()> {
             get(&mut connect()?, &shown)
         }
         Action::Set { path, value } => {
-            // What no device would accept needs none to be refused.
+            // A value that no device accepts is refused before a connection is made.
             let setting = parsed(path, value)?;
             let mut client = connect()?;
             let (before, after) = set(&mut client, &setting)?;
@@ -115,7 +115,7 @@ pub fn main(options: &Options) -> Result<()> {
         } => {
             let text = touchstone_sim::input::text(file, touchstone_sim::input::MOST_OF_SETTINGS)
                 .map_err(|error| io(file, &error))?;
-            // What is wrong for every device needs none to be refused.
+            // A file that is wrong for every device is refused before a connection is made.
             toml_file::read(&text, file, &DeviceSettings::defaults(Board::NucleoG474re))?;
             import(&mut connect()?, file, &text, (*dry_run, *weaken_guard))
         }
@@ -182,7 +182,7 @@ fn get(client: &mut Client, shown: &[&Field]) -> Result<()> {
                 let value = value::shown(&settings, field);
                 say!("{} = {value}{}", field.path, value::unit(field));
             }
-            // Where the guard is asked for, what it comes to.
+            // If the guard's settings are shown, the bound that they give is shown, too.
             if shown
                 .iter()
                 .any(|field| field.path == "law.guard.capacity_j")
@@ -235,7 +235,7 @@ fn import(
     if let Err(invalid) = checked(&after, board) {
         return Err(Error::File {
             file: file.to_owned(),
-            // A setting that the file leaves out can be refused too, for what the file says of another.
+            // A setting that the file leaves out can be refused, too, because it conflicts with one in the file.
             line: lines.get(invalid.path).copied().unwrap_or(1),
             field: invalid.path.to_string(),
             problem: without_path(&invalid, invalid.path),

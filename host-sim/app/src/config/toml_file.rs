@@ -161,7 +161,7 @@ mod tests {
             build_hash: 0,
         };
         let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
-        // Steps of the format that no float of 53 bits could carry.
+        // Values of the fixed-point format that a float of 53 bits cannot represent.
         settings.wall.k_desired_n_m_per_rad =
             touchstone_control::Si::from_bits((5000_i64 << 32) + 1);
         settings.wall.surface_rad = touchstone_control::Si::from_bits(-(7_i64 << 32) - 3);

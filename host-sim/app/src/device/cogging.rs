@@ -261,7 +261,7 @@ fn tried(
 
 fn judged(client: &Client, tried: &Tried) -> Result<()> {
     let left = tried.left();
-    // What is no number is refused, too.
+    // NaN fails this comparison and is refused, too.
     if left < LEFT_MOST {
         return Ok(());
     }
@@ -328,7 +328,7 @@ fn swept(
     let calibrate = client.tell(&Request::Command(DeviceCommand::Calibrate));
     calibrate.map_err(|refused| spin::fault(client).unwrap_or(refused))?;
     client.forget_telemetry();
-    // Two ways, each with a quarter of a turn more.
+    // The shaft turns both ways, each with a quarter of a turn in addition.
     let quarters = 2 * (4 * TURNS + 1) / QUARTERS_PER_S;
     let turning = Duration::from_secs(quarters.unsigned_abs());
     let limit = calibration_limit(settings) + turning + SWEEP_REST;

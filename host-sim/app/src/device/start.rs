@@ -161,7 +161,7 @@ pub fn keep(client: &mut Client) -> Result<()> {
         Error::Device { problem, .. } => problem.clone(),
         other => other.to_string(),
     };
-    // Off and forgotten, if it can still be told.
+    // Switches the board off and deletes the alignment, if the board still answers.
     client.tell(&Request::Command(DeviceCommand::Stop))?;
     client.tell(&Request::ForgetAlignment)?;
     client.tell(&Request::Save)?;

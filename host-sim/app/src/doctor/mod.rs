@@ -90,7 +90,7 @@ pub fn main(options: &Options) -> ExitCode {
             );
             return;
         }
-        // A reader that has gone away still gets the exit code.
+        // If the reader of the output is gone, the exit code still tells the result.
         let _ = match (fix, out::quiet()) {
             (Some(fix), _) => {
                 let fix = fix.replace('\n', &format!("\n{:24}", ""));
@@ -135,7 +135,7 @@ pub fn main(options: &Options) -> ExitCode {
 /// Checks everything that a board needs, and reports each finding to `tell`.
 fn board(options: &Options, tell: &mut impl FnMut(&str, Found)) {
     let tcp = matches!(options.port, Some(Address::Tcp(_))) && options.sysfs == Path::new("/sys");
-    // Behind a TCP port there is no board to be flashed.
+    // A TCP port leads to a simulated knob, which cannot be flashed.
     let for_boards = |found| match found {
         Missing { problem, .. } if tcp => Skipped(format!("{problem}; not needed for a TCP port")),
         found => found,

@@ -71,7 +71,7 @@ pub fn log(job: &Job<'_>, log: &Log) -> Result<()> {
     loop {
         let ended = child.try_wait().map_err(|error| not_run(&error))?;
         if !log.goes_on() {
-            // Ctrl-C goes to both.
+            // Ctrl-C reaches probe-rs, too.
             let _ = child.kill();
             let _ = child.wait();
             return Ok(());

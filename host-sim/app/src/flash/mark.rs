@@ -86,7 +86,7 @@ mod tests {
                     .wrapping_add(1);
                 *byte = (state >> 56) as u8;
             }
-            // Its table is within the file, so that something is looked at.
+            // The section table must be inside the file, so that the function has a table to read.
             bytes[32..36].copy_from_slice(&64_u32.to_le_bytes());
             bytes[46..50].copy_from_slice(&[40, 0, 90, 0]);
             assert!(boards(&bytes).is_empty());
