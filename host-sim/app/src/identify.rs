@@ -70,7 +70,7 @@ pub fn main(options: &Options) -> Result<()> {
         step += 1;
         if !silent {
             let word = if trial.settles() { "settles" } else { "grows" };
-            // A line of progress that cannot be printed is not worth stopping for.
+            // If a line of progress cannot be printed, the search continues.
             let _ = print(format_args!(
                 "{step:>4}  {:<16.4e}  {:9.4} → {:9.4}  {word}\n",
                 trial.damping,

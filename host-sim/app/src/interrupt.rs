@@ -18,7 +18,7 @@ pub fn clean_up() -> Result<()> {
 pub fn clean_up_keeping(words: &'static str) -> Result<()> {
     handle(move || {
         staging::abandon(|removed| {
-            // Below the progress bar.
+            // Moves to the line below the progress bar.
             if std::io::stderr().is_terminal() {
                 eprintln!();
             }

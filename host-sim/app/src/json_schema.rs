@@ -82,7 +82,7 @@ fn number(range: Range) -> Value {
 /// Converts a field's limit to a JSON number: an integer if possible, else a float, else a string.
 fn exact(decimal: &impl std::fmt::Display) -> Value {
     let text = decimal.to_string();
-    // By way of a number, so that it is written as all numbers are, however JSON's own values keep what was read.
+    // Parses the text to a number, so that JSON writes the limit in the same format as all other numbers.
     let whole = text.parse::<i64>().map(Value::from);
     let number = whole.or_else(|_| text.parse::<f64>().map(Value::from));
     number.unwrap_or(Value::String(text))

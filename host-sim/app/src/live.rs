@@ -90,7 +90,7 @@ pub fn main(options: &Options) -> Result<()> {
 fn space(object: &str) -> Result<String> {
     let thesis = three_axes::settings(LawKind::EnhancedSfa, 25.0);
     let object = match object {
-        // The name of the scene that stands there where none was given.
+        // `thesis-knob` is the default value of the scene argument if the user gives none.
         "thesis-knob" | "sphere" => SpaceObject::Sphere(three_axes::RADIUS_MM),
         "plane" => SpaceObject::Plane(three_axes::Object::Horizontal.normal()),
         "inclined" => SpaceObject::Plane(three_axes::Object::Inclined.normal()),

@@ -43,7 +43,7 @@ pub struct Options {
 
 /// Runs `touchstone monitor`.
 pub fn main(options: &Options) -> Result<()> {
-    // Ends the loop, so that the file is whole and the device goes back to what it sent before.
+    // Ctrl-C ends the loop, so that the CSV file is completed and the device returns to its earlier telemetry rate.
     let stop = super::interrupt::noted()?;
     let csv = options.csv.as_deref().map(|path| Named {
         path,
@@ -69,7 +69,7 @@ pub fn main(options: &Options) -> Result<()> {
         table.flush()?;
     }
     let counted = watched?;
-    // Back to what it does by itself; a device that just left has nothing to be set back.
+    // Restores the telemetry rate of the settings. If the device is disconnected, the error of the loop was returned above.
     client.tell(&Request::Telemetry {
         decimation: settings.telemetry.decimation,
     })?;
@@ -124,7 +124,7 @@ fn watch(
     let until = Until {
         stop,
         seconds: options.seconds,
-        // With a file the run goes on when the reader of the screen has had enough.
+        // With a CSV file, recording continues after the reader of standard output has closed the pipe.
         unread: table.is_some(),
     };
     stream::records(client, until, |_, record| {
@@ -140,7 +140,7 @@ fn watch(
         if changed || shown.is_none_or(|shown| shown.elapsed() >= every) {
             shown = Some(Instant::now());
             let line = line(record, counted.lost);
-            // What changed stays on the screen; what is only newer is written over.
+            // A line with a changed state stays on the screen; other lines are overwritten by the next line.
             match (live, changed) {
                 (true, ends) => print_over(&line, ends)?,
                 (false, _) => say!("{line}"),
@@ -311,7 +311,7 @@ mod tests {
             option: "--csv",
             replaces: true,
         };
-        // A rate whose period is no short decimal.
+        // The period of 3 kHz has no short decimal form.
         let mut table = Table::new(place, 3000).unwrap();
         for tick in 0..30_000 {
             table.take(&Telemetry { tick, ..nothing }).unwrap();
@@ -344,7 +344,7 @@ mod tests {
                 "{shared}"
             );
         }
-        // And nothing that a trace has under another name: what is left is the device's own.
+        // The remaining columns exist only for a device: a simulated run's trace has none of them under another name.
         let own = COLUMNS.into_iter().filter(|name| !trace.contains(name));
         assert_eq!(
             own.collect::<Vec<_>>(),

@@ -74,7 +74,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         report::check_folder(folder, &command, files.force)?;
     }
     let runs = [played(&scene, options.out.is_some())?];
-    // A shipped scene is in the program, not in a file.
+    // A shipped scene is part of the program, so that it is no input file.
     let mut inputs = vec![PathBuf::from(&options.scene)];
     inputs.retain(|_| !scene::is_shipped(&options.scene));
     let input = ReportInput {

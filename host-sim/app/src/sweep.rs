@@ -39,7 +39,7 @@ pub struct Options {
     shard: Shard,
     #[command(flatten)]
     drawing: DrawingOptions,
-    // Not there where `merge` has its own.
+    // `None` with the subcommand `merge`, which has options of its own for the folder.
     #[command(flatten)]
     place: Option<Place>,
 }
@@ -100,7 +100,7 @@ pub fn main(options: &Options) -> Result<()> {
 }
 
 fn compute(options: &Options) -> Result<()> {
-    // The command's own reader refuses it without these four.
+    // The parser of the command line has already refused a command without these four.
     let (Some(name), Some(x), Some(y), Some(place)) =
         (&options.scene, &options.x, &options.y, &options.place)
     else {
@@ -128,7 +128,7 @@ fn compute(options: &Options) -> Result<()> {
     let mut first = true;
     let filled = sweep.fill(&mut store, options.shard, |done| {
         if std::mem::take(&mut first) {
-            // What was there says nothing of the time that is left.
+            // Cells from an earlier run do not count in the estimate of the remaining time.
             bar.set_position(done);
             bar.reset_eta();
         }
@@ -150,7 +150,7 @@ fn merge(folders: &[PathBuf], drawing: &DrawingOptions, place: &Place) -> Result
     touchstone_lab::report::check_folder(&place.out, &sweep.command, place.force)?;
     interrupt::clean_up()?;
     interrupt::sweep(&place.out);
-    // The whole's folder is one that can be gone on with, too.
+    // The folder of the combined sweep also stores its cells, so that a later sweep can resume from it.
     let store = Store::open(&place.out, &sweep, place.force)?;
     let (shard, force) = (Shard::WHOLE, place.force);
     let results = draw(&sweep, shard, &cells, drawing, &place.out, force)?;

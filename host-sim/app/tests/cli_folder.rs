@@ -171,7 +171,7 @@ fn results_of_another_command_are_not_overwritten() {
     done(&here, "run tap --law fba --out out --force");
     let after = results(&here.join("out"));
     assert_eq!(after["runs"][0]["law"], "fba");
-    // Nothing of the former is left among the latter.
+    // No trace of the replaced report is left in the folder.
     let traces = std::fs::read_dir(here.join("out/traces")).unwrap();
     for file in traces {
         let name = file.unwrap().file_name().into_string().unwrap();
@@ -295,7 +295,7 @@ fn scenes_obey_their_documented_schema_and_it_refuses_others() {
         .map(|name| scene(&format!("run {name} --print")))
         .collect();
     assert_eq!(valid(&here, "scene", &good), vec![true; names.len()]);
-    // Each is a scene that the program refuses.
+    // The program refuses each of these scenes.
     let spoilt = [
         ("law", "kind", Value::from("sponge")),
         ("device", "inertia_kg_m2", 0.into()),

@@ -134,7 +134,7 @@ fn a_wall_is_played_in_real_time_and_the_device_released() {
         "",
         &["device", "run", "plane", "--seconds", "2", "--json"],
     );
-    // A tick that is 10 ms late is a fault, and on a busy machine one may be: then that is what must be said.
+    // A control tick that is 10 ms late is a fault, which may occur on a busy machine. The results must then name this fault.
     let results: serde_json::Value = serde_json::from_slice(&said.stdout).expect("JSON");
     let ticks = results["ticks"].as_u64().unwrap();
     match results["fault"].as_str() {
@@ -181,7 +181,7 @@ fn a_run_is_kept_tick_by_tick() {
         Some(longest.fold(0.0, f64::max)),
         results["force_max_n"].as_f64()
     );
-    // A floor pushes up, below its surface only; on estimated states it would where the device will be below it.
+    // A floor pushes only up, and only below its surface, because the thesis preset uses measured positions.
     assert!(
         rows.iter()
             .all(|row| row[6] >= 0.0 && (row[6] == 0.0 || row[3] < 0.0))
@@ -252,12 +252,12 @@ fn a_fault_ends_with_its_line_and_a_released_device() {
             &["it switched its motors off: its velocity limit"],
         ),
     ] {
-        // Without the guard: the hand goes on while a busy machine sleeps, and then it is the guard that ends the run.
+        // Without the guard: on a busy machine the hand moves on during a pause of the program, and the guard would end the run.
         let run = "device run sphere --seconds 20 --quiet --no-guard";
         let run: Vec<&str> = run.split(' ').collect();
         let said = ran(&folder, plan, &run);
         if text(&said.stderr).contains("ms late") {
-            // A busy machine was faster with a fault of its own.
+            // On a busy machine, a late control tick ended the run before the fault under test.
             closed(&folder);
             continue;
         }

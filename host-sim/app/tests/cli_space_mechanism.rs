@@ -47,9 +47,9 @@ fn the_comparison_runs_on_a_delta_with_the_check_on_other_walls() {
     };
     assert!(outcome("books-close"));
     assert!(outcome("planes-shown"));
-    // By a law of its own: that of the omega.3 is beyond its limits on a device of a fifth of the damping.
+    // The delta has its own tuned law: the law of the omega.3 exceeds limits on a device with a fifth of the damping.
     assert!(outcome("tuned-every-direction"));
-    // Pushes of 8.7 N and more ask the motors for more than they have; beside them one wall in 200 may give away some microjoules.
+    // Pushes of 8.7 N and more saturate the motors. Of the other walls, one in 200 may give some microjoules to the hand.
     let held_out = &results["held_out"];
     let count = |key: &str| held_out[key].as_u64().expect(key);
     assert_eq!(count("walls"), 200);

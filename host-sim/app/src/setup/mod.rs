@@ -154,7 +154,7 @@ fn stepped(options: &Options) -> Result<()> {
 
     let board = client.identity().board;
     let scene_file = options.out.join("knob.toml");
-    // The wall is tuned without the encoder's error, which no law's settings mend.
+    // The wall is tuned without the encoder's angle error, which no settings of a control law can correct.
     let text = knob_scene::text(&motor, &settings, hardware(board), &who);
     let with_encoder = text.clone() + &knob_scene::encoder_text(encoder.as_ref());
     write(&scene_file, &with_encoder)?;
@@ -398,7 +398,7 @@ fn tuned(scene: &Scene, options: &Options, stop: &AtomicBool) -> Result<String> 
         tuned.evaluations,
         tuned.worst
     );
-    // Above 1 some device near this one is outside of a limit; above all, the wall is none.
+    // Above 1, this device or a slightly varied one exceeds a limit, so that the wall is not usable.
     if tuned.worst.is_nan() || tuned.worst > 1.0 {
         return Err(Error::Option {
             option: "--k-desired".into(),

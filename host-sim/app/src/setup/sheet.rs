@@ -139,7 +139,7 @@ pub fn write(
         ],
         results: ("measured", &result),
         files: &[("knob.toml".to_owned(), scene.to_owned())],
-        // What an earlier setup left here is of this board.
+        // Files of an earlier setup in this folder belong to the same board, so that they may be replaced.
         force: true,
     };
     Ok(pages::write(&page, folder)?.page)

@@ -66,7 +66,7 @@ pub fn encoder(
     let (_, encoder) = heard(client, settings, stop, spins)?;
     encoder.map_err(|not| match spins {
         true => not_measured(client, &not),
-        // Without a measurement, a kept alignment is checked and not looked for.
+        // Without a motor measurement, the board only checks a saved alignment and does not search for a new one.
         false => Error::device(
             client.place(),
             not.to_string(),
@@ -103,12 +103,12 @@ fn heard(
     client.tell(&Request::SetAll(asked.clone()))?;
     client.tell(&Request::Telemetry { decimation: 1 })?;
     let calibrate = client.tell(&Request::Command(DeviceCommand::Calibrate));
-    // A fault whose cause is still there comes back before anything turns.
+    // If the cause of an earlier fault persists, the fault recurs before the shaft turns.
     calibrate.map_err(|refused| fault(client).unwrap_or(refused))?;
     client.forget_telemetry();
     let limit = calibration_limit(&asked) + MEASUREMENT_LONGEST;
     let heard = listen(client, limit, stop, told);
-    // Whatever came of it: off, and as it was.
+    // After success or failure, the motor is switched off and the given settings are restored.
     let stopped = client
         .tell(&Request::Command(DeviceCommand::Stop))
         .and_then(|()| client.tell(&Request::SetAll(settings.clone())))
@@ -180,7 +180,7 @@ pub fn listen<T>(
             Phase::Calibrating => begins = true,
             Phase::Ready if begins => return Ok(Some(ticks)),
             Phase::Fault => return Err(fault(client)?),
-            // Records from before the command.
+            // These records were sent before the calibration began.
             Phase::Boot | Phase::Stopped | Phase::Ready if !begins => {}
             Phase::Boot | Phase::Stopped | Phase::Ready | Phase::Armed => {
                 let problem = format!("the measurement ended: {}", record.phase.name());

@@ -65,7 +65,7 @@ fn a_map_is_measured_kept_tried_and_forgotten() {
         "{said}"
     );
 
-    // Half a period of the 84 further on: noticed by what it does, and left as it is for a person to decide.
+    // A map shifted by half a cogging period makes the torque ripple larger. The check reports this and does not delete the map.
     let right = bent(&device, |kept| {
         for part in &mut kept.map.harmonics {
             (part.cos, part.sin) = (-part.cos, -part.sin);
@@ -77,7 +77,7 @@ fn a_map_is_measured_kept_tried_and_forgotten() {
     bent(&device, |kept| *kept = right.clone());
     device.run(&["device", "cogging", "check"]).done();
 
-    // Another number of pole pairs, another direction of counting: not played, and again when they are back.
+    // With another number of pole pairs or another counting direction the map is not used; with the old value it is used again.
     for (name, other, back) in [
         ("motor.pole_pairs", "11", "7"),
         ("encoder.reversed", "true", "false"),
@@ -112,7 +112,7 @@ fn a_shaft_that_is_held_and_a_cable_that_is_pulled_keep_nothing() {
         .failed(1, &["tcp:127.0.0.1:"]);
     device.plug_in();
     assert_eq!(shown(&device)["kept"], false);
-    // More than the sweep's 1 A moves: current flows and no count comes, which for the board is an encoder that is stuck.
+    // This friction is more than the sweep's 1 A can move. Current flows without encoder counts: the fault is a stuck encoder.
     let mut stiff = KNOB;
     stiff.friction = Some(Coulomb {
         kinetic: 0.3,
@@ -122,7 +122,7 @@ fn a_shaft_that_is_held_and_a_cable_that_is_pulled_keep_nothing() {
     held.run(&["device", "cogging", "measure"])
         .failed(1, &["encoder-stuck"]);
     assert_eq!(shown(&held)["kept"], false);
-    // What an earlier one asked for does not hang on.
+    // Ends the interrupted sweep, so that it does not continue later.
     held.world().1.knob.device.sweep(Sweep::None);
 }
 

@@ -104,7 +104,7 @@ fn a_board_becomes_a_tuned_knob() {
     let said = setup(&device, &out, &law).done();
     assert!(said.contains("measured before"), "{said}");
 
-    // Nor does a file of a law take anything from the guard's bound.
+    // A settings file of a control law cannot weaken the guard's energy bound.
     let weaker =
         "[law.guard]\non = false\nchange = \"estimated\"\ncapacity_j = 1\nshare_of_damping = 1\n";
     std::fs::write(&law, weaker).unwrap();
@@ -146,11 +146,11 @@ fn a_cable_that_is_pulled_while_it_spins_costs_that_step_alone() {
 #[test]
 fn a_hand_on_the_shaft_is_refused_and_another_try_goes_on() {
     let (out, law) = place("setup-hand");
-    // More than the push of a quarter of 1 A gives, less than the alignment's.
+    // This friction stops the push with a quarter of 1 A, but not the stronger alignment.
     let held = Spun::new(motor(), &knob(0.1), 3);
     setup(&held, &out, &law).failed(1, &["fault: 10 calibration-failed", "hands off"]);
     assert!(kept(&out)["measured"].is_null());
-    // The same board without it.
+    // The same board without the hand on the shaft.
     setup(&Spun::new(motor(), &knob(1.3e-3), 3), &out, &law).done();
 }
 
@@ -183,7 +183,7 @@ fn a_supply_that_is_cut_in_any_step_costs_that_step_alone() {
         said.failed(1, &["tcp:127.0.0.1:", "the same command"]);
         device.power_up();
     };
-    // The first settings are those that ask for a measurement, the second those that take it back.
+    // The setup sends settings twice per measurement: first to request the measurement, then to withdraw the request.
     cut(Pulled::AtSettings(1));
     cut(Pulled::AtCalibration(1));
     cut(Pulled::In(MeasuringPart::Brake));
@@ -191,14 +191,14 @@ fn a_supply_that_is_cut_in_any_step_costs_that_step_alone() {
     assert!(kept(&out)["measured"].is_null());
     let (given, _) = counted(&device);
     cut(Pulled::AtSettings(given + 2));
-    // What was heard before the supply went is whole, but nobody could say so: it is measured again.
+    // The telemetry was complete before the power cut, but its results were not recorded, so that the setup measures again.
     assert!(kept(&out)["measured"].is_null());
     let (given, _) = counted(&device);
     cut(Pulled::AtSettings(given + 3));
     let measured = kept(&out)["measured"].clone();
     assert!(!measured.is_null());
 
-    // From here on nothing spins again.
+    // The setup does not spin the motor again from here on.
     for when in [Pulled::BeforeSaved, Pulled::AfterSaved] {
         cut(when);
         assert_eq!(kept(&out)["measured"], measured);

@@ -120,7 +120,7 @@ fn a_start_by_itself_is_asked_for_saved_shown_and_taken_back() {
         .failed(1, &["no alignment is kept", "device alignment keep"]);
     device.run(&["device", "calibrate"]).done();
     device.run(&["device", "alignment", "keep"]).done();
-    // In `ready` it could not be saved: nothing is changed.
+    // In the state `ready` the board cannot save, so that nothing is changed.
     device
         .run(&["device", "autostart", "on"])
         .failed(1, &["does not save in state `ready`", "device stop"]);
@@ -128,12 +128,12 @@ fn a_start_by_itself_is_asked_for_saved_shown_and_taken_back() {
     device.run(&["device", "stop"]).done();
     let said = device.run(&["device", "autostart", "on"]).done();
     assert!(said.contains("THE SHAFT MOVES"), "{said}");
-    // What starts without a desktop needs none later.
+    // A board that starts without a host must not switch off because the host is silent.
     assert_eq!(device.world().0.settings().limits.host_silence_s, 0);
     device.power_up();
     let said = device.run(&["device", "autostart"]).done();
     assert!(said.contains("autostart  on; at this start:"), "{said}");
-    // Settings come and go without it.
+    // Other settings may change without an effect on autostart.
     device.run(&["config", "defaults"]).done();
     assert_eq!(status(&device)["start"]["autostart"], true);
     device

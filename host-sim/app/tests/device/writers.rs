@@ -337,7 +337,7 @@ fn a_full_disk_is_said_and_nothing_is_left() {
         };
         output.fails(&said, "No space left on device");
         let left = read("left");
-        // A record that is written while it is made has its place; a sweep its folder.
+        // A recording that is written row by row leaves its file, and a sweep leaves its folder.
         let begun = matches!(
             output.0,
             "monitor --csv" | "sweep --out" | "boundary --out" | "man"
@@ -421,7 +421,7 @@ fn a_killed_process_leaves_nothing_torn_and_what_it_left_goes_with_the_next() {
         for part in 0..12_u32 {
             let _ = std::fs::remove_file(here.join("out"));
             let mut child = begun(output, &here, &board);
-            // The last tenths of its time are when it writes.
+            // The command writes in the last tenths of its running time.
             std::thread::sleep(takes.mul_f64(0.6 + 0.04 * f64::from(part)));
             let _ = child.kill();
             child.wait().unwrap();
@@ -431,7 +431,7 @@ fn a_killed_process_leaves_nothing_torn_and_what_it_left_goes_with_the_next() {
             }
         }
         assert!(torn.is_empty(), "{}: {torn:?}", output.0);
-        // As one that was killed in the middle of it leaves it.
+        // A killed process leaves a hidden file like this one.
         let _ = std::fs::remove_file(here.join("out"));
         std::fs::write(here.join(".touchstone-4194305-out"), "half").unwrap();
         let again = output.run(&here, &board);

@@ -75,7 +75,7 @@ fn an_interrupt_leaves_nothing_and_says_so() {
 fn what_a_killed_run_left_is_removed_and_a_living_ones_is_not() {
     let here = folder("killed");
     let (mut child, hidden) = begun(&here);
-    // While it is at work another run leaves it alone, however old it looks.
+    // While the first run works, another run does not remove its hidden folder, however old the folder looks.
     let age = |hidden: &Path| {
         let lock = std::fs::File::options()
             .write(true)
@@ -103,7 +103,7 @@ fn what_a_killed_run_left_is_removed_and_a_living_ones_is_not() {
     );
     assert_eq!(names(&here.join("new")), ["other"]);
 
-    // Of one without a lock nobody can tell: it is named, and left.
+    // A hidden folder without a lock file may be in use. The program prints its name and does not remove it.
     std::fs::create_dir(here.join("new/.touchstone-report-1")).unwrap();
     assert!(next().contains("may be left of a run that was ended"));
     assert_eq!(names(&here.join("new")), [".touchstone-report-1", "other"]);

@@ -65,7 +65,7 @@ fn tuned_settings_go_into_a_scene() {
         "--force",
         "--json",
     ];
-    // Force bounding feels otherwise to a hand that moves, and its file is written only since that is asked for.
+    // Force bounding fails the dynamic limits for a moving hand. The settings file is written only because of `--force`.
     let found = run_in(&folder, &tune).ended(3).json();
     assert_eq!(found["cause"], "dynamics");
     let c_i = &found["settings"]["law.device_damping_n_m_s_per_rad"];
@@ -101,7 +101,7 @@ fn what_does_not_hold_is_written_only_where_that_is_asked_for() {
     assert!(names(&folder).is_empty());
     run_in(&folder, &[&tune[..], &["--force"]].concat()).ended(3);
     assert_eq!(names(&folder), ["found.toml"]);
-    // A guard answers for a tick of delay at most, so a device that has more is given no file at all.
+    // The energy bound of the guard covers at most one tick of delay. For a device with more delay no file is written.
     run(&["tune", "--set", "timing.computational_delay_s=0.0015"]).refused(&[
         "timing.computational_delay_s",
         "1.500 ticks",
