@@ -176,7 +176,7 @@ any_law_property! {
         cover!(s, force != Force::zero(), "a force");
     }
 }
-/// Any memory of a velocity filter: at any position, at rest, or before the first sample.
+/// Any state of a velocity filter that is used here: at rest at any position, or as it is before the first sample.
 fn any_motion<S: Source>(s: &mut S) -> VelocityState<N> {
     let position = N::widen(N::any_position(s).0);
     let motion = EstimatedMotion {

@@ -116,8 +116,9 @@ fn tdpa_counts_the_device_s_damping_only_where_it_is_told_to() {
     assert_eq!((damping(true), damping(false)), (4095, 0));
 }
 
-/// Thesis (2.14a): a tick inward moves the offset by `k_c/k_v - 1` times its displacement, and not at all if that factor is
-/// negative.
+/// Equation (2.14a) of the thesis that this project implements. In a tick in which the hand moves inward, the offset of the wall's
+/// surface moves by `k_c/k_v - 1` times the hand's displacement: `k_c` is the critical stiffness, `k_v` the coupling stiffness. If
+/// that factor is negative, the offset does not move.
 #[test]
 fn the_offset_s_step_is_what_the_device_s_damping_makes_up_for() {
     let gain = |damping: &str| {

@@ -87,7 +87,8 @@ fn a_wall_pushes<N: Reported>() {
     }
 }
 
-/// Thesis (2.15) allows an offset to push outside the undeformed wall. A law without an offset gives no force there.
+/// Equation (2.15) of the thesis that this project implements allows an offset to push outside the undeformed wall. A law without
+/// an offset gives no force there.
 fn laws_without_an_offset_give_no_force_outside<N: Reported>() {
     let mut random = Random::new(8);
     let path = walk::<N>(&mut random, 20_000);

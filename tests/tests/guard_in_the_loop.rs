@@ -18,8 +18,8 @@ fn at(rad: f64) -> Position<Fixed32> {
     Position::from_f64(rad)
 }
 
-/// Laws that ring and kick under three grips, with every delay. A hand gets out at most the account's capacity, its refill, the
-/// encoder's part, and the kinetic energy of the device.
+/// Laws that ring and kick under three simulated grips (light, medium, firm), with every delay. A hand gets out at most the
+/// account's capacity, its refill, the encoder's part, and the kinetic energy of the device.
 #[test]
 fn no_law_gives_more_than_the_account() {
     let (capacity_j, refill_w) = (0.045, 0.0005);

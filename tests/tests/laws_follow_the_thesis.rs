@@ -22,8 +22,8 @@ fn sfa(update: LawKind, first_contact: FirstContact) -> Sfa<f64> {
     law
 }
 
-/// Thesis (2.16) and (2.17): the first contact phase ends at `n_r`, with the force that `k_de` gives in that tick, not in
-/// the tick before.
+/// Equation (2.16) of the thesis that this project implements and (2.17): the first contact phase ends at `n_r`, with the force
+/// that `k_de` gives in that tick, not in the tick before.
 #[test]
 fn the_first_contact_hands_over_the_force_of_its_own_tick() {
     let law = sfa(LawKind::Sfa, FirstContact::KeepForce);
@@ -45,7 +45,8 @@ fn the_first_contact_hands_over_the_force_of_its_own_tick() {
     assert!((state.offset.0 - offset).abs() < 1e-8, "{:?}", state.offset);
 }
 
-/// Thesis (2.14c), third line from below: if the displayed stiffness is the desired one, the offset stays.
+/// Equation (2.14c) of the thesis that this project implements, third line from below: if the displayed stiffness is the desired
+/// one, the offset stays.
 #[test]
 fn the_offset_stays_where_the_stiffness_is_right() {
     for kind in [LawKind::Sfa, LawKind::SfaContinuous] {

@@ -1,5 +1,5 @@
-//! The shipped wall's settings in all these cases: three grips and, each alone, a coarser encoder, half and double inertia and
-//! damping, and up to a tick of delay. The wall is pressed, moved along, and let go.
+//! The shipped wall's settings in all these cases: three simulated grips (light, medium, firm) and, each alone, a coarser encoder,
+//! half and double inertia and damping, and up to a tick of delay. The wall is pressed, moved along, and let go.
 
 use touchstone_control::Settings;
 use touchstone_sim::run::record::{Summary, Verdict};

@@ -1,4 +1,5 @@
-//! The thesis' comparison (§5.1), cell by cell: three grips, encoders of 16,384 and 40,000 counts per turn, default parameters.
+//! The thesis' comparison (§5.1), cell by cell: three simulated grips (light, medium, firm), encoders of 16,384 and 40,000 counts
+//! per turn, default parameters.
 //!
 //! The bounds are those of `docs/figures.md`. A verdict below [`Verdict::LimitCycle`] means that the knob comes to rest within four
 //! encoder counts in every hold. [`Verdict::Active`] then means that the wall gave energy at some time; it is no instability.

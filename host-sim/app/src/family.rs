@@ -16,8 +16,8 @@ use touchstone_sim::scene::Scene;
 #[group(id = "family-options")]
 #[command(next_help_heading = "The family: all of a device different at once, one setting")]
 pub struct Options {
-    /// Touches and presses 216 device variants: three grips, two encoders, half, once and double inertia and damping, and four
-    /// delays up to a control period. Exit code 3 if more variants are lost than --most-lost.
+    /// Touches and presses 216 device variants: three simulated grips (light, medium, firm), two encoders, half, once and double
+    /// inertia and damping, and four delays up to a control period. Exit code 3 if more variants are lost than --most-lost.
     #[arg(long, conflicts_with_all = ["tuned", "out", "programme"])]
     family: bool,
     /// Also this many random device variants between those, with hands between and a little beyond the grips, drawn by --seed.

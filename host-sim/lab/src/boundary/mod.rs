@@ -65,7 +65,7 @@ pub struct BoundaryPlace {
     pub stiffness_per_tick: f64,
 }
 
-/// How the tuned wall behaves, in the worst of three grips; ordered from good to bad.
+/// How the tuned wall behaves, in the worst of three simulated grips (light, medium, firm); ordered from good to bad.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TunedEnding {
@@ -119,7 +119,7 @@ pub struct BoundaryCell {
     pub k_desired: f64,
     /// `k_de` divided by `b/(T/2 + t_d)`, the largest stiffness that the device's own damping makes passive.
     pub times_critical: f64,
-    /// How the tuned wall behaves in the worst of three grips.
+    /// How the tuned wall behaves in the worst of three simulated grips (light, medium, firm).
     pub ended: TunedEnding,
     /// Largest relative deviation of the stiffness at rest from `k_de`; `NaN` in the file where a press does not rest.
     #[serde(with = "crate::journal::or_nan")]
@@ -130,7 +130,7 @@ pub struct BoundaryCell {
     /// Phase of force over penetration for a moving hand, degrees.
     #[serde(with = "crate::journal::or_nan")]
     pub phase_deg: Option<f64>,
-    /// Worst verdict of the stability certificate over the three grips.
+    /// Worst verdict of the stability certificate over the three simulated grips (light, medium, firm).
     pub certificate: Option<certify::Verdict>,
     /// Causes that the certificate gives for its verdict.
     pub certificate_causes: String,

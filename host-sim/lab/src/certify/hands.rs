@@ -25,7 +25,7 @@ pub enum Family {
     Own,
     /// The scene's own hand, if it has one, and the three grips `light`, `medium` and `firm`.
     Grips,
-    /// The scene's own hand, the three grips, and the worst hand within [`RANGES`].
+    /// The scene's own hand, the three simulated grips (light, medium, firm), and the worst hand within [`RANGES`].
     #[default]
     All,
 }
@@ -64,7 +64,7 @@ pub fn from_parameters(values: [f64; 5]) -> Hand {
     }
 }
 
-/// The three grips of the simulated hand, with their names.
+/// The three simulated grips (light, medium, firm) of the simulated hand, with their names.
 pub const GRIPS: [(&str, Hand); 3] = [
     ("light", plant::LIGHT),
     ("medium", plant::MEDIUM),

@@ -103,7 +103,8 @@ impl Default for Options {
 pub struct Certificate {
     /// Name of the scene.
     pub scene: String,
-    /// Worst verdict over the scene's hand and the three grips; without any hand, the verdict for the free device.
+    /// Worst verdict over the scene's hand and the three simulated grips (light, medium, firm); without any hand, the verdict for
+    /// the free device.
     pub verdict: Verdict,
     /// Verdict for the worst hand whose parameters are within [`hands::RANGES`]; `None` if it was not searched.
     pub every_hand: Option<Verdict>,
@@ -115,7 +116,7 @@ pub struct Certificate {
     pub hands: Vec<HandReport>,
     /// Index in `hands` of the hand that `verdict` comes from.
     pub worst: usize,
-    /// Stability margins over the scene's hand and the three grips.
+    /// Stability margins over the scene's hand and the three simulated grips (light, medium, firm).
     pub margins: Option<Margins>,
     /// Effects that the certificate does not cover, one sentence each.
     pub not_covered: Vec<String>,

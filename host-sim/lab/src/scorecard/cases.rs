@@ -3,7 +3,7 @@
 use serde::Serialize;
 use touchstone_sim::scene::{Grip, MotionSpec, PressWiggleRelease, Scene, TouchAndPress};
 
-/// The three grips of a scorecard. Every figure is the worst over them.
+/// The three simulated grips (light, medium, firm) of a scorecard. Every figure is the worst over them.
 pub const GRIPS: [Grip; 3] = [Grip::Light, Grip::Medium, Grip::Firm];
 
 /// How a device of the scorecard differs from the one that its law assumes.

@@ -221,7 +221,7 @@ fn between(one: &Hand, other: &Hand, place: f64) -> Hand {
     }
 }
 
-/// Results of the scene's own device at one rate and noise level; the worst of three grips.
+/// Results of the scene's own device at one rate and noise level; the worst of three simulated grips (light, medium, firm).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Nominal {
     /// Control rate, Hz.

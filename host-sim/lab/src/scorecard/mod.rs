@@ -2,8 +2,8 @@
 //!
 //! [`cases`] has the devices and the hand's actions, [`family`] devices that vary in all properties at once. [`measure`] has the
 //! figures with their limits, [`watch`] calculates them from one run. [`rivals`] has the laws, [`mod@reference`] the limit of the
-//! ripple. Every figure is the worst of three grips. [`words`] says in sentences where each law fails and where a spring with
-//! damping does better; [`page`] formats everything for readers.
+//! ripple. Every figure is the worst of three simulated grips (light, medium, firm). [`words`] says in sentences where each law
+//! fails and where a spring with damping does better; [`page`] formats everything for readers.
 
 pub mod cases;
 pub mod direction;
@@ -43,9 +43,9 @@ use touchstone_sim::scene::Scene;
 pub struct Cell {
     /// Name of the device.
     pub case: &'static str,
-    /// Figures with a limit, the worst of three grips.
+    /// Figures with a limit, the worst of three simulated grips (light, medium, firm).
     pub figures: Figures,
-    /// Figures without a limit, the worst of three grips.
+    /// Figures without a limit, the worst of three simulated grips (light, medium, firm).
     pub beside: Beside,
     /// Limits of the figures on this device.
     pub limits: Limits,
@@ -115,7 +115,7 @@ pub struct Scorecard {
     /// The spring-damper from which the limit of the ripple (change of the torque from tick to tick) is calculated.
     pub reference: Reference,
     /// Figures of touches of an ideal damped wall and of an undamped spring, each divided by those of the ideal damped wall;
-    /// nominal device, worst of three grips.
+    /// nominal device, worst of three simulated grips (light, medium, firm).
     pub ideal_touch: Option<[TouchRatios; 2]>,
     /// Names of the devices on which a wall this stiff need not hold.
     pub not_asked: Vec<&'static str>,
@@ -137,7 +137,8 @@ pub fn asked(scene: &Scene) -> impl Iterator<Item = &'static Case> {
     CASES.iter().filter(move |case| case.is_asked(stiffness))
 }
 
-/// Figures of the scene's law on one device: the worst of three grips. `fully` adds the figures without a limit.
+/// Figures of the scene's law on one device: the worst of three simulated grips (light, medium, firm). `fully` adds the figures
+/// without a limit.
 ///
 /// # Errors
 /// The control law does not accept its settings.

@@ -94,7 +94,8 @@ impl IdealTouch {
         TouchRatios::new(own, &self.touches[grip], self.k_desired)
     }
 
-    /// Touches of an ideal wall with another damping ratio, compared with the ideal damped wall; the worst of three grips.
+    /// Touches of an ideal wall with another damping ratio, compared with the ideal damped wall; the worst of three simulated grips
+    /// (light, medium, firm).
     ///
     /// # Errors
     /// The device cannot be simulated.

@@ -255,7 +255,7 @@ fn rank(outcome: &Outcome) -> (bool, bool, bool) {
     (outcome.holds(), outcome.rests(), outcome.moves())
 }
 
-/// The stability certificate of a wall for the three grips.
+/// The stability certificate of a wall for the three simulated grips (light, medium, firm).
 ///
 /// # Errors
 /// The control law does not accept its settings.

@@ -1,9 +1,9 @@
 //! Tunes a law for a device: finds settings with which the law renders the requested wall. The device is given by inertia, damping,
 //! friction, encoder counts, delay, torque limit and control rate.
 //!
-//! Settings are judged by the worst figure of their [scorecard](crate::scorecard) over three grips and every device of its cases,
-//! the ripple included. [`search`] minimises that figure, starting from a rule in [`parameters`]. [`settings`] writes the result.
-//! [`pareto`] shows the price of more stiffness, less ripple or more delay.
+//! Settings are judged by the worst figure of their [scorecard](crate::scorecard) over three simulated grips (light, medium, firm)
+//! and every device of its cases, the ripple included. [`search`] minimises that figure, starting from a rule in [`parameters`].
+//! [`settings`] writes the result. [`pareto`] shows the price of more stiffness, less ripple or more delay.
 
 pub mod campaign;
 pub mod cost;

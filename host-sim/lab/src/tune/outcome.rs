@@ -1,4 +1,4 @@
-//! Results of a press and of an oscillating hand at a wall, in three grips.
+//! Results of a press and of an oscillating hand at a wall, in three simulated grips (light, medium, firm).
 
 use crate::scorecard::cases::{CASES, Deed, GRIPS, Programme};
 use crate::scorecard::figures;
@@ -16,10 +16,10 @@ pub const MODULUS: f64 = 0.15;
 /// Largest accepted phase of force over penetration for an oscillating hand, degrees.
 pub const PHASE_DEG: f64 = 15.0;
 
-/// Results of a press and an oscillating hand, the worst of three grips.
+/// Results of a press and an oscillating hand, the worst of three simulated grips (light, medium, firm).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Outcome {
-    /// Verdict on the worst press of the three grips.
+    /// Verdict on the worst press of the three simulated grips (light, medium, firm).
     pub ended: Verdict,
     /// Largest deviation of the stiffness at rest, as a fraction of `k_de`; absent if a press does not come to rest.
     pub displayed_error: Option<f64>,
