@@ -156,6 +156,13 @@ impl Compiler {
                 for key in ["RUSTUP_TOOLCHAIN", "RUSTC", "CARGO", "RUSTDOC"] {
                     rustup.env_remove(key);
                 }
+                // Where another rustc comes first in the PATH, such as a system package's, cargo would take that one.
+                let mut which = shell::program("rustup");
+                if let Some(path) =
+                    shell::capture(which.args(["which", "rustc", "--toolchain", name]))
+                {
+                    rustup.env("RUSTC", path.trim());
+                }
                 rustup
             }
             Origin::System => {
