@@ -1,7 +1,9 @@
 //! The guard of an environment: one energy account for all walls and detents, one force limit, and no force where a motion would
 //! not be counted.
 
-use touchstone_control::environment::{Environment, Reached, Reading, Side};
+use touchstone_control::environment::{
+    Environment, Extent, MOST_POINTS, ProfileSettings, Reached, Reading, Shape, Side, WHOLE,
+};
 use touchstone_control::{Fixed16, Fixed32, Force, LawKind, Position, Settings, Si, StatesKind};
 use touchstone_tests::environment::{COUNT_RAD, at, built, detents, mirrored, wall};
 use touchstone_tests::random::Random;
@@ -211,4 +213,80 @@ fn a_knob_turns_on_without_end() {
         assert!(force.to_f64().abs() <= 0.03);
     }
     assert!(!environment.tripped() && pushes > 200_000);
+}
+
+/// The worst of 400 profiles with random points, each between two walls and under a random hand as fast as the guard counts, 0.06 rad
+/// in a tick. A profile changes its force between any two positions, as a hostile field would.
+#[test]
+fn one_account_answers_for_hostile_profiles() {
+    let mut settings = Settings {
+        law: LawKind::Spring,
+        states: StatesKind::Measured,
+        k_desired: si("5"),
+        ..Settings::thesis()
+    };
+    settings.guard.on = true;
+    settings.guard.capacity = si("0.02");
+    settings.guard.share_of_damping = si("0");
+    let (capacity, refill) = (0.02, 0.0005 / 1000.0);
+    let rounding = settings.force_limit.to_num::<f64>() * COUNT_RAD;
+    let walls = [wall("0.2", Side::Above), wall("-0.2", Side::Below)];
+    let (mut guarded, mut bare) = (0.0_f64, 0.0_f64);
+    for seed in 0..400 {
+        let mut random = Random::new(9_000 + seed);
+        let points: Vec<i16> = (0..2 + seed as usize % (MOST_POINTS - 1))
+            .map(|_| random.whole(i32::from(WHOLE)) as i16)
+            .collect();
+        let extent = match seed % 3 {
+            0 => Extent::Until(si("0.21")),
+            1 => Extent::PerTurn(1 + (seed as u16 * 7) % 200),
+            _ => Extent::PerTurn(1),
+        };
+        let profile = ProfileSettings {
+            extent,
+            start: si("-0.2"),
+            strength: settings.force_limit,
+            shape: Shape::new(&points).unwrap(),
+        };
+        let made = |settings: &Settings| {
+            built::<Fixed32>(settings, &walls, None)
+                .with_profile(&profile, settings.force_limit)
+                .unwrap()
+        };
+        let mut open = settings;
+        open.guard.on = false;
+        let mut both = [made(&settings), made(&open)];
+        let mut audits = [Audit::new(), Audit::new()];
+        let (mut offset, mut width) = (0.0, 0.0);
+        let (mut centre, mut target) = (0.0_f64, 0.0);
+        for tick in 0..4_000_u32 {
+            if tick.is_multiple_of(500) {
+                width = [0.0299, 0.02, 0.01, 0.004][random.bits() as usize % 4];
+                target = 0.21 * random.real();
+            }
+            // To and fro between two places, now and then from another pair of places.
+            offset = if tick.is_multiple_of(2) && !tick.is_multiple_of(50) {
+                -offset
+            } else {
+                width * random.real()
+            };
+            centre += (target - centre).clamp(-1e-4, 1e-4);
+            let x = centre + offset;
+            let here = at((x / COUNT_RAD).round() as i64);
+            for (environment, audit) in both.iter_mut().zip(&mut audits) {
+                audit.step(x, environment.tick(&here, None).to_f64(), refill);
+            }
+        }
+        guarded = guarded.max(audits[0].worst);
+        bare = bare.max(audits[1].worst);
+    }
+    println!(
+        "worst of 400 profiles: guarded {:.2} mJ, without a guard {:.0} mJ, promised {:.0} mJ",
+        1e3 * guarded,
+        1e3 * bare,
+        1e3 * capacity
+    );
+    assert!(guarded <= capacity + rounding, "{guarded} J");
+    assert!(guarded > 0.8 * capacity, "the hand is no test: {guarded} J");
+    assert!(bare > 20.0 * capacity, "{bare} J");
 }

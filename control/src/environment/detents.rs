@@ -146,7 +146,7 @@ impl<N: Number> Detents<N> {
     }
 }
 
-/// Same as [`Detents::beyond`], for detents that are set by a pitch. No board calls it, because it needs 64-bit arithmetic.
+/// Same as [`Detents::beyond`], for detents that are set by a pitch. It needs 64-bit arithmetic, so it is kept out of the usual path.
 #[cold]
 #[inline(never)]
 fn along_axis(per_pitch: u64, angle: Si, centre: Si) -> i32 {

@@ -25,7 +25,7 @@ pub struct Options {
     /// How far beyond the middle between two positions the number changes, as a fraction of their distance, 0 to 0.49.
     #[arg(long, value_name = "FRACTION", default_value_t = HYSTERESIS, allow_negative_numbers = true, value_parser = number::within(0.0, 0.49, "of the distance between two positions"))]
     hysteresis: f64,
-    /// Number of the position in which the knob is now. Default: counted from the middle of the scene's detents.
+    /// The number of the position in which the knob is now. Default: position 0 is at the scene's `centre_rad` or `start_rad`.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     position: Option<i64>,
     /// Ends after this many seconds; without this option, at Ctrl-C.

@@ -37,7 +37,7 @@ impl std::fmt::Display for MeshError {
 
 impl std::error::Error for MeshError {}
 
-/// A triangle with its normal. It is made anew for each use: kept, a million of them would take as much memory as the tree.
+/// A triangle with its normal. The tree keeps the normals; the directions of the edges would take as much memory as the tree.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Face {
     /// The corners, counter-clockwise from outside, m.
@@ -212,8 +212,10 @@ impl Face {
         [(a, b - a), (b, c - b), (c, a - c)]
             .into_iter()
             .all(|(corner, edge)| {
-                let inwards = self.normal.cross(edge).normalize();
-                inwards.dot(point - corner) >= -beside_m
+                // As long as the edge, since the normal has length 1. Squares instead of a root.
+                let inwards = self.normal.cross(edge);
+                let depth = inwards.dot(point - corner);
+                depth >= 0.0 || depth * depth <= beside_m * beside_m * edge.length_squared()
             })
     }
 }

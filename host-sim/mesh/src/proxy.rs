@@ -96,7 +96,7 @@ impl Proxy {
         let around = Vector::splat(2.0 * BESIDE_GAPS * gap);
         let way = Aabb::new(self.at.min(goal) - around, self.at.max(goal) + around);
         let mut best: Option<(f64, Face)> = None;
-        for face in mesh.tree.near(&way).filter_map(Face::new) {
+        for face in mesh.tree.near(&way) {
             let (here, there) = (face.height(self.at), face.height(goal));
             // Only a way from above the triangle (or just below by rounding) to below the distance that it keeps can meet it.
             if here < -gap || there >= gap * (1.0 - 1e-3) || there >= here {

@@ -1,14 +1,17 @@
-//! Triangles in a tree of boxes. A leaf of the tree holds several triangles that lie side by side: the tree takes 220 bytes a leaf, so that
-//! one of single triangles would need most of a mesh's memory.
+//! Triangles in a tree of boxes. The tree takes 220 bytes a leaf. A leaf of an ordinary mesh is one triangle, so that a search is quick. A
+//! leaf of a large mesh holds four triangles that lie side by side, so that a million of them fit into memory; a search takes twice as long.
 
+use crate::mesh::Face;
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d_f64::query::{PointQuery as _, Ray, RayCast as _};
 use parry3d_f64::shape::Triangle;
 
-/// Triangles of a leaf.
-const LEAF: usize = 4;
+/// Triangles of a mesh up to which each has a leaf of its own.
+const ORDINARY: usize = 250_000;
+/// Triangles of a leaf of a larger mesh.
+const LARGE_LEAF: usize = 4;
 /// Cells along an axis of the grid by which triangles are ordered.
 const CELLS: f64 = 1024.0;
 
@@ -19,10 +22,15 @@ pub(crate) struct Tree {
     around: Aabb,
     vertices: Vec<Vector>,
     triangles: Vec<[u32; 3]>,
+    /// The normal of each triangle.
+    normals: Vec<Vector>,
+    /// Triangles of a leaf.
+    leaf: usize,
 }
 
 impl Tree {
-    /// Of vertices and triangles of their numbers; `None` without a triangle. Every number must be that of a vertex.
+    /// The tree of these triangles, given by numbers of vertices; `None` without a triangle. Every number must be that of a vertex, and
+    /// every triangle must have an area.
     pub fn new(vertices: Vec<Vector>, mut triangles: Vec<[u32; 3]>) -> Option<Self> {
         let corner = |index: &u32| vertices[*index as usize];
         let around_all =
@@ -41,13 +49,24 @@ impl Tree {
             };
             interleaved([0, 1, 2].map(cell))
         });
-        let leaves = triangles.chunks(LEAF).map(around_all).enumerate();
+        let normal = |triangle: &[u32; 3]| {
+            Face::new([0, 1, 2].map(|at| corner(&triangle[at]))).map(|face| face.normal)
+        };
+        let normals = triangles.iter().map(normal).collect::<Option<Vec<_>>>()?;
+        let leaf = if triangles.len() <= ORDINARY {
+            1
+        } else {
+            LARGE_LEAF
+        };
+        let leaves = triangles.chunks(leaf).map(around_all).enumerate();
         let boxes = Bvh::from_iter(BvhBuildStrategy::Binned, leaves);
         Some(Self {
             boxes,
             around,
             vertices,
             triangles,
+            normals,
+            leaf,
         })
     }
 
@@ -71,27 +90,40 @@ impl Tree {
         self.triangles.iter().map(|triangle| self.places(triangle))
     }
 
+    #[inline]
     fn places(&self, triangle: &[u32; 3]) -> [Vector; 3] {
         triangle.map(|index| self.vertices[index as usize])
     }
 
+    /// Numbers of the triangles of a leaf.
+    #[inline]
+    fn numbers(&self, leaf: u32) -> std::ops::Range<usize> {
+        let begin = self.leaf * leaf as usize;
+        begin..(begin + self.leaf).min(self.triangles.len())
+    }
+
     fn leaf(&self, number: u32) -> impl Iterator<Item = [Vector; 3]> {
-        let begin = LEAF * number as usize;
-        let end = (begin + LEAF).min(self.triangles.len());
-        self.triangles[begin..end]
+        self.triangles[self.numbers(number)]
             .iter()
             .map(|triangle| self.places(triangle))
     }
 
-    /// The corners of each triangle whose own box meets another one.
-    pub fn near<'a>(&'a self, other: &'a Aabb) -> impl Iterator<Item = [Vector; 3]> + 'a {
-        let meets = |[a, b, c]: &[Vector; 3]| {
+    /// Each triangle whose own box meets another one.
+    #[inline]
+    pub fn near<'a>(&'a self, other: &'a Aabb) -> impl Iterator<Item = Face> + 'a {
+        let meets = |Face {
+                         corners: [a, b, c], ..
+                     }: &Face| {
             let (least, most) = (a.min(*b).min(*c), a.max(*b).max(*c));
             least.cmple(other.maxs).all() && most.cmpge(other.mins).all()
         };
         self.boxes
             .intersect_aabb(other)
-            .flat_map(|number| self.leaf(number))
+            .flat_map(|number| self.numbers(number))
+            .map(|number| Face {
+                corners: self.places(&self.triangles[number]),
+                normal: self.normals[number],
+            })
             .filter(meets)
     }
 

@@ -11,6 +11,7 @@ mod properties;
 mod report;
 mod shown;
 mod stands;
+mod syntax;
 mod table;
 mod usage;
 

@@ -1,5 +1,6 @@
 //! The intended motion of the simulated hand: its rest point as a function of time.
 
+mod column;
 mod held;
 mod odd;
 mod press;

@@ -2,23 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use super::column::{Column, cell, find, own_angle};
 use super::resample::{Curve, MOST_STEPS, median_interval_s, step_s};
 use crate::error::{Error, Result};
 use crate::input;
 use crate::scene::operator::Recorded;
-use crate::scene::units::{self, Dimension, UNITS};
-
-/// Angle columns of Touchstone's own files, in the order of preference. A simulation's trace knows the hand's rest point; the
-/// record of a device has only the device's angle.
-const OWN_ANGLES: [&str; 5] = [
-    "rest_rad",
-    "hand_rad",
-    "angle_rad",
-    "angle_measured_rad",
-    "penetration_rad",
-];
-/// Columns that identify a file of this program: a simulation's trace or a record of `touchstone monitor`.
-const OWN_MARKS: [&str; 2] = ["time_s", "force_n_m"];
+use crate::scene::units::Dimension;
 
 /// Largest number of samples in a recording: an hour at 1 kHz.
 const MOST_SAMPLES: usize = 3_600_000;
@@ -40,13 +29,6 @@ pub struct Recording {
     begins_s: f64,
     times_s: Vec<f64>,
     angles_rad: Vec<f64>,
-}
-
-/// The column of a CSV file from which times or angles are read, with the factor that converts its unit to SI.
-struct Column {
-    index: usize,
-    name: String,
-    si: f64,
 }
 
 impl Recording {
@@ -344,160 +326,4 @@ fn line_of(text: &str, row: &csv::StringRecord) -> usize {
     let skipped = |line: &&str| line.trim_end().is_empty() || line.starts_with('#');
     let rest = text.get(position.byte() as usize..).unwrap_or("");
     position.line() as usize + rest.lines().take_while(skipped).count()
-}
-
-/// The angle's column in a file that this program wrote; `None` for other files.
-fn own_angle(header: &csv::StringRecord) -> Option<Column> {
-    let place = |wanted: &str| header.iter().position(|name| name == wanted);
-    OWN_MARKS
-        .into_iter()
-        .try_for_each(|mark| place(mark).map(drop))?;
-    OWN_ANGLES.into_iter().find_map(|name| {
-        Some(Column {
-            index: place(name)?,
-            name: name.to_owned(),
-            si: 1.0,
-        })
-    })
-}
-
-/// Words with which the name of a time column begins.
-const TIMES: [&str; 7] = [
-    "time",
-    "t",
-    "timestamp",
-    "zeit",
-    "temps",
-    "elapsed",
-    "clock",
-];
-
-/// Units that headers spell as words, each with the suffix that it stands for.
-const WORDS: [(&str, &str); 15] = [
-    ("sec", "s"),
-    ("secs", "s"),
-    ("second", "s"),
-    ("seconds", "s"),
-    ("msec", "ms"),
-    ("millis", "ms"),
-    ("milliseconds", "ms"),
-    ("usec", "us"),
-    ("micros", "us"),
-    ("microseconds", "us"),
-    ("degree", "deg"),
-    ("degrees", "deg"),
-    ("radians", "rad"),
-    ("turns", "rev"),
-    ("revolutions", "rev"),
-];
-
-/// Puts a column's name in lower case, with `_` between the words: `Angle [deg]` and `angle (deg)` become `angle_deg`. `°/s`
-/// becomes `deg_per_s`, which is a speed.
-fn plain(name: &str) -> String {
-    let name = name
-        .to_lowercase()
-        .replace('°', "_deg")
-        .replace(['µ', 'μ'], "u")
-        .replace('/', "_per_")
-        .replace(|c: char| !c.is_alphanumeric(), "_");
-    let words: Vec<&str> = name.split('_').filter(|word| !word.is_empty()).collect();
-    words.join("_")
-}
-
-/// The unit with which a column's name ends; `None` if it ends with none.
-fn unit_of(name: &str) -> Option<&'static units::Unit> {
-    let plain = plain(name);
-    let (stem, last) = plain.rsplit_once('_').unwrap_or(("", &plain));
-    match WORDS.iter().find(|(word, _)| *word == last) {
-        Some((_, suffix)) if stem != "per" && !stem.ends_with("_per") => units::by_suffix(suffix),
-        Some(_) => None,
-        None => units::at_end_of(&plain),
-    }
-}
-
-/// Finds the only column whose name ends in a unit of this dimension. Error: problem and remedy, if no column or several fit.
-fn find(
-    header: &csv::StringRecord,
-    dimension: Dimension,
-    what: &str,
-) -> std::result::Result<Column, (String, String)> {
-    let accepted: Vec<String> = UNITS
-        .iter()
-        .filter(|unit| unit.dimension == dimension)
-        .map(|unit| format!("_{}", unit.suffix))
-        .collect();
-    let accepted = accepted.join(", ");
-    let mut found: Vec<Column> = header
-        .iter()
-        .enumerate()
-        .filter_map(|(index, name)| {
-            let unit = unit_of(name).filter(|unit| unit.dimension == dimension)?;
-            Some(Column {
-                index,
-                name: name.to_owned(),
-                si: unit.si,
-            })
-        })
-        .collect();
-    // `axis_s` ends like a time. If exactly one column's name also begins with a word for time, that column is used.
-    if dimension == Dimension::Time && found.len() > 1 {
-        let is_named = |column: &Column| {
-            TIMES.contains(&plain(&column.name).split('_').next().unwrap_or_default())
-        };
-        if found.iter().filter(|column| is_named(column)).count() == 1 {
-            found.retain(is_named);
-        }
-    }
-    let mut found = found.into_iter();
-    // An unclosed quote makes the whole rest of the file one column name, so names are cut for the message.
-    let cut = |name: &str| -> String {
-        name.split(['\n', '\r'])
-            .next()
-            .unwrap_or_default()
-            .chars()
-            .take(40)
-            .collect()
-    };
-    let names: Vec<String> = header.iter().take(20).map(cut).collect();
-    let names = names.join(", ");
-    match (found.next(), found.next()) {
-        (Some(column), None) => Ok(column),
-        (Some(one), Some(other)) => Err((
-            format!(
-                "both {} and {} look like it",
-                cut(&one.name),
-                cut(&other.name)
-            ),
-            "keep one of the two columns".to_owned(),
-        )),
-        (None, _) => {
-            let article = if what.starts_with('a') { "an" } else { "a" };
-            let problem = format!("no column with {article} {what} unit among {names}");
-            Err((
-                problem,
-                format!("end the column's name in one of {accepted}"),
-            ))
-        }
-    }
-}
-
-/// Reads the finite number in one cell of the CSV file.
-fn cell(
-    row: &csv::StringRecord,
-    column: &Column,
-) -> std::result::Result<f64, (String, &'static str)> {
-    // The CSV reader has checked that rows are as long as the header.
-    let text = row.get(column.index).unwrap_or_default();
-    match text.parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok(number),
-        Ok(_) => Err((
-            format!("{text} is not a finite number"),
-            "remove the row or fill the gap",
-        )),
-        Err(_) if text.is_empty() => Err(("is empty".to_owned(), "complete or remove the row")),
-        Err(_) => Err((
-            format!("\"{text}\" is not a number"),
-            "write numbers such as 0.25 or 2.5e-1",
-        )),
-    }
 }
