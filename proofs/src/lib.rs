@@ -47,6 +47,7 @@ pub mod format;
 pub mod functions;
 pub mod guard;
 pub mod heart;
+pub mod impact;
 pub mod multiplied;
 pub mod objects;
 pub mod offset;

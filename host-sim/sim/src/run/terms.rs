@@ -1,6 +1,7 @@
 //! The criteria by which a run is judged, computed from the scene before the first tick.
 
 use super::measure::Wiggle;
+use super::tick::Tick;
 use crate::scene::{MotionSpec, Scene};
 
 /// Largest motion in a hold that still counts as a limit cycle, rad. Beyond it the device is taken to have lost the wall.
@@ -60,6 +61,13 @@ pub struct Press {
 }
 
 impl Terms {
+    /// Whether the wall is touched in a tick: the device is inside the wall, or the wall pushes already. A law that predicts the
+    /// position pushes up to a control period before the device is inside. Detents before the wall do not count.
+    #[must_use]
+    pub fn touches(&self, tick: &Tick) -> bool {
+        tick.angle_rad > self.surface_rad || (tick.force_n_m > 0.0 && !self.has_more)
+    }
+
     /// Computes the criteria for a scene.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {

@@ -5,7 +5,7 @@
 //! range of rates. The figures at its rates are in `docs/devices.md`.
 
 use super::Mechanism;
-use touchstone_control::settings::FilterSettings;
+use touchstone_control::settings::{FilterSettings, ImpactSettings};
 use touchstone_control::{EstimatorSettings, Settings, Si, StatesKind};
 use touchstone_world::plant::{Device, OMEGA3_AXIS};
 
@@ -168,6 +168,11 @@ impl TunedWall {
                 ground_damping: si(self.ground_damping),
             },
             states: StatesKind::Estimated,
+            estimator: self.estimator(),
+            // The estimator's mass is tuned; the pulse is to take the axis' own momentum.
+            impact: ImpactSettings {
+                momentum: si(self.axis_kg / self.estimator_kg),
+            },
             ..Settings::default()
         }
     }
