@@ -20,7 +20,7 @@ pub struct Kept {
     done: Map<String, Value>,
 }
 
-/// Names of a measured motor's values.
+/// Names of the values of a measured motor in the progress file.
 pub const VALUES: [&str; 7] = [
     "resistance_ohm",
     "inductance_h",
