@@ -21,8 +21,8 @@ struct Press {
     thesis_j: f64,
     /// Sum of the exact observer after the hand has left the wall, J.
     exact_j: f64,
-    /// Sum of the exact observer at the last sample inside the wall, J. For a law that clears its memory on leaving it is the last
-    /// sum.
+    /// Sum of the exact observer at the last sample inside the wall, J. For a control law that clears its memory on leaving it is
+    /// the last sum.
     exact_inside_j: f64,
 }
 

@@ -40,7 +40,7 @@ fn penetration_fixed16(scale: &CountScale, count: i64) -> Position<Fixed16> {
     scale.penetration(count)
 }
 
-/// Runs the enhanced law alone in 32-bit fixed point, so that its code size can be read from the program.
+/// Runs the enhanced control law alone in 32-bit fixed point, so that its code size can be read from the program.
 #[inline(never)]
 fn enhanced_fixed32(
     law: &EnhancedSfa<Fixed32>,
