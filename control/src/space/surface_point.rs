@@ -21,7 +21,7 @@ pub enum Rule<N: Spatial> {
 }
 
 impl<N: Spatial> Turn<N> {
-    /// Half the opening angle of a cone, given by its tangent.
+    /// The turn by half the opening angle of a cone; `across` is the tangent of that half angle.
     #[must_use]
     pub fn of_ratio(across: N::Signal) -> Self {
         let zero = N::Signal::default();

@@ -1,4 +1,4 @@
-//! A simulated service of Haply for tests: speaks both generations of messages and simulates the device.
+//! A simulated service of Haply for tests: speaks both generations of the service's messages and simulates the device.
 
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -14,7 +14,7 @@ pub enum Wrong {
     Nothing,
     Gone,
     Silent,
-    /// Sends pings instead of states.
+    /// Sends pings instead of device states.
     Pings,
     /// Sends the state byte by byte, one byte every 200 ms.
     Drip,
@@ -26,7 +26,7 @@ pub enum Wrong {
     Uncalibrated,
 }
 
-/// What the service had received by its end.
+/// What the simulated service had received by its end.
 #[derive(Debug, Default, Clone)]
 pub struct Saw {
     pub longest_n: f64,
