@@ -103,7 +103,7 @@ fn laws() -> Vec<(String, PortLaw)> {
     laws
 }
 
-/// One row of the result file: the worst hand of one type for one law and delay.
+/// One row of the result file: the worst hand of one type for one control law and delay.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Row {
     law: String,
@@ -187,7 +187,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Prints the worst type of hand for every law and delay.
+/// Prints the worst type of hand for every control law and delay.
 fn print(account: Account, laws: &[(String, PortLaw)], rows: &[Row]) {
     let total: u64 = rows.iter().map(|row| u64::from(row.evaluations)).sum();
     println!(

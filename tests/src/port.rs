@@ -32,7 +32,7 @@ pub struct SpringDamper {
 #[derive(Debug, Clone, Copy)]
 #[expect(clippy::large_enum_variant, reason = "there is one for each port")]
 pub enum PortLaw {
-    /// A spring and damper in `f64`, which can request forces that no shipped law would request from the guard.
+    /// A spring and damper in `f64`. They can request forces from the guard that no shipped control law would request.
     SpringDamper(SpringDamper),
     /// A control law of the control crate with its estimator, at 1 kHz. Guard and force limit in the settings are not used, because
     /// the simulated port has its own.

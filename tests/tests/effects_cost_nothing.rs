@@ -159,7 +159,7 @@ fn trace(scene: &Scene) -> Trace {
     run::run(scene, true).unwrap().trace.unwrap()
 }
 
-/// Whether a changed setting changes any bit of the simulation of a scene.
+/// Whether a changed setting changes any bit of a simulation's results.
 fn changes(scene: &Scene, setting: &str) -> bool {
     let changed = scene.with_overrides(&[setting]).unwrap();
     bits(&trace(scene)) != bits(&trace(&changed))

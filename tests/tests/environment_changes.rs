@@ -127,8 +127,8 @@ fn a_change_adds_what_is_let_go_of_and_nothing_else() {
     );
 }
 
-/// Checks that a hand at rest feels no faster change of force than the rate, whatever appears or disappears. The law is a spring,
-/// because other laws also change the force themselves.
+/// Checks that a hand at rest feels no faster change of force than the rate, whatever wall or detent appears or disappears. The
+/// control law is a spring, because other laws also change the force themselves.
 #[test]
 fn a_hand_that_rests_feels_the_rate_and_no_more() {
     let settings = settings(LawKind::Spring, StatesKind::Measured);
