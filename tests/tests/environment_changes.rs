@@ -59,7 +59,8 @@ fn newton_metres(force: Force<Fixed32>) -> f64 {
 }
 
 /// Checks that replacing an environment adds the difference of forces in the first control period, and lets it fade at the rate.
-/// The force is compared with that of the new environment alone. Both run without a guard, which would react to the added force.
+/// The force is compared with that of the new environment alone. Both run without an energy guard, which would react to the added
+/// force.
 #[test]
 fn a_change_adds_what_is_let_go_of_and_nothing_else() {
     let mut random = Random::new(7);
@@ -127,8 +128,8 @@ fn a_change_adds_what_is_let_go_of_and_nothing_else() {
     );
 }
 
-/// Checks that a hand at rest feels no faster change of force than the rate, whatever appears or disappears. The law is a spring,
-/// because other laws also change the force themselves.
+/// Checks that a hand at rest feels no faster change of force than the rate, whatever wall or detent appears or disappears. The
+/// control law is a spring, because other laws also change the force themselves.
 #[test]
 fn a_hand_that_rests_feels_the_rate_and_no_more() {
     let settings = settings(LawKind::Spring, StatesKind::Measured);
