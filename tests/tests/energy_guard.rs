@@ -46,8 +46,8 @@ fn a_motion_at_20_hz_gets_out_no_more_than_promised() {
     }
 }
 
-/// Checks a hand that presses, rests and then leaves faster than the guard's speed limit. The guard switches the force off one
-/// control period later, so the energy of that period comes on top of the bound. At 50 rad/s, below the limit, there is no such
+/// Checks a hand that presses, rests and then leaves faster than the energy guard's speed limit. The guard switches the force off
+/// one control period later, so the energy of that period comes on top of the bound. At 50 rad/s, below the limit, there is no such
 /// energy.
 #[test]
 fn a_tick_of_overspeed_counts_by_itself() {
@@ -84,8 +84,8 @@ fn a_tick_of_overspeed_counts_by_itself() {
     );
 }
 
-/// Shows that the tests in this file can fail: against a guard that is configured for no delay, a search finds a hand that gets out
-/// more than the bound.
+/// Shows that the tests in this file can fail: against an energy guard that is configured for no delay, a search finds a hand that
+/// gets out more than the bound.
 #[test]
 fn a_guard_that_does_not_know_the_delay_does_not_hold() {
     for delay in [0.1, 0.5, 1.0] {
@@ -100,9 +100,9 @@ fn a_guard_that_does_not_know_the_delay_does_not_hold() {
     }
 }
 
-/// Compares two guards on a board with 0.1 ms until a voltage acts and a current loop of 0.265 ms. One reads positions once per
-/// control period and is configured for no delay. The other is configured for the delay and also reads the position when the force
-/// changes. The control law is the shipped one without its virtual damping.
+/// Compares two energy guards on a board with 0.1 ms until a voltage acts and a current loop of 0.265 ms. One reads positions once
+/// per control period and is configured for no delay. The other is configured for the delay and also reads the position when the
+/// force changes. The control law is the shipped one without its virtual damping.
 #[test]
 fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
     let shipped = GuardSettings::default();
@@ -254,7 +254,7 @@ fn no_motion_goes_uncounted_where_positions_end() {
     assert!(worst > 0.5 * CAPACITY_J, "{worst}");
 }
 
-/// Checks that the guard's bound also holds if the encoder is read a second time, when the force changes.
+/// Checks that the energy guard's bound also holds if the encoder is read a second time, when the force changes.
 #[test]
 fn measuring_the_change_of_force_holds_as_well() {
     for delay in [0.1, 0.5, 0.9] {
@@ -272,7 +272,7 @@ fn measuring_the_change_of_force_holds_as_well() {
     }
 }
 
-/// Checks that a hand that holds (0 Hz), wiggles or trembles for ten seconds does not empty the guard's energy account. The example
+/// Checks that a hand that holds (0 Hz), wiggles or trembles for ten seconds does not empty the energy guard's account. The example
 /// `untouched -- 3600` simulates an hour.
 #[test]
 fn a_good_wall_is_left_untouched() {

@@ -59,7 +59,8 @@ fn newton_metres(force: Force<Fixed32>) -> f64 {
 }
 
 /// Checks that replacing an environment adds the difference of forces in the first control period, and lets it fade at the rate.
-/// The force is compared with that of the new environment alone. Both run without a guard, which would react to the added force.
+/// The force is compared with that of the new environment alone. Both run without an energy guard, which would react to the added
+/// force.
 #[test]
 fn a_change_adds_what_is_let_go_of_and_nothing_else() {
     let mut random = Random::new(7);

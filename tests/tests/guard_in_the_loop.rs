@@ -154,8 +154,8 @@ fn wandering<N: Reported>(settings: &Settings, end_rad: f64, seed: u64) -> (f64,
     (most, armed)
 }
 
-/// Checks that the guard counts every motion under a force, in every number format, also for a hand that crosses the end of the
-/// range of positions and switches the motor on again after each over-speed.
+/// Checks that the energy guard counts every motion under a force, in every number format, also for a hand that crosses the end of
+/// the range of positions and switches the motor on again after each over-speed.
 #[test]
 fn no_way_across_the_end_of_positions_goes_uncounted() {
     let mut settings = Settings::thesis();
@@ -180,8 +180,9 @@ fn no_way_across_the_end_of_positions_goes_uncounted() {
     }
 }
 
-/// Simulates a hand that has the motor switched off now and then; `told` says whether this is reported to the guard. Returns the
-/// most energy in J beyond the refill in any time window, and how much of it the hand got under the last force before a switch-off.
+/// Simulates a hand that has the motor switched off now and then; `told` says whether this is reported to the energy guard. Returns
+/// the most energy in J beyond the refill in any time window, and how much of it the hand got under the last force before a
+/// switch-off.
 fn switching_off(told: bool, seed: u64) -> (f64, f64) {
     let mut settings = Settings::thesis();
     settings.guard.on = true;

@@ -17,7 +17,7 @@ struct Port {
     held: i128,
     /// `Σ f(n-1) Δe(n)`, with force `f` and penetration `e`: the energy that the wall absorbed.
     exact: i128,
-    /// `Σ f(n) Δe(n)`, with force `f` and penetration `e`: the energy as the thesis' observer calculates it.
+    /// `Σ f(n) Δe(n)`, with force `f` and penetration `e`: the energy as the energy observer of the DLR thesis calculates it.
     thesis: i128,
 }
 
@@ -178,9 +178,9 @@ fn tdpa_with_the_exact_observer_repairs_a_deficit_while_the_motion_goes_on() {
     assert!(repaired > 1_000, "{repaired} repairs only");
 }
 
-/// Checks a motion that reverses in every control period. Each correction by the control law TDPA with the exact observer is then
-/// wrong, and gives away up to the force limit times the displacement. No sum of past energy can prevent it. The control law FBA
-/// prevents it, because its limit holds for every next displacement.
+/// Checks a motion that reverses in every control period. Each correction by the control law TDPA with the exact energy observer is
+/// then wrong, and gives away up to the force limit times the displacement. No sum of past energy can prevent it. The control law
+/// FBA prevents it, because its limit holds for every next displacement.
 #[test]
 fn a_motion_that_turns_at_every_tick_defeats_tdpa_with_the_exact_observer_but_not_fba() {
     let (near, far) = (167_772_i32, 201_327_i32); // 10 and 12 mrad

@@ -1,6 +1,6 @@
 //! Tests the comparison of a device's recording with its simulation. A knob that equals its description in the scene file agrees.
-//! For another knob the comparison names the property that differs. For the whole drive only a bounce is compared, because the
-//! coarse current sensors of a motor shield dominate slow motion.
+//! For another knob the comparison names the property that differs. For the whole drive (control code, current loop and motor) only
+//! a bounce off the wall is compared, because the coarse current sensors of a motor shield dominate slow motion.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -162,11 +162,11 @@ fn a_held_knob_like_its_scene_stays_with_it() {
     assert!(!found.holds(0.05), "{:?}", found.differences);
 }
 
-/// Allowed difference between recording and simulation, as a fraction of a bounce of 65 mN·m. Half a step of the shield's current
-/// sensor (7.8 mA at 0.25 N·m/A) is 0.03 of that torque.
+/// Allowed difference between recording and simulation, as a fraction of the 65 mN·m with which the knob bounces off the wall. Half
+/// a step of the shield's current sensor (7.8 mA at 0.25 N·m/A) is 0.03 of that torque.
 const COARSE: f64 = 0.03;
 
-/// Checks that the inertia of the whole drive with its motor can be identified from a bounce.
+/// Checks that the inertia of the whole drive (control code, current loop and motor) can be identified from a bounce off the wall.
 #[test]
 fn a_bounce_of_the_whole_drive_tells_the_inertia() {
     for inertia in [0.7, 1.0, 1.3] {

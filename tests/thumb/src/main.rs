@@ -55,7 +55,7 @@ type Enhanced =
 #[used]
 static FOR_ITS_SIZE: Enhanced = enhanced_fixed32;
 
-/// Runs a whole control period on three axes: surface point, control laws, friction and guard.
+/// Runs a whole control period on three axes: surface point, control laws, friction and energy guard.
 #[inline(never)]
 fn tick_space(wall: &mut Wall, at: Vector<Position<Fixed32>>) -> Vector<Force<Fixed32>> {
     wall.tick(at).unwrap_or_default()
