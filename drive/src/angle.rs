@@ -53,7 +53,7 @@ const fn table() -> [i16; STEPS + 1] {
 }
 
 impl Angle {
-    /// A quarter turn.
+    /// A quarter of an electrical turn.
     pub const QUARTER: Self = Self(0x4000);
 
     /// Sine in 1/32,768, interpolated linearly between 256 entries. The error is at most 4/32,768 (1.3e-4).

@@ -28,7 +28,7 @@ type Law = Controller<Fixed32>;
 pub struct Surrounding {
     environment: Environment<Fixed32>,
     is_more: bool,
-    /// The wall of the device's settings.
+    /// The single wall of the device's settings, which the environment may replace.
     first: WallSettings,
     per_tick: Force<Fixed32>,
 }

@@ -37,7 +37,7 @@ pub struct Glance {
     pub state: State,
     /// Whether the supply voltage is within its limits.
     pub is_supplied: bool,
-    /// The encoder's count.
+    /// The encoder's count, by which the shaft's rest is judged.
     pub count: i64,
     /// Whether the stop button is pressed.
     pub is_stop_pressed: bool,
@@ -45,7 +45,7 @@ pub struct Glance {
     pub desktop_spoke: bool,
 }
 
-/// The state of the unattended start.
+/// The state of the unattended start, from one step to the next.
 #[derive(Debug, Clone, Copy)]
 pub struct Autostart {
     told: SelfStart,

@@ -165,7 +165,7 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// Begins a calibration.
+    /// Begins a calibration with its first stage, the current sensors' offsets.
     #[must_use]
     pub const fn new(config: CalibrationConfig) -> Self {
         Self {

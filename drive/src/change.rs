@@ -157,7 +157,7 @@ fn times(a: i64, b: i64) -> i64 {
 /// When the encoder is read a second time in a control period, and the factors with which the reading is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChangeConfig {
-    /// PWM periods from the first encoder reading of a control tick to the second.
+    /// PWM periods from the first encoder reading of a control period to the second.
     pub read_at: u16,
     /// The displacement before the second reading counts by this fraction (in 2^-28) as made under the new force. The delay that
     /// the energy guard itself charges is not included.

@@ -18,7 +18,7 @@ use touchstone_protocol::settings::cogging::{CURRENT_BITS, CoggingMap};
 /// Number of table entries per turn, as a power of two. With the usual 84 cogging periods per turn that is 24 entries per period,
 /// and linear interpolation errs by at most 0.9 % of the amplitude.
 const PLACES_LOG2: u32 = 11;
-/// Table entries per turn.
+/// Number of entries in the table of currents, per turn of the shaft.
 pub const PLACES: usize = 1 << PLACES_LOG2;
 /// Number of low bits of a 16-bit angle that lie between two table entries and are interpolated.
 const REST_BITS: u32 = 16 - PLACES_LOG2;
@@ -43,7 +43,7 @@ pub struct Played {
 }
 
 impl Played {
-    /// Sums the map's harmonics into the table.
+    /// Calculates the table of currents as the sum of the map's harmonics.
     #[cold]
     #[inline(never)]
     #[must_use]

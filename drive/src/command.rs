@@ -28,7 +28,7 @@ impl DacCode {
 pub enum DriveCommand {
     /// The drive is off: bridge off, amplifier disabled and its input at zero.
     Off,
-    /// A command for the current loop.
+    /// The three-phase bridge is driven; holds the current loop's command.
     Current(CurrentCommand),
     /// A code for the external amplifier, which is enabled.
     Analogue(DacCode),
@@ -37,7 +37,7 @@ pub enum DriveCommand {
 /// Position and motion of the rotor, for the drives that must know them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Rotor {
-    /// Number of the control period.
+    /// Number of the control period, as a sign of life for the current loop.
     pub tick: u32,
     /// Electrical angle of the rotor.
     pub angle: Angle,

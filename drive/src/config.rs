@@ -28,7 +28,7 @@ use touchstone_protocol::settings::{SettingsError, refused};
 pub struct Config {
     /// Coefficients of the current loop.
     pub current: CurrentConfig,
-    /// Limits whose violation is a fault.
+    /// Limits of the supervisor, whose violation is a fault.
     pub supervisor: SupervisorConfig,
     /// Coefficients of the calibration.
     pub calibration: CalibrationConfig,
@@ -163,7 +163,7 @@ impl Configs {
         }
     }
 
-    /// Prepares a configuration for the next switch.
+    /// Stores a configuration to which the next calibration switches.
     pub(crate) const fn prepare(&mut self, config: Config) {
         if self.use_second {
             self.first = config;
@@ -173,7 +173,7 @@ impl Configs {
         self.has_next = true;
     }
 
-    /// Whether a configuration is prepared for the next switch.
+    /// Whether a configuration is stored to which the next calibration switches.
     #[cfg(feature = "large")]
     pub(crate) const fn has_next(&self) -> bool {
         self.has_next

@@ -36,7 +36,7 @@ use touchstone_protocol::{
     Command, Context, Event, FaultCode, Limit, Limits, Machine, MeasuringPart, Outputs, State,
 };
 
-/// The device: the coefficients computed from settings, and all memory of the control tick.
+/// The device: the coefficients computed from settings, and all memory from one control period to the next.
 #[derive(Debug, Clone)]
 pub struct Device {
     configs: Configs,
@@ -102,7 +102,7 @@ impl Device {
         }
     }
 
-    /// Reports a fault that another part of the firmware detected. The next tick latches the first reported fault.
+    /// Reports a fault that another part of the firmware detected. The next control period latches the first reported fault.
     ///
     /// [`FaultCode::SettingsInvalid`] stays until [`Device::configure`] succeeds: until then every calibration ends with that
     /// fault.
@@ -154,7 +154,7 @@ impl Device {
         self.configs.now().current
     }
 
-    /// State of the device.
+    /// State of the device, for example calibrating or armed.
     #[must_use]
     pub const fn state(&self) -> State {
         self.memory.machine.state()
@@ -166,7 +166,7 @@ impl Device {
         self.memory.machine.fault()
     }
 
-    /// The last tick's record.
+    /// The telemetry record of the last control period.
     #[must_use]
     pub const fn record(&self) -> &Record {
         &self.memory.record
@@ -216,12 +216,12 @@ impl Device {
             && self.configs.now().change.is_some()
     }
 
-    /// Runs one control tick with the single wall of the settings.
+    /// Runs one control period with the single wall of the settings.
     pub fn tick(&mut self, input: &ControlInput) -> ControlOutput {
         self.tick_with(input, &mut WallAlone)
     }
 
-    /// Runs one control tick with an environment of walls and detents.
+    /// Runs one control period with an environment of walls and detents.
     #[cfg(feature = "large")]
     pub fn tick_around(&mut self, input: &ControlInput, around: &mut Around) -> ControlOutput {
         self.tick_with(input, around)

@@ -98,7 +98,7 @@ struct Down<const N: usize> {
 }
 
 impl<const N: usize> Down<N> {
-    /// A box that holds zeros.
+    /// A mailbox that holds zeros.
     const fn new() -> Self {
         Self {
             first: zeros(),
@@ -141,7 +141,7 @@ struct Up<const N: usize> {
 }
 
 impl<const N: usize> Up<N> {
-    /// A box that holds zeros.
+    /// A mailbox that holds zeros.
     const fn new() -> Self {
         Self {
             first: zeros(),

@@ -57,7 +57,7 @@ pub struct MeasurementConfig {
 }
 
 impl MeasurementConfig {
-    /// Computes the coefficients from validated settings.
+    /// Computes the coefficients of a motor measurement from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -107,7 +107,7 @@ pub struct Measurement {
     still: u32,
     last: i64,
     current: Amps,
-    /// Angle of the fast field, 2^-32 turns.
+    /// Angle of the fast rotating field, 2^-32 electrical turns.
     field: u32,
     /// Number of pushes of the shaft that are over.
     pushes: u8,

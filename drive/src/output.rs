@@ -1,4 +1,4 @@
-//! Outputs of a control tick.
+//! Outputs of a control period.
 
 use crate::command::{DacCode, DriveCommand};
 use crate::current::CurrentCommand;

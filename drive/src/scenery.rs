@@ -11,7 +11,7 @@ type Law = Controller<Fixed32>;
 /// Position and displacement of the device in a control period.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Here {
-    /// The encoder's count.
+    /// Encoder count at the device's position.
     #[cfg_attr(
         not(feature = "large"),
         allow(dead_code, reason = "the wall alone has one surface")

@@ -57,8 +57,8 @@ pub struct SweepConfig {
 }
 
 impl SweepConfig {
-    /// Computes the coefficients from validated settings. The loop needs `law.estimator.inertia_kg_m2` to be right within a factor
-    /// of two.
+    /// Computes the coefficients of a cogging sweep from validated settings. The position loop needs `law.estimator.inertia_kg_m2`
+    /// to be right within a factor of two.
     #[must_use]
     pub fn new(settings: &DeviceSettings) -> Self {
         let rate = settings.timing.rate_hz.max(1);

@@ -41,7 +41,7 @@ pub struct Rotation {
     cos: i32,
 }
 
-/// `x/√3`, rounded to the nearest step.
+/// Divides `x` by √3, rounded to the nearest integer.
 const fn over_root_3(x: i64) -> i64 {
     (x * ONE_OVER_ROOT_3 + (1 << 30)) >> 31
 }
@@ -70,7 +70,7 @@ impl AlphaBeta {
 }
 
 impl Dq {
-    /// Zero.
+    /// The zero vector.
     pub const ZERO: Self = Self {
         d: I16F16::ZERO,
         q: I16F16::ZERO,

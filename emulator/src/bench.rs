@@ -121,7 +121,7 @@ impl Bench {
         }
     }
 
-    /// Sends bytes to the device.
+    /// Sends bytes to the device's serial port.
     pub fn send(&mut self, bytes: &[u8]) {
         let now = self.now();
         self.machine.chip_mut().link().put(bytes, now);
@@ -317,7 +317,7 @@ impl Bench {
         Ok(())
     }
 
-    /// The simulated hand releases the knob.
+    /// Lets the simulated hand release the knob.
     pub fn release(&mut self) {
         self.machine.chip_mut().world.release();
     }

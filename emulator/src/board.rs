@@ -103,7 +103,7 @@ pub struct Board {
     pub option_bytes: u32,
     /// Value of the chip's identification register DBGMCU_IDCODE.
     pub device_id: u32,
-    /// The chip's flash memory, bytes.
+    /// Size of the chip's flash memory, bytes.
     pub flash_bytes: usize,
     /// Size in bytes of the chip's contiguous memory: SRAM1, SRAM2, and the core-coupled memory (CCM) behind them, unless the
     /// program uses the CCM at its own address.
@@ -128,7 +128,7 @@ pub struct Board {
     pub break_a: f64,
     /// Pins that measure the shunts before their amplifiers: port and pin, and the motor phase.
     pub shunts: &'static [((usize, usize), usize)],
-    /// Voltage of the supply, V.
+    /// Voltage of the motor's supply, V.
     pub supply_v: f64,
     /// Fraction (0 to 1) of a PWM period that a phase loses to dead time.
     pub dead_share: f64,
@@ -194,7 +194,7 @@ impl Board {
         named.is_some_and(touchstone_protocol::Board::is_large)
     }
 
-    /// NUCLEO-G474RE with X-NUCLEO-IHM08M1.
+    /// The board NUCLEO-G474RE with the shield X-NUCLEO-IHM08M1.
     #[must_use]
     pub fn nucleo_g474re(encoder: Encoder) -> Self {
         Self {
@@ -312,7 +312,7 @@ impl Board {
         }
     }
 
-    /// B-G431B-ESC1 with an incremental encoder.
+    /// The board B-G431B-ESC1 with an incremental encoder.
     #[must_use]
     pub fn b_g431b_esc1() -> Self {
         Self {

@@ -40,7 +40,7 @@ pub struct HandDeed {
     pub rest_rad: Vec<f64>,
 }
 
-/// A programme of hand actions.
+/// A programme of hand actions, as `touchstone scorecard --programme` writes it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HandProgramme {
     /// Position of the wall's surface, rad.
@@ -121,7 +121,7 @@ fn hand_of(grip: &str) -> Result<Hand, String> {
 /// Columns of the recording: those of `touchstone monitor` that concern the wall, and those that only a test stand can measure.
 const COLUMNS: &str = "grip,deed,tick,time_s,count,penetration_rad,force_n_m,state,limits,angle_rad,velocity_rad_per_s,motor_force_n_m,absorbed_j,device_loss_j,surface_rad";
 
-/// Plays a programme on a board, each grip on a new device; returns the recording as text.
+/// Replays a programme of hand actions on a board, with a new device for each grip. Returns the recording as text.
 ///
 /// # Errors
 /// The step that failed.

@@ -33,7 +33,7 @@ pub struct Readings {
 
 /// All data of the control interrupt. The main thread reads them and gives commands through [`CONTROL`].
 pub struct Control {
-    /// The device's logic, which makes all decisions.
+    /// The device's logic (crate `touchstone-drive`), which makes all decisions.
     pub device: Device,
     /// Number of control periods since the start.
     pub tick: u32,

@@ -19,7 +19,7 @@ use crate::{analogue, board, pwm};
 
 /// The device as the main thread sees it, beside the control interrupt.
 pub struct Thread {
-    /// The flash pages of the settings.
+    /// The flash pages in which the settings are stored.
     storage: Storage,
     /// Why the processor started.
     reset_reason: ResetReason,

@@ -97,7 +97,7 @@ pub struct Latest<T> {
 unsafe impl<T: Send> Sync for Latest<T> {}
 
 impl<T: Copy> Latest<T> {
-    /// A box without a value.
+    /// A box that holds no value yet.
     pub const fn new() -> Self {
         Self {
             places: [const { UnsafeCell::new(None) }; 2],

@@ -35,7 +35,7 @@ pub fn pages() -> Range<u32> {
 /// interrupted write and does not stop the program.
 pub static READING: AtomicBool = AtomicBool::new(false);
 
-/// The flash pages of the settings.
+/// The flash pages in which the settings are stored; `None` if they cannot be used.
 pub struct Storage(Option<Flash<'static, Blocking>>);
 
 /// Why the flash of the settings cannot be accessed.

@@ -41,7 +41,7 @@ pub struct CalibrationConfig {
 }
 
 impl CalibrationConfig {
-    /// Computes the coefficients from validated settings.
+    /// Computes the coefficients of a calibration from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {

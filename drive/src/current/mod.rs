@@ -45,7 +45,7 @@ pub struct CurrentConfig {
     pub amps_per_code: i32,
     /// Bus voltage in V per code of the analogue-to-digital converter.
     pub volts_per_code: Volts,
-    /// Largest current that the loop holds, A.
+    /// Largest current that the loop drives through the motor, A.
     pub limit: Amps,
     /// Current of a phase, or length of the current vector, in A, at which the loop switches off (trips).
     pub trip: Amps,

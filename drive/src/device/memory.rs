@@ -9,7 +9,7 @@ use touchstone_protocol::Machine;
 /// The memory from which the next control period starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Memory {
-    /// State of the device.
+    /// State of the device, with a latched fault.
     pub machine: Machine,
     /// Result of the last calibration.
     pub alignment: Alignment,
@@ -32,7 +32,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// The state just after power-on.
+    /// The memory just after power-on.
     pub(super) fn new() -> Self {
         Self {
             machine: Machine::new(),

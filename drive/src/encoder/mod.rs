@@ -122,7 +122,7 @@ impl Unwrapped {
         }
     }
 
-    /// The count at the last reading.
+    /// The continued count at the last reading.
     #[must_use]
     pub const fn count(&self) -> i64 {
         let count = self.aligned.count() >> (self.shift & 31);

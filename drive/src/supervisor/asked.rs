@@ -16,7 +16,7 @@ pub struct AskedConfig {
 }
 
 impl AskedConfig {
-    /// Computes the coefficients from validated settings.
+    /// Computes the coefficients of the checks from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings) -> Self {

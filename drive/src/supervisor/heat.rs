@@ -27,7 +27,8 @@ use touchstone_protocol::{DeviceSettings, FaultCode};
 
 /// Fractional bits of the square of a current, A².
 const SQUARE_BITS: u32 = 16;
-/// Fractional bits of the mean square, more than those of a square, so that the small amount that a tick adds is not lost.
+/// Fractional bits of the running mean of the squared current. They are more than those of a square, so that the small amount that
+/// a control period adds is not lost.
 const MEAN_BITS: u32 = 48;
 /// The whole current limit, as a fraction in 1/65,536.
 const ALL: u32 = 1 << 16;
@@ -48,7 +49,7 @@ pub struct HeatConfig {
 }
 
 impl HeatConfig {
-    /// Computes the coefficients from validated settings.
+    /// Computes the coefficients of the heat model from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings) -> Self {
@@ -111,7 +112,7 @@ impl Default for Heat {
 }
 
 impl Heat {
-    /// The windings at room temperature.
+    /// The heat model with the windings at room temperature.
     #[must_use]
     pub const fn cold() -> Self {
         Self { mean: 0 }

@@ -58,12 +58,12 @@ pub struct SupervisorConfig {
     /// Coefficients of the check of the motor's voltages; `None` where no currents are measured.
     model: Option<ModelConfig>,
     asked: AskedConfig,
-    /// Processor cycles of a control period.
+    /// Length of a control period in processor cycles.
     period: u32,
 }
 
 impl SupervisorConfig {
-    /// Computes the limits from validated settings.
+    /// Computes the limits of all checks from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -130,7 +130,7 @@ pub struct Verdict {
 pub struct Watch {
     /// Whether readings outside their limits are faults in this state.
     pub watched: bool,
-    /// Whether the outputs may be on.
+    /// Whether the outputs may be on in this state.
     pub may_be_on: bool,
     /// Whether the control law drove the motor in the previous control period.
     pub driven: bool,

@@ -72,7 +72,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// The memory before the first tick.
+    /// The running sums before the first control period: zero.
     #[must_use]
     pub const fn new() -> Self {
         Self { sums: [0; 4] }

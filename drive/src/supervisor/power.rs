@@ -10,7 +10,7 @@ use touchstone_control::Si;
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
 
-/// Limits of the power stage.
+/// Limits of the power stage's bus voltage and temperature.
 #[derive(Debug, Clone, Copy)]
 pub struct PowerConfig {
     bus_min: Volts,
@@ -25,7 +25,7 @@ pub struct PowerConfig {
 }
 
 impl PowerConfig {
-    /// Computes the limits from validated settings.
+    /// Computes the limits of bus voltage and temperature from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {

@@ -27,7 +27,7 @@ const JUMP_FACTOR: i32 = 4;
 /// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
 
-/// Coefficients of the checks of the shaft.
+/// Coefficients of the checks of encoder readings and shaft speed.
 #[derive(Debug, Clone, Copy)]
 pub struct ShaftConfig {
     kind: EncoderKind,
@@ -48,7 +48,7 @@ pub struct ShaftConfig {
 }
 
 impl ShaftConfig {
-    /// Computes the coefficients from validated settings.
+    /// Computes the coefficients of the checks from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -96,12 +96,12 @@ impl ShaftConfig {
 pub enum Seen {
     /// The reading is good.
     Good {
-        /// The count, continued over the encoder's wrap.
+        /// The encoder count, continued over the encoder's wrap.
         count: i64,
         /// Counts that the shaft moved since the last good reading.
         moved: i64,
     },
-    /// The reading must not be used.
+    /// The reading is bad and must not be used, but is no fault yet.
     Bad,
     /// The reading is a fault; holds its code and value.
     Fault(FaultCode, i32),

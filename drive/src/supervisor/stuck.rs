@@ -31,7 +31,7 @@ pub struct StuckConfig {
 }
 
 impl StuckConfig {
-    /// Computes the coefficients from validated settings.
+    /// Computes the coefficients of the check from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings) -> Self {

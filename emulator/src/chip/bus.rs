@@ -93,7 +93,7 @@ impl Chip {
         }
     }
 
-    /// Carries out a write by the firmware.
+    /// Carries out the firmware's write of `size` bytes to a register.
     pub fn write(&mut self, address: u32, value: u32, size: usize) {
         let now = self.core.now;
         if address >= 0xe000_0000 {

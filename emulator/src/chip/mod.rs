@@ -47,11 +47,11 @@ pub struct Chip {
     timers: [Timer; 4],
     adcs: [Adc; 2],
     ports: Vec<Port>,
-    /// Serial port LPUART1, the link to the desktop on some boards.
+    /// Serial port LPUART1, the link to the computer on some boards.
     pub lpuart1: Uart,
-    /// Serial port USART2, the link to the desktop on the other boards.
+    /// Serial port USART2, the link to the computer on boards that do not use LPUART1 for it.
     pub usart2: Uart,
-    /// The bus of the magnetic encoder.
+    /// The SPI controller SPI3, to which the magnetic encoder is connected.
     pub spi3: Spi,
     /// The independent watchdog.
     pub iwdg: Iwdg,
@@ -75,7 +75,7 @@ pub struct Chip {
     pub board: Board,
     /// The simulated motor, knob and hand.
     pub world: World,
-    /// Exceptions whose handlers are running.
+    /// Exceptions whose handlers are running, the outermost first.
     pub running: Vec<Running>,
     /// Costs in instructions and cycles of each exception's handler.
     pub handlers: Vec<Handler>,
@@ -312,7 +312,7 @@ impl Chip {
         })
     }
 
-    /// The GPIO port of this index.
+    /// The GPIO port with this index: 0 is port A.
     pub fn port(&mut self, index: usize) -> &mut Port {
         &mut self.ports[index]
     }

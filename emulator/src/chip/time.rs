@@ -48,7 +48,7 @@ impl Chip {
             .min(storm)
     }
 
-    /// Carries out the events that are due.
+    /// Carries out all events that are due at the present time.
     pub fn advance(&mut self) {
         let now = self.core.now;
         // In the order of time: what a converter sees depends on what the bridge did before.

@@ -26,11 +26,11 @@ pub enum Kind {
     Mask,
     /// Uses the floating-point unit, so the next exception frame includes the floating-point registers.
     Float,
-    /// WFE: waits for an event.
+    /// The instruction WFE, which waits for an event.
     WaitEvent,
-    /// WFI: waits for an interrupt.
+    /// The instruction WFI, which waits for an interrupt.
     WaitInterrupt,
-    /// SEV: sends an event.
+    /// The instruction SEV, which sends an event.
     SendEvent,
     /// Reads the register IPSR (number of the running exception), whose value Unicorn does not hold in this emulator.
     ReadIpsr,

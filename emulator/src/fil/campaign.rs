@@ -56,7 +56,7 @@ impl Campaign {
         Ok(Self { bench, fresh: true })
     }
 
-    /// The bench.
+    /// The test bench with the emulated device.
     pub fn bench(&mut self) -> &mut Bench {
         &mut self.bench
     }
@@ -316,7 +316,8 @@ impl Campaign {
         }
     }
 
-    /// Checks that the device goes on undisturbed.
+    /// Checks that the fault does not disturb the device: it stays armed and keeps sending telemetry. After a rise in temperature
+    /// it must reduce the current limit.
     fn goes_on(&mut self, injection: &Injection) -> Result<(), String> {
         let from = self.bench.link.telemetry.len();
         let before = self.bench.now();

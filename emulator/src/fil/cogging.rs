@@ -1,6 +1,6 @@
 //! Tests of the map that compensates a motor's cogging torque. The map is measured over the serial line as `touchstone device
-//! cogging measure` does, computed by the desktop's code, stored in flash and applied. The simulated world's true cogging, which
-//! the device does not know, is the reference.
+//! cogging measure` does, computed by the code that runs on the computer, stored in flash and applied. The reference is the true
+//! cogging of the simulated motor, which the device does not know.
 
 #[path = "../../../host-sim/lab/src/identify/cogging.rs"]
 mod identify;

@@ -20,9 +20,9 @@ pub enum Level {
 pub const CURRENT_LOOP: Level = Level::Interrupt(18);
 /// Handler of the control interrupt, which runs a control period.
 pub const CONTROL_TICK: Level = Level::Interrupt(49);
-/// The serial port's handler.
+/// Handler of the interrupt of the serial port to the computer.
 pub const SERIAL: Level = Level::Interrupt(91);
-/// The serial port's handler on the B-G431B-ESC1.
+/// Handler of the interrupt of the serial port to the computer, on the B-G431B-ESC1.
 pub const SERIAL_ESC1: Level = Level::Interrupt(38);
 
 /// Number of the control interrupt, which uses the vector of the timer LPTIM1.
@@ -49,7 +49,7 @@ pub enum Fault {
     Encoder(SlaveFault),
     /// A fault of the encoder on the serial bus that begins with a control period.
     EncoderAtTick(SlaveFault),
-    /// The encoder's frames never end.
+    /// The SPI bus of the encoder hangs: frames never end.
     BusHangs,
     /// The count of the incremental encoder stops changing.
     TrackHeld,
@@ -68,11 +68,11 @@ pub enum Fault {
     Lost(u32, u64),
     /// The main program masks the control interrupt for this time in µs; interrupts of higher priority run on.
     HeldOff(u64),
-    /// Code hangs in an endless loop.
+    /// A part of the firmware hangs in an endless loop.
     Hang(Level),
     /// A part of the firmware executes an undefined instruction.
     Undefined(Level),
-    /// The stack overflows.
+    /// The stack of the firmware overflows.
     StackOverflow,
     /// The board's stop button is pressed for this time in µs.
     StopPressed(u64),
@@ -296,7 +296,7 @@ impl Level {
 pub struct Random(pub u64);
 
 impl Random {
-    /// The next 64 bits.
+    /// The next 64 random bits.
     pub fn bits(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;

@@ -55,24 +55,24 @@ pub const BOARDS: [&str; 5] = [
     "b-g431b-esc1",
 ];
 
-/// The programs of the boards. Boards without a program are left out of the campaign.
+/// The firmware programs of the boards. Boards without a program are left out of the campaign.
 #[derive(Debug, Default)]
 pub struct Programs(Vec<(&'static str, Program)>);
 
 impl Programs {
-    /// Adds the program of a board.
+    /// Adds the firmware program of a board.
     pub fn add(&mut self, board: &'static str, program: Program) {
         self.0.push((board, program));
     }
 
-    /// Finds the program of a board.
+    /// The firmware program of a board; `None` if there is none.
     #[must_use]
     pub fn of(&self, board: &Board) -> Option<&Program> {
         let found = self.0.iter().find(|(name, _)| *name == board.name);
         found.map(|(_, program)| program)
     }
 
-    /// Number of boards with a program.
+    /// Number of boards for which there is a firmware program.
     #[must_use]
     pub fn count(&self) -> usize {
         self.0.len()
@@ -132,7 +132,7 @@ impl Asked<'_> {
     }
 }
 
-/// The jobs of the selection.
+/// All jobs that run the selected checks and injections.
 #[must_use]
 pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
     let on = |board: Board, lsi_hz, lists: &[&[Injection]]| {
@@ -236,7 +236,7 @@ impl Job<'_> {
         }
     }
 
-    /// Runs the job and returns its results.
+    /// Runs the job's injections or check, and returns the results.
     #[must_use]
     pub fn run(&self) -> Tally {
         let mut tally = Tally::on(&self.device);

@@ -37,7 +37,7 @@ const WATCHED: u64 = 30 * MS;
 /// Comparator of each phase, counted from 0: COMP1, COMP2, COMP4.
 const COMPARATORS: [usize; 3] = [0, 1, 3];
 
-/// Tests all shorts, on a board whose shunts go to comparators.
+/// Tests all short circuits, on a board whose shunts are connected to comparators.
 pub fn over_current(program: &Program, setup: &Setup, tally: &mut Tally) {
     if setup.board.shunts.is_empty() {
         return;
@@ -103,7 +103,7 @@ struct Found {
     /// Time in microseconds until the outputs were off, counted from the moment at which a comparator acted, or from the short
     /// circuit where none did.
     off_us: f64,
-    /// Largest current in the short, A.
+    /// Largest current in the short circuit, A.
     largest_a: f64,
     code: Option<FaultCode>,
 }

@@ -163,7 +163,7 @@ fn cut_twice(program: &Program, setup: &Setup) -> Result<usize, String> {
 /// State of the device in which the supply is cut.
 #[derive(Debug, Clone, Copy)]
 enum Moment {
-    /// No request since the start.
+    /// Started, with no request from the computer since.
     Booted,
     /// This many milliseconds after the command to calibrate.
     Calibrating(u64),
@@ -196,7 +196,7 @@ const MOMENTS: [Moment; 12] = [
     Moment::Fault,
 ];
 
-/// Cuts the supply in each state.
+/// Tests that the device is safe if its supply is cut in each state.
 pub fn supply_cut(program: &Program, setup: &Setup, tally: &mut Tally) {
     let cut = || -> Result<String, String> {
         let mut bench = Bench::new(program, setup)?;

@@ -30,17 +30,17 @@ pub trait Slave: std::fmt::Debug {
 /// The faults of an encoder on a bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SlaveFault {
-    /// No fault.
+    /// The encoder has no fault.
     #[default]
     None,
-    /// The data line stays low: no power, or a broken wire with a pull-down.
+    /// The encoder's data line stays low: the encoder has no power, or a wire with a pull-down is broken.
     Low,
     /// From the next answer that holds an angle on, the data line stays low. For the AS5047P that is between the two frames of a
     /// reading.
     LowFromAngle,
-    /// The data line stays high.
+    /// The encoder's data line stays high.
     High,
-    /// This bit of each frame is flipped.
+    /// The bit with this number is flipped in each frame.
     FlipBit(u8),
     /// One bit of every seventh frame is flipped.
     FlipSeventh,
@@ -58,7 +58,7 @@ pub enum SlaveFault {
     CommandDamaged,
 }
 
-/// The SPI controller.
+/// The chip's SPI controller, with the encoder on its bus.
 #[derive(Debug, Default)]
 pub struct Spi {
     interrupt: u32,

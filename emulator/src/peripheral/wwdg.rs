@@ -53,7 +53,7 @@ impl Wwdg {
             .saturating_sub(u32::try_from(counts).unwrap_or(u32::MAX))
     }
 
-    /// Sets the counter at the time `now`.
+    /// Sets the watchdog's counter at the time `now`.
     fn set(&mut self, counter: u32, now: u64) {
         self.counter = counter;
         self.at = now / self.count_cycles();

@@ -67,12 +67,12 @@ const KIT_KNOB: Device = Device {
     }),
 };
 
-/// The motor and the knob on the shaft.
+/// Parameters of the motor and of the knob on its shaft.
 #[derive(Debug, Clone, Copy)]
 pub struct Parts {
-    /// The motor.
+    /// Parameters of the motor.
     pub motor: MotorParameters,
-    /// The knob with the motor's rotor.
+    /// Inertia, damping and friction of the knob with the motor's rotor.
     pub knob: Device,
 }
 
@@ -159,9 +159,9 @@ enum Grip {
 /// Energy bookkeeping of the shaft: its state at the end of a mechanical step, and the impulse and energies since recording began.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ShaftBooks {
-    /// Angle, rad.
+    /// Angle of the shaft, rad.
     pub angle_rad: f64,
-    /// Speed, rad/s.
+    /// Speed of the shaft, rad/s.
     pub rad_per_s: f64,
     /// Integral of the motor's torque over time, N·m·s.
     pub impulse_n_m_s: f64,
@@ -348,7 +348,7 @@ impl World {
         };
     }
 
-    /// Moves the simulation on to a time.
+    /// Simulates up to the time `until`, in processor cycles.
     pub fn advance(&mut self, until: u64) {
         while self.now < until {
             let next = self.step_at.min(until);
@@ -425,7 +425,7 @@ impl World {
         self.sensors.shown_turns(self.angle_rad())
     }
 
-    /// Current into a phase, A.
+    /// Current into a phase of the motor, A.
     #[must_use]
     pub fn current_a(&self, phase: usize) -> f64 {
         self.windings.currents_a()[phase]

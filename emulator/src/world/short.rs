@@ -7,7 +7,7 @@ use crate::peripheral::timer::gates::Leg;
 /// The conductor that the motor wire touches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Touched {
-    /// The supply's positive end.
+    /// The supply's positive conductor.
     Supply,
     /// Ground, at a point behind the shunts, so that the current does not pass them.
     Ground,

@@ -5,7 +5,7 @@ use touchstone_sim::run::record::Summary;
 /// One demand on one simulation run, with the measured value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Check {
-    /// The [`name`] of the run.
+    /// Name of the simulation run, from [`name`].
     pub run: String,
     /// The command-line option that made the demand.
     pub option: &'static str,
@@ -13,7 +13,7 @@ pub struct Check {
     pub wanted: String,
     /// The value that the run gave, as text.
     pub came: String,
-    /// Whether the demand is met.
+    /// Whether the run meets the demand.
     pub met: bool,
 }
 

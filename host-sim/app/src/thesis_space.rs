@@ -18,8 +18,8 @@ pub struct SpaceOptions {
     /// With --dof 3: cartesian, an omega.3 as three equal axes (default), or delta, a mechanism with a Falcon's arm lengths.
     #[arg(long, value_name = "KIND", value_parser = mechanism)]
     pub mechanism: Option<Mechanism>,
-    /// With --dof 3: also simulates the tuned law on 200 walls, hands and devices drawn from this seed, which the tuning did not
-    /// use.
+    /// With --dof 3: also simulates the tuned control law on 200 walls, hands and devices drawn from this seed, which the tuning
+    /// did not use.
     #[arg(long, value_name = "SEED")]
     pub held_out: Option<u64>,
 }

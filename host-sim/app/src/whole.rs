@@ -17,9 +17,9 @@ pub struct Overwrite {
 /// A file to write, with the option that named it.
 #[derive(Debug, Clone, Copy)]
 pub struct Named<'a> {
-    /// Path of the file.
+    /// Path of the file to write.
     pub path: &'a Path,
-    /// Name of the option, for error messages.
+    /// Name of the option that named the file, for error messages.
     pub option: &'a str,
     /// Whether an existing file may be replaced.
     pub replaces: bool,

@@ -28,7 +28,7 @@ pub struct Positions {
 /// The position in which a knob is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
-    /// The number of the position.
+    /// The number of the position, as a program gets it.
     pub position: i64,
     /// Difference of the number to the previous one; 0 for the first position.
     pub change: i64,

@@ -16,7 +16,7 @@ const LIMIT: Duration = Duration::from_secs(2);
 /// The outcome of a read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Received {
-    /// This many bytes were read.
+    /// Bytes arrived; holds their number.
     Bytes(usize),
     /// No byte arrived within some 20 ms.
     Quiet,

@@ -42,7 +42,7 @@ pub struct WallSettings {
 pub enum Obstacle<'m> {
     /// A geometric object of the control crate (plane, sphere, …), in centimetres.
     Shape(Shape<N>),
-    /// A triangle mesh.
+    /// A surface of triangles, for example from an STL file.
     Mesh(MeshSurface<'m>),
 }
 

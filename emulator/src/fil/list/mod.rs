@@ -64,7 +64,7 @@ pub enum Expect {
     /// The chip resets: the outputs are off within this many microseconds, then the device is in `Boot`, or in `Fault` with one of
     /// these codes.
     Reset(u64, &'static [Code]),
-    /// The device goes on undisturbed.
+    /// The fault does not disturb the device.
     GoesOn,
 }
 
@@ -80,7 +80,7 @@ pub struct Injection {
     pub moment_us: u64,
     /// The fault that is injected.
     pub fault: Fault,
-    /// The expected result.
+    /// The expected result of the injection.
     pub expect: Expect,
     /// A second fault, injected while the first is latched; it must change nothing.
     pub then: Option<Fault>,
@@ -90,7 +90,7 @@ pub struct Injection {
 }
 
 impl Injection {
-    /// Description of the device's state, for reports.
+    /// Name of the device's state in which the fault happens, for reports.
     #[must_use]
     pub fn state(&self) -> String {
         format!("{:?}", self.when).to_lowercase()

@@ -58,14 +58,14 @@ fn filter_cycles(bdtr: u32, cr1: u32) -> u64 {
     every * samples * division
 }
 
-/// An event within a PWM period.
+/// An event of the timer within a PWM period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Edge {
     /// The counter reaches its top.
     Top,
     /// The counter reaches 0.
     Bottom,
-    /// The trigger TRGO2 rises.
+    /// The trigger TRGO2, which starts the converters, rises.
     Trigger,
 }
 

@@ -14,7 +14,7 @@ pub struct FromKnob {
     /// Version of the protocol, always [`VERSION`].
     #[prost(uint32, tag = "1")]
     pub protocol_version: u32,
-    /// The message itself.
+    /// Content of the message.
     #[prost(oneof = "Answer", tags = "2, 3, 4")]
     pub payload: Option<Answer>,
 }
@@ -75,7 +75,7 @@ pub struct ToKnob {
     /// A number chosen by the program; the knob's acknowledgement has the same one.
     #[prost(uint32, tag = "2")]
     pub nonce: u32,
-    /// The message itself.
+    /// Content of the message.
     #[prost(oneof = "Asked", tags = "3, 4")]
     pub payload: Option<Asked>,
 }

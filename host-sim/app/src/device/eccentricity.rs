@@ -1,5 +1,5 @@
-//! `touchstone device eccentricity`: the error of the angle that the encoder's off-centre magnet causes, its cost, and
-//! when to seat the magnet anew. Also used by `touchstone setup`.
+//! `touchstone device eccentricity`: measures the error of the angle that the encoder's off-centre magnet causes. Reports its
+//! effect on torque and wall, and whether to mount the magnet again. Also used by `touchstone setup`.
 
 use super::cogging::at_rest;
 use crate::interrupt;
@@ -21,7 +21,7 @@ pub enum EccentricityAction {
     Measure,
 }
 
-/// Measures the encoder's error and shows it.
+/// Measures the angle error that the encoder's off-centre magnet causes, and prints it.
 pub fn main(client: &mut Client, action: EccentricityAction) -> Result<()> {
     let EccentricityAction::Measure = action;
     let settings = client.settings()?;

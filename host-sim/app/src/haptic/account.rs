@@ -144,7 +144,7 @@ impl Account<'_> {
         }
     }
 
-    /// Prints the summary.
+    /// Prints the run's summary.
     pub fn tell(&self) -> Result<()> {
         let report = self.report;
         if json() {

@@ -11,7 +11,7 @@ use touchstone_lab::thesis::space::{Object, ProbingMotion, SLIDE_MM_PER_S};
 use touchstone_sim::error::{Error, Result};
 use touchstone_world::plant::{FIRM_TRANSLATION, Hand, OMEGA3};
 
-/// A kind of haptic device.
+/// A type of haptic device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum HapticKind {
     /// Force Dimension's omega.3, through its maker's library.
@@ -66,7 +66,7 @@ pub struct WhichDevice {
     twin: Option<PathBuf>,
 }
 
-/// Name of the library in error messages.
+/// Name of Force Dimension's library in error messages.
 const LIBRARY: &str = "Force Dimension's library";
 
 /// Loads Force Dimension's library; the error says how to install it.

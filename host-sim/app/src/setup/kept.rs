@@ -91,13 +91,13 @@ impl Kept {
         self.done.get("device")?.as_str()
     }
 
-    /// Records the device that is set up.
+    /// Records the serial number of the device that is set up.
     pub fn begin(&mut self, device: &str) -> Result<()> {
         self.done.insert("device".into(), device.into());
         self.write()
     }
 
-    /// Discards all results, but keeps the device.
+    /// Discards the results of all steps, but keeps the device's serial number.
     pub fn again(&mut self) {
         self.done.retain(|key, _| key == "device");
     }
@@ -161,7 +161,7 @@ impl Kept {
     }
 }
 
-/// The motor's values with their uncertainties.
+/// The measured motor's values with their uncertainties, as JSON.
 pub fn as_json(motor: &MeasuredMotor) -> Value {
     let mut all: Map<String, Value> = VALUES
         .into_iter()

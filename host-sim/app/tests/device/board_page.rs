@@ -185,7 +185,7 @@ fn stands(device: &Fake, phase: Phase) {
     }
 }
 
-/// Plays a whole session of a page, from the server's greeting to the stop.
+/// Runs a whole session of a page with the board, from the server's greeting to the stop.
 fn talk(device: &Fake) {
     let served = Served::new(device);
     let mut page = served.page();

@@ -67,7 +67,7 @@ pub struct World {
     calibrated_at: Option<u32>,
     decimation: u16,
     dropped: u32,
-    /// Number of requests received.
+    /// Number of requests that the fake device has received.
     pub answers: usize,
     records: u32,
 }

@@ -40,7 +40,7 @@ pub enum Pulled {
     BeforeSaved,
     /// After the settings were written to the flash, before the answer is sent.
     AfterSaved,
-    /// At the start of the Nth calibration.
+    /// At the start of a calibration; holds its number, counted from 1.
     AtCalibration(u32),
 }
 
@@ -53,7 +53,7 @@ pub struct Spinning {
     pulled: bool,
     /// Part of the motor measurement at whose first control period the motor's supply fails; `None` for never.
     pub supply_goes_in: Option<MeasuringPart>,
-    /// The contents of the flash.
+    /// The data in the simulated flash; `None` if nothing was saved.
     kept: Option<stored::Start>,
     settings: u32,
     calibrations: u32,

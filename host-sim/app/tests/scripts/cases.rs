@@ -4,7 +4,7 @@ use crate::{Said, folder, run_in};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// The expected outcome of a case.
+/// The expected outcome of a case: what the program must print or refuse.
 enum Right {
     /// The input is accepted and the output contains all these parts.
     Said(&'static [&'static str]),

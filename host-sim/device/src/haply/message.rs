@@ -61,10 +61,10 @@ pub struct CursorState {
 }
 
 impl CursorState {
-    /// Reads a state from a message: that of the device with this name, or of the first device in the message.
+    /// Reads a device's state from a message: that of the device with this name, or of the first device in the message.
     ///
     /// # Errors
-    /// What is wrong with the message, in words.
+    /// A description of what is wrong with the message.
     pub fn of(text: &str, device: Option<&str>) -> Result<Self, String> {
         let message: Value = serde_json::from_str(text).map_err(|why| why.to_string())?;
         let all = message["inverse3"]

@@ -29,7 +29,7 @@ pub struct DataSheet {
     pub force_n: f64,
     /// Where the effector may be, relative to the origin of the device's frame.
     pub workspace: Workspace,
-    /// Resolution of the measured position, m.
+    /// Resolution of the measured position (distance per encoder count), m.
     pub count_m: f64,
     /// Slowest and fastest control rate, Hz.
     pub rates_hz: (u32, u32),
@@ -71,7 +71,7 @@ pub struct Sensed {
     pub fresh: bool,
 }
 
-/// How much of a commanded force acts.
+/// Whether the whole commanded force acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Applied {
     /// The whole commanded force acts.
@@ -97,7 +97,7 @@ pub struct DeviceStanding {
 ///
 /// Every call returns within a bounded time. After a fault only [`HapticDevice::release`] may be called.
 pub trait HapticDevice {
-    /// The device's known data.
+    /// The device's data sheet.
     fn sheet(&self) -> &DataSheet;
 
     /// Switches the motors on, with no force.

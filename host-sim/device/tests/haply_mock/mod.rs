@@ -14,7 +14,7 @@ pub enum Wrong {
     Nothing,
     Gone,
     Silent,
-    /// Sends pings instead of states.
+    /// Sends pings instead of device states.
     Pings,
     /// Sends the state byte by byte, one byte every 200 ms.
     Drip,
