@@ -21,7 +21,7 @@ pub enum ts_status {
     TS_UNKNOWN_SETTING = 4,
     /// The text is not a valid value of the setting.
     TS_BAD_VALUE = 5,
-    /// The device moved faster than the guard's setting `overspeed`. The output force stays 0 until the guard or the wall is
+    /// The device moved faster than the energy guard's setting `overspeed`. The output force stays 0 until the guard or the wall is
     /// resumed: switch the motor off.
     TS_OVERSPEED = 6,
 }

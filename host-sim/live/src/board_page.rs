@@ -20,7 +20,7 @@ pub enum Way<'a> {
     Serial,
 }
 
-/// Data that are written into the page when it is built.
+/// Data that are written into the web page when it is built.
 #[derive(Debug, Clone, Copy)]
 pub struct Content<'a> {
     /// The connection between the page and the board.

@@ -66,7 +66,7 @@ pub const FACTS: [&str; 19] = [
 /// One simulated control loop of the page.
 struct Place {
     live: Live,
-    /// The hand motion that the scene prescribes, and its duration in seconds; `None` for a scene without one.
+    /// The hand motion that the simulation's scene file prescribes, and its duration in seconds; `None` for a file without one.
     motion: Option<(RestPath, f64)>,
     scene: Scene,
     row: [f64; ROW.len()],
@@ -212,10 +212,10 @@ impl Desk {
         self.places.get_mut(handle)?.as_mut()
     }
 
-    /// Opens a simulated loop at the start of the scene in `text`; returns the loop's handle.
+    /// Opens a simulated loop at the start of the scene (TOML description of the simulation) in `text`; returns the loop's handle.
     ///
     /// # Errors
-    /// The problem in the scene.
+    /// The first problem in the description.
     pub fn open(&mut self, text: &str) -> Result<usize> {
         let scene = scene(text)?;
         let live = Live::new(&scene)?;
@@ -236,10 +236,11 @@ impl Desk {
         }
     }
 
-    /// Changes the scene of a running loop to the one in `text`; the simulated device and hand keep their positions.
+    /// Replaces the scene (TOML description of the simulation) of a running loop by the one in `text`; the simulated device and
+    /// hand keep their positions.
     ///
     /// # Errors
-    /// The problem in the new scene; the loop then continues with its old scene.
+    /// The first problem in the new description; the loop then continues with the old one.
     pub fn change(&mut self, handle: usize, text: &str) -> Result<()> {
         let scene = scene(text)?;
         let place = self.place(handle).ok_or_else(|| closed(handle))?;
@@ -248,7 +249,7 @@ impl Desk {
         Ok(())
     }
 
-    /// Restarts a simulated loop at the start of its scene.
+    /// Restarts a simulated loop from the beginning of its simulation.
     ///
     /// # Errors
     /// The same as for opening the loop.
@@ -268,19 +269,21 @@ impl Desk {
         Some(&place.row)
     }
 
-    /// Rest point of the hand's spring, in radians, that the scene's own hand motion has at `time_s`; NaN for a scene without one.
+    /// Rest point of the hand's spring at `time_s`, in radians, in the hand motion that the loop's scene file prescribes. NaN if it
+    /// prescribes none.
     pub fn own_rest_rad(&mut self, handle: usize, time_s: f64) -> f64 {
         self.place(handle)
             .and_then(|place| place.motion.as_ref())
             .map_or(f64::NAN, |(motion, _)| motion.rest_rad(time_s))
     }
 
-    /// The numbers named in [`FACTS`], which describe the loop and change only with its scene; `None` for an unknown handle.
+    /// The numbers named in [`FACTS`], which describe the simulated loop and change only with its settings; `None` for an unknown
+    /// handle.
     pub fn facts(&mut self, handle: usize) -> Option<&[f64; FACTS.len()]> {
         self.place(handle).map(|place| &place.facts)
     }
 
-    /// The loop's scene as TOML text, with every value and a comment on its meaning.
+    /// The loop's scene (description of the simulation) as TOML text, with every value and a comment on its meaning.
     #[must_use]
     pub fn printed(&mut self, handle: usize) -> String {
         self.place(handle)
@@ -288,8 +291,8 @@ impl Desk {
             .unwrap_or_default()
     }
 
-    /// Returns a scene as TOML text that repeats the loop's control periods since its start. `file` is the name of the file that
-    /// holds the rest point of the hand's spring in every control period.
+    /// Returns a TOML description of a simulation that repeats the loop's control periods since its start. `file` is the name of
+    /// the file that holds the rest point of the hand's spring in every control period.
     #[must_use]
     pub fn replay(&mut self, handle: usize, file: &str) -> String {
         self.place(handle)
