@@ -51,10 +51,10 @@ pub enum Reason {
     Uneven = 4,
     /// The current did not reach its commanded value: a phase is open, or the bus voltage is too low.
     NoCurrent = 5,
-    /// A push of the motor measurement hardly moved the shaft: it is held, or its friction is larger than the push.
-    Held = 6,
     /// In the motor measurement a current pulse hardly moved the shaft: it is held, or its friction is larger than the motor's
     /// torque.
+    Held = 6,
+    /// The rotor was not near the field at the electrical angle that the stored alignment gives.
     KeptWrong = 7,
     /// While the stored alignment was checked, the shaft did not move with the field: it is held or loaded, or the alignment is
     /// wrong.
@@ -70,7 +70,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// All reasons, in the order of their values.
+    /// All reasons, in the order of their numbers.
     pub const ALL: [Self; 11] = [
         Self::OffsetsLate,
         Self::PolePairs,
@@ -97,7 +97,7 @@ impl Reason {
 pub struct Alignment {
     /// Electrical angle in 1/65,536 of a turn at count 0 of the unwrapped encoder.
     pub offset: Angle,
-    /// Whether the electrical angle falls when the count rises.
+    /// Whether the electrical angle falls when the encoder count rises.
     pub against: bool,
 }
 
@@ -108,7 +108,7 @@ pub enum Progress {
     Running(CurrentCommand),
     /// The calibration is done; holds its result.
     Done(Alignment),
-    /// The calibration failed; holds the fault's code and value.
+    /// The calibration failed; holds the fault's code and the number that goes with it.
     Failed(FaultCode, i32),
 }
 

@@ -170,7 +170,8 @@ impl Supervisor {
         }
     }
 
-    /// Starts with another configuration. The shaft's memory is cleared; the current loop's counters and the motor's heat are kept.
+    /// Prepares for another configuration: clears the memory of the shaft's motion. The current loop's counters and the motor's
+    /// heat are kept.
     pub const fn restart(&mut self) {
         self.shaft = Shaft::new();
         self.stuck = Stuck::new();

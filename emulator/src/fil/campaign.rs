@@ -199,7 +199,7 @@ impl Campaign {
         }
     }
 
-    /// Checks that the outputs went off in time and did not go on again.
+    /// Checks that the outputs were switched off in time and stayed off.
     fn is_off(
         &mut self,
         begin: u64,

@@ -27,7 +27,8 @@ const AWAY: u64 = 200 * MS;
 const SAVED: Si = Si::lit("1.25");
 const UNSAVED: Si = Si::lit("0.75");
 
-/// Whether all tests run on this board. On the other boards, whose program differs only in its pins, a sample runs.
+/// Whether all supply tests run on this board. On the other boards, whose program differs only in its pins, only a part of them
+/// runs.
 fn is_reference(setup: &Setup) -> bool {
     setup.board.name == "nucleo-g474re-ihm16m1"
 }
@@ -160,7 +161,7 @@ fn cut_twice(program: &Program, setup: &Setup) -> Result<usize, String> {
     Ok(pairs)
 }
 
-/// State of the device in which the supply is cut.
+/// State of the device in which a test cuts the supply.
 #[derive(Debug, Clone, Copy)]
 enum Moment {
     /// Started, with no request from the computer since.

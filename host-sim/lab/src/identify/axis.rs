@@ -19,7 +19,7 @@ use nalgebra::{Matrix4, Vector4};
 pub struct AxisMechanics {
     /// Mass that moves with the axis, kg.
     pub mass_kg: Estimate,
-    /// Viscous damping, N·s/m.
+    /// Viscous damping of the axis, N·s/m.
     pub damping_n_s_per_m: Estimate,
     /// Dry friction while the axis moves, N.
     pub friction_n: Estimate,

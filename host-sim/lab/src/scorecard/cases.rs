@@ -9,7 +9,7 @@ pub const GRIPS: [Grip; 3] = [Grip::Light, Grip::Medium, Grip::Firm];
 /// How a device of the scorecard differs from the device that the control law assumes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
-    /// No change: the nominal device.
+    /// The device is the nominal one, without a change.
     Nothing,
     /// Factor on the encoder counts per turn.
     Counts(f64),
@@ -122,7 +122,7 @@ pub fn most_torque_n_m(scene: &Scene) -> f64 {
 /// The actions of the simulated hand on a device, the same for every device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Programme {
-    /// Light touch, press and release.
+    /// Motion of the hand: light touch, press and release.
     pub press: TouchAndPress,
     /// Frequencies at which the hand oscillates, Hz.
     pub frequencies_hz: Vec<f64>,

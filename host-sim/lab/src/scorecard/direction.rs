@@ -59,7 +59,7 @@ impl Approach {
         (from, from + frequency_hz.ceil().max(1.0) * period_s)
     }
 
-    /// Duration of an action, s.
+    /// Duration of an action of the hand, s.
     #[must_use]
     pub fn seconds(&self, deed: Deed) -> f64 {
         match deed {

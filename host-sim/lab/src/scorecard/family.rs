@@ -49,7 +49,7 @@ pub struct Member {
     pub scene: Scene,
     /// Name of the grip, and the parameters of a random hand if it is none of the scorecard's grips.
     pub hand: (Grip, Option<Hand>),
-    /// Description of the variant in words.
+    /// Description of the device variant in words.
     pub name: String,
     /// Delay from sample to force, in ticks (control periods).
     pub delay_ticks: f64,
@@ -267,7 +267,7 @@ impl Nominal {
     }
 }
 
-/// Results of one device variant.
+/// Results of one device variant with its hand.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Judged {
     /// Description of the variant: hand, counts, inertia, damping, delay, rate and noise.

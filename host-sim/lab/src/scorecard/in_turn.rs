@@ -21,7 +21,7 @@ const REST_S: f64 = 1.5;
 pub struct DeedsInTurn {
     /// The wall and the forces of the hand.
     pub approach: Approach,
-    /// Parameters of the hand.
+    /// Mechanical parameters of the simulated hand.
     pub hand: Hand,
     first: u64,
 }

@@ -219,7 +219,7 @@ fn row(scene: &Scene, rival: &Rival, tuned: bool, reference: &Reference) -> Row 
 /// A control law for the scorecard, with the scene that has its settings.
 #[derive(Debug, Clone)]
 pub struct Entry {
-    /// The control law.
+    /// The control law, as the scorecard lists it.
     pub rival: &'static Rival,
     /// The scene with this law and its settings.
     pub scene: Scene,

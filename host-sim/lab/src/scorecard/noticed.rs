@@ -12,7 +12,7 @@ use touchstone_sim::run::measure::{RateHardness, Release, Response, Ripple};
 /// A recorded run on a haptic device, with the settings of its wall.
 #[derive(Debug, Clone, Copy)]
 pub struct DeviceRun<'a> {
-    /// Every recorded tick.
+    /// All recorded ticks (control periods) of the run.
     pub ticks: &'a [TouchedTick],
     /// Control rate, Hz.
     pub rate_hz: u32,

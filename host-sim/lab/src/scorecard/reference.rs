@@ -105,7 +105,7 @@ impl Reference {
         })
     }
 
-    /// A reference that sets no limit.
+    /// Makes a reference that sets no limit for the torque ripple.
     #[must_use]
     pub fn none() -> Self {
         Self {

@@ -8,7 +8,7 @@ use touchstone_control::choices::{
 use touchstone_sim::error::{Error, Result};
 use touchstone_sim::scene::{Law, Preset, Scene, nearest};
 
-/// A control law of the comparison.
+/// A control law that the scorecard compares with others.
 #[derive(Debug, Clone, Copy)]
 pub struct Rival {
     /// Name of the law on the command line and in JSON.

@@ -9,9 +9,9 @@ use std::ops::Range;
 pub struct TouchedTick {
     /// Number of control periods since the first tick. Neighbouring ticks differ by more than one if ticks were missed.
     pub due: u64,
-    /// Position that was read, m.
+    /// Position of the effector that was read, m.
     pub position_m: [f64; 3],
-    /// Force that was commanded, N.
+    /// Force that was commanded to the motors, N.
     pub force_n: [f64; 3],
     /// Depth of the position below the surface, m; negative outside.
     pub depth_m: f64,
@@ -27,7 +27,7 @@ const RESTING_SHARE: f64 = 0.02;
 /// Depth and force of a run, one value per control period. Missed ticks are interpolated; the force is constant over them.
 pub struct TouchedSeries {
     first: u64,
-    /// Depth at each tick, m.
+    /// Depth below the surface at each tick, m.
     pub depth: Vec<f64>,
     /// Depth in the middle of each tick, during which the force is constant, m.
     pub middle: Vec<f64>,
@@ -91,7 +91,7 @@ impl TouchedSeries {
         found
     }
 
-    /// Inward speed over the last `intervals` ticks, m/s.
+    /// Speed into the surface, averaged over the last `intervals` ticks (control periods), m/s.
     pub fn speed(&self, index: usize, intervals: usize, rate_hz: f64) -> f64 {
         let was = index.saturating_sub(intervals);
         match index > was {

@@ -18,12 +18,12 @@ const REST_S: f64 = 0.25;
 /// Largest distance of the knob from the surface, inside or outside, rad; beyond it the wall counts as lost.
 const LOST_RAD: f64 = 3.0;
 
-/// Scorecard results of one run.
+/// Measures of the scorecard from one run.
 #[derive(Debug, Clone, Copy)]
 pub struct Seen {
-    /// Measures with a limit.
+    /// Measures that have a limit.
     pub figures: Figures,
-    /// Measures without a limit.
+    /// Measures that have no limit.
     pub beside: Beside,
     /// Response to an oscillating hand; `None` if the hand did not oscillate, or the knob left the wall.
     pub met: Option<DynamicStiffness>,

@@ -206,7 +206,7 @@ impl Axis {
         }
     }
 
-    /// Range of a value's cells on the axis' scale: half-way to the neighbouring values.
+    /// Range on the axis' scale that the cells of a value cover, half-way to the neighbouring values.
     #[must_use]
     pub fn edges(&self, index: usize) -> RangeInclusive<f64> {
         let at = |index: usize| match self.numbers() {
@@ -228,7 +228,7 @@ impl Axis {
         }
     }
 
-    /// Text of a value for tables.
+    /// Text of an axis value for tables.
     #[must_use]
     pub fn text(&self, index: usize) -> String {
         match &self.values[index] {

@@ -130,7 +130,7 @@ fn trials(axis: &Axis, word: usize) -> Vec<usize> {
     }
 }
 
-/// Builds the scenes of cells.
+/// Builds the scene of each cell from the base scene.
 #[derive(Debug)]
 pub struct Scenes<'a> {
     grid: &'a Grid,

@@ -9,7 +9,7 @@ use touchstone_sim::run::record::{Run, Summary, Trace, Verdict};
 use touchstone_sim::run::{self};
 use touchstone_sim::scene::Scene;
 
-/// Whether the simulation reproduces a statement.
+/// Result of the comparison of a statement with the simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
     /// The simulation reproduces the thesis' statement.

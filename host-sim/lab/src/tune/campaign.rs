@@ -101,11 +101,11 @@ pub struct Row {
     pub number: u64,
     /// The law that was tuned.
     pub law: String,
-    /// Inertia, kg·m².
+    /// Inertia of the device, kg·m².
     pub inertia_kg_m2: f64,
-    /// Damping, N·m·s/rad.
+    /// Viscous damping of the device, N·m·s/rad.
     pub damping_n_m_s_per_rad: f64,
-    /// Dry friction, N·m.
+    /// Dry friction of the device, N·m.
     pub friction_n_m: f64,
     /// Encoder counts per turn.
     pub counts_per_rev: f64,

@@ -57,7 +57,7 @@ enum Aim {
 /// Cost of the settings of a law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// The cost, which the search minimises.
+    /// The cost of the settings, which the search minimises.
     pub value: f64,
     /// Largest ratio of a measure to its limit; infinite if not every device was simulated.
     pub worst: f64,

@@ -18,7 +18,7 @@ const WORST_CONDITION: f64 = 1e14;
 struct Constants {
     /// Weights of the points by rank, the best point first. Those of the better half sum to 1; the others are negative.
     weights: Vec<f64>,
-    /// Number of positive weights.
+    /// Number of points per generation with a positive weight.
     parents: usize,
     /// Effective number of parents, `1 / Σw²` over the positive weights `w`.
     effective: f64,

@@ -73,9 +73,9 @@ const LOOKS_PER_PARAMETER: f64 = 400.0;
 /// Result of tuning: a control law with its settings.
 #[derive(Debug, Clone)]
 pub struct Tuned {
-    /// The tuned law.
+    /// The control law that was tuned.
     pub rival: &'static Rival,
-    /// The scene with the tuned law.
+    /// The scene with the tuned settings of the law.
     pub scene: Scene,
     /// The tuned settings, each with its dotted path in the scene file and its value.
     pub parameters: Vec<(&'static str, f64)>,

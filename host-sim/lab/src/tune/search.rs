@@ -8,9 +8,9 @@ use super::evolution::Evolution;
 pub struct Found {
     /// The point with the least cost. Its coordinates are natural logarithms of settings divided by their start values.
     pub point: Vec<f64>,
-    /// Cost of the best point.
+    /// Cost of the point with the least cost.
     pub cost: Cost,
-    /// Number of points that were examined.
+    /// Number of points whose cost was computed.
     pub evaluations: u64,
 }
 

@@ -19,7 +19,7 @@ use crate::scene::{
 /// One effect of the simulation, such as friction or sensor noise.
 #[derive(Debug, Clone, Copy)]
 pub struct Effect {
-    /// The effect's name.
+    /// Name of the effect in lists and commands.
     pub name: &'static str,
     /// Place of the effect in the loop.
     pub place: Place,

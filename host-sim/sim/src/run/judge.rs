@@ -134,7 +134,7 @@ impl Felt {
 /// Verdict and measures of a whole run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Judgement {
-    /// How the run ended.
+    /// Verdict on the run, such as passive or unstable.
     pub verdict: Verdict,
     /// Reason why the run could not be judged; `None` if it was judged.
     pub not_judged: Option<NotJudged>,
@@ -179,7 +179,7 @@ pub struct Judgement {
     pub guard: Option<GuardWatch>,
     /// Time until the press had settled, in ticks.
     pub settled: Option<Settled>,
-    /// Largest penetration, rad.
+    /// Largest penetration of the device into the wall, rad.
     pub penetration_max: f64,
     /// Largest absolute force, N·m.
     pub force_max: f64,

@@ -106,7 +106,7 @@ impl Live {
         self.mechanics.angle_rad()
     }
 
-    /// Number of ticks run so far.
+    /// Number of ticks (control periods) simulated so far.
     #[must_use]
     pub fn ticks(&self) -> u64 {
         self.next

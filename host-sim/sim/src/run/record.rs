@@ -29,7 +29,7 @@ pub struct Summary {
     pub encoder_counts_per_rev: Option<f64>,
     /// Control rate, Hz.
     pub rate_hz: u32,
-    /// How the run ended.
+    /// Verdict on the run, such as passive or unstable.
     pub verdict: Verdict,
     /// Reason why the run could not be judged; `None` if it was judged.
     pub not_judged: Option<String>,
@@ -87,7 +87,7 @@ pub struct Summary {
     pub penetration_max: f64,
     /// Largest commanded force, N·m.
     pub force_max: f64,
-    /// Number of ticks simulated.
+    /// Number of ticks (control periods) that were simulated.
     pub ticks: u64,
     /// Number of ticks (control periods) in which the wall exerted a force.
     pub contact_ticks: u64,
@@ -171,7 +171,7 @@ impl Summary {
 /// Columns of the recorded run, one entry per tick. All vectors have the same length.
 #[derive(Debug, Clone, Default)]
 pub struct Trace {
-    /// Time of the sample, s.
+    /// Time of each position sample, s.
     pub time_s: Vec<f64>,
     /// True angle of the device, rad.
     pub angle_rad: Vec<f64>,
@@ -181,7 +181,7 @@ pub struct Trace {
     pub angle_measured_rad: Vec<f64>,
     /// Angle of the hand's mass, rad; without a hand, the device's angle.
     pub hand_rad: Vec<f64>,
-    /// The hand's moving rest point, rad.
+    /// Rest point of the hand, rad: the angle to which the person pulls the hand.
     pub rest_rad: Vec<f64>,
     /// Force of the control law after its limit, N·m, positive out of the wall.
     pub force_n_m: Vec<f64>,
@@ -243,7 +243,7 @@ impl Trace {
     }
 }
 
-/// One finished run.
+/// A finished simulation, with its measures and its trace.
 #[derive(Debug, Clone)]
 pub struct Run {
     /// The measures of the run.

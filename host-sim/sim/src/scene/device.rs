@@ -24,7 +24,7 @@ pub struct DeviceSpec {
     /// Resolution of the amplifier: smallest step between two torques that it can make, N·m, above 0. Absent: no steps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplifier_step_n_m: Option<f64>,
-    /// Dry friction. Absent: none.
+    /// Dry friction of the device. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
     /// Cogging torque of the motor. Absent: none.
@@ -147,7 +147,7 @@ choice! {
         ImplicitEuler = "implicit-euler",
         /// Implicit midpoint rule; dry friction is solved exactly in each step, including sticking (set-valued friction).
         ImplicitMidpoint = "implicit-midpoint",
-        /// Semi-implicit Euler.
+        /// Semi-implicit Euler; dry friction takes at most the torque that stops the device.
         SemiImplicitEuler = "semi-implicit-euler",
         /// Classical Runge–Kutta of order 4; dry friction is smoothed around zero velocity.
         RungeKutta4 = "runge-kutta-4",

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SensorErrors {
-    /// White noise. Absent: none.
+    /// White noise of the position sensor. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<SensorNoise>,
     /// Angle error that repeats every turn. Absent: none.

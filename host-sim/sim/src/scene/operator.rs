@@ -136,7 +136,7 @@ pub enum MotionSpec {
     TouchAndPress(TouchAndPress),
     /// Turns the knob by an angle and back, with or without a wall.
     Turn(Turn),
-    /// Follows a recorded motion.
+    /// Follows a recorded motion from a CSV file.
     Recorded(Recorded),
 }
 

@@ -37,12 +37,12 @@ pub(super) struct Series(pub(super) [f64; TERMS]);
 impl Series {
     pub(super) const ZERO: Self = Self([0.0; TERMS]);
 
-    /// The value `p(t)`.
+    /// Value of the series `p` at the fraction `t` of the interval.
     pub(super) fn at(&self, t: f64) -> f64 {
         self.0.iter().rev().fold(0.0, |sum, c| sum * t + c)
     }
 
-    /// The integral `∫₀ᵗ p`.
+    /// Integral of the series `p` from 0 to the fraction `t` of the interval.
     pub(super) fn integral(&self, t: f64) -> f64 {
         let sum = self
             .0
@@ -53,7 +53,7 @@ impl Series {
         sum * t
     }
 
-    /// The integral `∫₀ᵗ p²`.
+    /// Integral of the square of the series `p` from 0 to the fraction `t` of the interval.
     pub(super) fn integral_of_square(&self, t: f64) -> f64 {
         let half = 0.5 * t;
         let pair = |(node, weight): (f64, f64)| {

@@ -49,11 +49,11 @@ const COUNT_SHARE: f64 = 0.25;
 /// Data that a device sends for one control period (tick) of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CalibrationTick {
-    /// Number of the control tick.
+    /// Number of the control period (tick).
     pub tick: u32,
     /// Part of the measurement; `None` while the field turns.
     pub part: Option<MeasuringPart>,
-    /// Position, encoder counts.
+    /// Position of the shaft, encoder counts.
     pub count: i32,
 }
 
@@ -73,9 +73,9 @@ pub struct KnownEncoder {
 /// One order `n` of the encoder's error over the shaft's angle `θ`: `A sin(n θ + φ)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Harmonic {
-    /// Amplitude `A`, rad.
+    /// Amplitude of the error of this order, rad.
     pub amplitude_rad: f64,
-    /// Phase `φ`, rad.
+    /// Phase of the error of this order, rad.
     pub phase_rad: f64,
     /// Uncertainty of amplitude and phase as a phasor `A e^(jφ)`, in any direction of the complex plane, rad.
     pub uncertainty_rad: f64,
@@ -113,7 +113,7 @@ pub struct Eccentricity {
     pub apart_rad: Option<[f64; ORDERS]>,
     /// Residual of the fit to the field's motion, root mean square, rad.
     pub residual_rms_rad: f64,
-    /// Size of an encoder count, rad.
+    /// Angle of one encoder count, rad.
     pub count_rad: f64,
 }
 

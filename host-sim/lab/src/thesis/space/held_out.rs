@@ -233,7 +233,7 @@ pub struct HeldOut {
 /// The largest value of a measure over all walls, with the wall that has it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WorstOfAll {
-    /// The measure of the scorecard.
+    /// The measure of the scorecard to which the values belong.
     pub measure: Measure,
     /// The largest value; `None` if it is infinite, for example because the run diverged.
     pub value: Option<f64>,

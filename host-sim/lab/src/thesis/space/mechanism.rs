@@ -117,7 +117,7 @@ pub struct Deviation {
 }
 
 impl Deviation {
-    /// The nominal device.
+    /// No deviation: the nominal device.
     pub const NONE: Self = Self {
         inertia: 1.0,
         damping: 1.0,

@@ -60,7 +60,7 @@ pub enum Object {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Approach {
-    /// A spring along the normal.
+    /// A spring along the surface's normal.
     Spring,
     /// A spring with virtual damping, along the normal.
     SpringDamper,
@@ -282,7 +282,7 @@ pub fn settings_for(mechanism: Mechanism, law: LawKind, k_desired_n_per_mm: f64)
     }
 }
 
-/// The wall of a cell.
+/// Makes the wall of a cell: its object with its control law.
 fn wall(cell: &Cell) -> Result<SpaceWall<N, Shape<N>, AnyLaw<N>>, SettingsError> {
     let mechanism = cell.mechanism;
     if cell.approach == Approach::Shipped {

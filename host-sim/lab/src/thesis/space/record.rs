@@ -5,7 +5,7 @@ use super::{Cell, Object, Phase, RADIUS_MM};
 /// The record of a run in three degrees of freedom, one entry per tick (control period).
 #[derive(Debug, Clone)]
 pub struct Record {
-    /// The cell that was run.
+    /// The cell of the comparison that was simulated.
     pub cell: Cell,
     /// Time of each tick, s.
     pub time_s: Vec<f64>,

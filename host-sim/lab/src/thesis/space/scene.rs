@@ -28,7 +28,7 @@ pub struct SpaceScene {
     pub mechanism: SpaceMechanism,
 }
 
-/// Table `[object]` of the scene file.
+/// Table `[object]` of the scene file: the touched object.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpaceObject {
@@ -37,7 +37,7 @@ pub struct SpaceObject {
     pub kind: Object,
 }
 
-/// Table `[law]` of the scene file.
+/// Table `[law]` of the scene file: how the force is computed.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpaceLaw {
@@ -49,7 +49,7 @@ pub struct SpaceLaw {
     pub k_desired_n_per_mm: Option<f64>,
 }
 
-/// Table `[mechanism]` of the scene file.
+/// Table `[mechanism]` of the scene file: the device.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpaceMechanism {

@@ -85,11 +85,11 @@ impl Stage for Noisy {
 /// disc or magnet off the axis; a tilt adds the second term.
 #[derive(Debug, Clone, Copy)]
 pub struct Eccentric {
-    /// Amplitude `A`, rad.
+    /// Amplitude `A` of the angle error, rad.
     pub amplitude_rad: f64,
-    /// Periods `n` per turn.
+    /// Number of periods `n` of the angle error per turn.
     pub per_rev: f64,
-    /// Phase `phi`, rad.
+    /// Phase `phi` of the angle error, rad.
     pub phase_rad: f64,
     /// Amplitude `A2` and phase `phi2` of the component with `2n` periods per turn, rad; `None` without this component.
     pub second: Option<(f64, f64)>,

@@ -79,7 +79,7 @@ impl<S: Stage> Control for Staged<S> {
     }
 }
 
-/// Limits the torque.
+/// Limits the motor's torque to a largest absolute value.
 #[derive(Debug, Clone, Copy)]
 pub struct Limited {
     /// Largest absolute torque, N·m.

@@ -1,6 +1,6 @@
 //! Largest penetration of the device into the wall.
 
-/// The deepest penetration of a press.
+/// Measures the deepest penetration of the device during a press.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PeakPenetration {
     peak_rad: f64,

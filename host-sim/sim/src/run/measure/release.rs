@@ -27,7 +27,7 @@ impl Release {
         }
     }
 
-    /// Largest outward speed, rad/s.
+    /// Largest outward speed of the device, rad/s.
     #[must_use]
     pub fn speed_rad_per_s(&self) -> f64 {
         self.speed_rad_per_s

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 /// A rhythmic motion of the hand at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wiggle {
-    /// Frequency of the motion, Hz.
+    /// Frequency of the hand's motion, Hz.
     pub frequency_hz: f64,
     /// First tick, and tick after the last, of the measurement: whole periods at full amplitude.
     pub window: (u64, u64),
@@ -15,7 +15,7 @@ pub struct Wiggle {
 /// Dynamic stiffness: ratio of force to penetration at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DynamicStiffness {
-    /// Frequency, Hz.
+    /// Frequency of the hand's motion, Hz.
     pub frequency_hz: f64,
     /// Amplitude of the force divided by that of the penetration, N·m/rad.
     pub modulus_n_m_per_rad: f64,

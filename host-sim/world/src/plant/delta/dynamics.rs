@@ -161,12 +161,12 @@ impl DeltaState {
 /// The integrated vector: the twelve numbers of a [`DeltaState`], the work of the motors, and the losses of device and hand.
 type Entries = SVector<f64, 15>;
 
-/// Energies of a step, J.
+/// Work of the motors and losses in one simulated interval, J.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DeltaWork {
     /// Work of the motors on the device.
     pub motors_j: f64,
-    /// Dissipated energy.
+    /// Energy dissipated in device and hand.
     pub loss: Loss,
 }
 
