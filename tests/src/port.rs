@@ -381,7 +381,8 @@ impl<F: Fn(f64) -> f64> Gripped<F> {
     }
 }
 
-/// Torque of a hand that pushes with 0.1 N·m plus a sine of 0.03 N·m at `hz`, after a rise over 0.3 s. With 0 Hz the push is constant.
+/// Torque of a hand that pushes with 0.1 N·m plus a sine of 0.03 N·m at `hz`, after a rise over 0.3 s. With 0 Hz the push is
+/// constant.
 pub fn wiggle(hz: f64) -> impl Fn(f64) -> f64 {
     move |t| (t / 0.3).min(1.0) * (0.1 + 0.03 * (std::f64::consts::TAU * hz * t).sin())
 }

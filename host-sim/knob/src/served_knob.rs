@@ -206,7 +206,7 @@ impl Backend for ServedKnob {
         checked(settings, BOARD)
     }
     fn use_settings(&mut self, settings: &DeviceSettings) {
-        // They were checked.
+        // The settings were checked before, so they are accepted.
         if self.knob.device.configure(settings, &IHM08M1).is_ok() {
             self.settings = settings.clone();
         }
