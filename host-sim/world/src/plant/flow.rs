@@ -1,15 +1,16 @@
-//! Closed-form step of a linear system as a matrix. The matrix is computed once, when a plant is made, and applied in every interval.
+//! Closed-form step of a linear system as a matrix. The matrix is computed once, when a plant is made, and applied in every
+//! interval.
 //!
-//! A plant has a state `z` and a *drive* `y`, with `y' = M y` and `z' = R y`. The drive contains all values on which the motion depends:
-//! velocities, strains and the held torque, but no absolute angle. For an interval `h`:
+//! A plant has a state `z` and a *drive* `y`, with `y' = M y` and `z' = R y`. The drive contains all values on which the motion
+//! depends: velocities, strains and the held torque, but no absolute angle. For an interval `h`:
 //!
 //! ```text
 //! z(h) - z(0) = R Ψ(h) y(0),    Ψ(h) = ∫₀ʰ exp(M t) dt,    exp(M h) = I + M Ψ(h)
 //! ```
 //!
-//! This is the augmented matrix exponential of Van Loan (IEEE TAC 23(3) 395, 1978), written for increments. Increments keep their relative
-//! accuracy when damping or interval go to zero, where the usual closed form `(m/b)(1 - exp(-bT/m))` cancels (mass `m`, damping `b`, time
-//! `T`). A singular `M` (no damping, no spring) needs no special case.
+//! This is the augmented matrix exponential of Van Loan (IEEE TAC 23(3) 395, 1978), written for increments. Increments keep their
+//! relative accuracy when damping or interval go to zero, where the usual closed form `(m/b)(1 - exp(-bT/m))` cancels (mass `m`,
+//! damping `b`, time `T`). A singular `M` (no damping, no spring) needs no special case.
 
 use super::device::Invalid;
 use nalgebra::{SMatrix, Scalar};

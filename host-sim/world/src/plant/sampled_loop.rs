@@ -1,5 +1,5 @@
-//! The closed loop of plant, sampler, computational delay and a spring as control law. Its stability limit is a reference value for the
-//! whole simulator.
+//! The closed loop of plant, sampler, computational delay and a spring as control law. Its stability limit is a reference value for
+//! the whole simulator.
 //!
 //! With a command held for a control period `T` and delayed by `t_d`, a stiffness `K` on a device with damping `b` is stable up to
 //!
@@ -7,8 +7,8 @@
 //! K_max = b / (T/2 + t_d)
 //! ```
 //!
-//! if the inertia `J` of the device is large against its damping (`b T / J` small). The eigenvalues of the loop's exact matrix give the
-//! same limit within a few per cent; [`critical_stiffness`] bisects on them.
+//! if the inertia `J` of the device is large against its damping (`b T / J` small). The eigenvalues of the loop's exact matrix give
+//! the same limit within a few per cent; [`critical_stiffness`] bisects on them.
 
 use nalgebra::{DMatrix, DVector};
 

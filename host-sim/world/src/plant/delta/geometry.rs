@@ -8,9 +8,9 @@
 //! (u - a cos θ)² + (w - a sin θ)² = L²        L = ends + sqrt(b² - v²)
 //! ```
 //!
-//! `b` is the length of the forearm, and `ends` the length of its two end pieces. The equation is linear in `cos θ` and `sin θ`, so a position
-//! gives its joint angles in closed form. Newton's method gives the position for joint angles. The first derivative gives the slopes of
-//! the joint angles (radians per metre), the second derivative their curvature.
+//! `b` is the length of the forearm, and `ends` the length of its two end pieces. The equation is linear in `cos θ` and `sin θ`, so
+//! a position gives its joint angles in closed form. Newton's method gives the position for joint angles. The first derivative
+//! gives the slopes of the joint angles (radians per metre), the second derivative their curvature.
 
 use nalgebra::{Matrix3, Vector3};
 
