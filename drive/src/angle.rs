@@ -1,4 +1,4 @@
-//! Electrical angle as a fraction of a turn, and its sine and cosine from a table.
+//! Electrical angle of a motor as a fraction of a turn, with sine and cosine from a table.
 
 /// An angle as a `u16` fraction of a turn: 0x4000 is a quarter turn, and the value wraps to zero after a full turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -16,7 +16,7 @@ const TABLE: [i16; STEPS + 1] = table();
 
 /// `2 π` with 60 fractional bits.
 const TWO_PI: i128 = 7_244_019_458_077_122_842;
-/// Fractional bits with which the sine table is calculated.
+/// Number of fractional bits with which the compiler calculates the sine table.
 const BITS: u32 = 60;
 
 /// Calculates the sine table in 1/32,768, rounded to the nearest, with 1 as 32,767: entry `k` is `sin(2π k / 256)`. The compiler

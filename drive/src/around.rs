@@ -80,13 +80,13 @@ enum Waits {
     ForTheCalibration,
 }
 
-/// The running environment of a board, and the one that is prepared.
+/// The environment (walls and detents) that a board renders, and the one that is prepared to replace it.
 #[derive(Debug, Clone)]
 pub struct Around {
     places: [Option<Surrounding>; 2],
     use_second: bool,
     waits: Waits,
-    /// Whether an environment runs, in the place of the single wall of the settings.
+    /// Whether the environment is rendered in place of the single wall of the settings.
     runs: bool,
     /// Whether a control period has run since the arming. The next fields hold that period's encoder count and force.
     ticked: bool,

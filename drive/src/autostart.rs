@@ -27,7 +27,7 @@ const REST_AGAIN: u32 = 200 / STEP_MS;
 /// check it waits at most three seconds.
 const PATIENCE: u32 = 10_000 / STEP_MS;
 const PATIENCE_AGAIN: u32 = 3_000 / STEP_MS;
-/// Encoder counts by which a shaft at rest may jitter.
+/// Encoder counts within which a shaft counts as at rest.
 const JITTER: u64 = 4;
 
 /// The values of the board that one step of the unattended start looks at.

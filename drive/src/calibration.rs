@@ -1,5 +1,5 @@
-//! Calibration, before the first torque. It measures the current sensors' offsets, the encoder's direction, and which count belongs
-//! to which electrical angle, and checks the number of pole pairs.
+//! Calibration, before the first torque. It measures the current sensors' offsets, the encoder's direction, and which encoder count
+//! belongs to which electrical angle, and checks the number of pole pairs.
 //!
 //! ```text
 //! Offsets -> Raise -> Settle -> Forward -> Back -> done
@@ -9,13 +9,13 @@
 //! 2. A current along a field that stands still is raised slowly. The rotor turns into the field, by at most half an electrical turn. A rotor
 //!    that stood against the field comes loose late and swings about it. The field waits as long as the rotor swings, up to three seconds.
 //! 3. The field turns one electrical turn and then one mechanical turn forward (`pole pairs` electrical turns), and all of it back;
-//!    the rotor follows. The first electrical turn of each way is not examined: it frees a rotor that happened to stand
+//!    the rotor follows. In the first electrical turn of each direction no samples are taken: it frees a rotor that happened to stand
 //!    against the field, and takes up friction. The counts moved in the mechanical turn give direction and pole pairs.
-//! 4. On the way, at each eighth of an electrical turn, the difference between field and count is taken. Friction makes the
-//!    rotor lag, on the way back in the other direction, so the mean of both ways is right. As the mean is over a whole turn, an eccentric
-//!    magnet does not change it.
+//! 4. In both directions, at each eighth of an electrical turn, the angle between field and rotor is sampled. Friction makes the rotor lag
+//!    behind the field, in opposite directions on the way forward and back, so the mean of both is right. As the mean is over a whole turn,
+//!    an eccentric magnet does not change it.
 //!
-//! The result is used only if all of it is plausible. Every stage ends after a limited number of ticks.
+//! The result is used only if all of it is plausible. Every stage ends after a limited number of control periods.
 //!
 //! If the alignment of an absolute encoder is stored, the calibration checks that alignment instead (module `check`).
 
@@ -51,10 +51,10 @@ pub enum Reason {
     Uneven = 4,
     /// The current did not reach its commanded value: a phase is open, or the bus voltage is too low.
     NoCurrent = 5,
-    /// A push of the motor measurement hardly moved the shaft: it is held, or its friction is larger than the push.
-    Held = 6,
     /// In the motor measurement a current pulse hardly moved the shaft: it is held, or its friction is larger than the motor's
     /// torque.
+    Held = 6,
+    /// The rotor was not near the field at the electrical angle that the stored alignment gives.
     KeptWrong = 7,
     /// While the stored alignment was checked, the shaft did not move with the field: it is held or loaded, or the alignment is
     /// wrong.
@@ -70,7 +70,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// All reasons, in the order of their values.
+    /// All reasons, in the order of their numbers.
     pub const ALL: [Self; 11] = [
         Self::OffsetsLate,
         Self::PolePairs,
@@ -97,7 +97,7 @@ impl Reason {
 pub struct Alignment {
     /// Electrical angle in 1/65,536 of a turn at count 0 of the unwrapped encoder.
     pub offset: Angle,
-    /// Whether the electrical angle falls when the count rises.
+    /// Whether the electrical angle falls when the encoder count rises.
     pub against: bool,
 }
 
@@ -108,7 +108,7 @@ pub enum Progress {
     Running(CurrentCommand),
     /// The calibration is done; holds its result.
     Done(Alignment),
-    /// The calibration failed; holds the fault's code and value.
+    /// The calibration failed; holds the fault's code and the number that goes with it.
     Failed(FaultCode, i32),
 }
 

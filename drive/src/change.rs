@@ -28,7 +28,7 @@ use touchstone_protocol::{Decimal, DeviceSettings};
 /// Time from the sampling of the currents to each encoder reading, in quarters of a PWM period. The current loop's interrupt runs
 /// in between.
 const READ_AFTER_QUARTERS: u32 = 1;
-/// Fractional bits of the calculations in this module.
+/// Number of fractional bits of the fixed-point numbers in this module.
 const BITS: u32 = 28;
 const ONE: i64 = 1 << BITS;
 /// Largest fraction (a fiftieth) of a change of force that may still be missing when the next change begins.

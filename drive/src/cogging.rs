@@ -76,8 +76,8 @@ impl Played {
         }
     }
 
-    /// The compensating current, positive in the direction of rising counts. Takes the position in counts from the encoder's zero,
-    /// and the speed.
+    /// The current that compensates the cogging; positive if its torque acts towards rising counts. Takes the position in counts
+    /// from the encoder's zero, and the speed.
     #[inline]
     #[must_use]
     pub const fn current(&self, place: i64, rad_per_s: I16F16) -> Amps {

@@ -1,4 +1,4 @@
-//! From a torque to a command for the drive: a current for this board's bridge, or a voltage for an external amplifier.
+//! Converts a torque to a command for the drive: a current for this board's bridge, or a voltage for an external amplifier.
 
 use crate::Amps;
 use crate::angle::Angle;
@@ -45,7 +45,7 @@ pub struct Rotor {
     pub advance: i32,
     /// Whether the electrical angle falls when the encoder count rises.
     pub against: bool,
-    /// Fraction of the current limit that the temperature allows, in 1/65,536; at most 65,536.
+    /// Fraction of the current limit that the temperature allows, in 1/65,536 (65,536: the whole limit).
     pub derating: u32,
     /// Current that the cogging map adds, A; positive if its torque acts towards rising positions (`+x`).
     #[cfg(feature = "large")]
@@ -115,7 +115,7 @@ pub struct ThreePhase {
 }
 
 impl ThreePhase {
-    /// Computes the coefficients from the motor's settings.
+    /// Computes torque constant and its inverse from the motor's settings.
     ///
     /// # Errors
     /// The inverse of the torque constant does not fit its fixed-point format.
@@ -177,7 +177,7 @@ pub struct Analogue {
 }
 
 impl Analogue {
-    /// Computes the coefficient from the amplifier's settings.
+    /// Computes the codes of the analogue output per N·m from the amplifier's settings.
     ///
     /// # Errors
     /// The inverse of the full-scale torque does not fit its fixed-point format.

@@ -34,7 +34,7 @@ pub struct Config {
     pub calibration: CalibrationConfig,
     /// Coefficients of a motor measurement that follows the calibration.
     pub measurement: MeasurementConfig,
-    /// Coefficients of a cogging sweep that follows the calibration.
+    /// Coefficients of a cogging sweep (slow turn that measures the cogging torque) after the calibration.
     #[cfg(feature = "large")]
     pub sweep: crate::sweep::SweepConfig,
     /// Converts a torque to a current, or to a voltage for an external amplifier.
@@ -49,7 +49,7 @@ pub struct Config {
     pub electrical: ElectricalScale,
     /// Converts the analogue-to-digital converter's code to the temperature.
     pub thermistor: Thermistor,
-    /// The second encoder reading at the change of force; `None` where it is not used.
+    /// How the second encoder reading, at the change of force, is timed and used; `None` where it is not used.
     pub change: Option<ChangeConfig>,
     /// Growth per control period of the factor by which the torque is multiplied while it fades in, 2^-32.
     pub fade_step: u32,

@@ -432,7 +432,7 @@ impl Device {
         is_new
     }
 
-    /// Writes the values that telemetry reports in every state.
+    /// Writes the values that are reported in every state into the telemetry record.
     // A call would have the whole input in memory, and it is copied there.
     #[inline(always)]
     fn observe(&mut self, tick: u32, input: &ControlInput, count: Option<i64>) {

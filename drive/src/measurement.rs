@@ -114,7 +114,7 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// Begins a measurement with the shaft at this count.
+    /// Begins a measurement with the shaft at this encoder count.
     #[must_use]
     pub const fn new(config: MeasurementConfig, count: i64) -> Self {
         Self {
@@ -129,7 +129,7 @@ impl Measurement {
         }
     }
 
-    /// The present part of the measurement.
+    /// The part of the measurement that runs, for example a push or a coast.
     #[must_use]
     pub const fn part(&self) -> MeasuringPart {
         self.part
@@ -188,7 +188,7 @@ impl Measurement {
         })
     }
 
-    /// Brakes the shaft until it is at rest.
+    /// Runs one control period of braking, until the shaft is at rest.
     fn brake(&mut self, speed: I16F16, rotor: &Rotor) -> Measuring {
         if self.still >= self.config.rest || self.ticks >= self.config.longest {
             if self.pushes >= PUSHES {

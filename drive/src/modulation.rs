@@ -10,7 +10,7 @@ use crate::units::{clamp_i32, product};
 /// The timer's range, and the largest compare value that leaves time to sample the currents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Modulator {
-    /// Compare value at which a phase is always high: the timer's reload value.
+    /// Compare value at which a phase is always at the bus voltage: the timer's reload value.
     pub top: u16,
     /// Largest compare value. Above it the low side is on for too short a time to sample its shunt.
     pub longest: u16,
@@ -22,7 +22,7 @@ const HALF_ROOT_3: i32 = 56_756;
 const ONE_OVER_ROOT_3: i64 = 37_837;
 
 impl Modulator {
-    /// Compare values for zero voltage: all phases are high half of the time.
+    /// Compare values for zero voltage at the motor: all phases are at the bus voltage half of the time.
     #[must_use]
     pub const fn zero(&self) -> [u16; 3] {
         [self.top / 2; 3]

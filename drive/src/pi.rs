@@ -35,7 +35,7 @@ pub struct PiGains {
 const TWO_PI: Si = Si::lit("6.283185307");
 
 impl PiGains {
-    /// Gains of a loop that never drives a motor.
+    /// Gains of zero, for a loop that never drives a motor.
     pub const NONE: Self = Self {
         proportional: I16F16::ZERO,
         share: 0,

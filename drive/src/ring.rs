@@ -101,7 +101,7 @@ impl CompactRecord {
     }
 }
 
-/// A ring of the last records; reading begins with the oldest.
+/// A ring buffer of the last records; reading begins with the oldest.
 #[derive(Debug, Clone)]
 pub struct Ring {
     records: [[u8; BYTES]; RECORDS],

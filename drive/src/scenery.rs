@@ -43,7 +43,7 @@ pub(crate) trait Scenery {
     fn is_beyond_reach(&self, law: &Law, penetration: Position<Fixed32>) -> bool;
     /// Internal values of the wall that the device touches, for telemetry.
     fn view(&self, law: &Law) -> View<Fixed32>;
-    /// Whether an environment runs in the place of the settings' single wall.
+    /// Whether an environment is rendered in place of the settings' single wall.
     fn runs(&self) -> bool;
     /// Tells the rendered scene that a calibration has switched to other settings.
     fn calibrated(&mut self, law: &mut Law);

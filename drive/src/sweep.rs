@@ -27,7 +27,7 @@ const HELD: i64 = 16;
 
 /// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
-/// Natural frequency `ω` of the position loop, rad/s: 20 Hz.
+/// Natural frequency of the sweep's position loop, rad/s (20 Hz).
 const OMEGA: Si = Si::lit("125.66");
 /// Damping of the position loop, as a fraction of critical damping.
 const DAMPING: Si = Si::lit("0.7");
@@ -116,7 +116,7 @@ pub struct Running {
 }
 
 impl Running {
-    /// Begins a sweep with the shaft at this count.
+    /// Begins a sweep with the shaft at this encoder count.
     #[must_use]
     pub const fn new(config: SweepConfig, count: i64) -> Self {
         Self {
@@ -130,7 +130,7 @@ impl Running {
         }
     }
 
-    /// The present part of the sweep; `None` while the shaft stands at the end.
+    /// The part of the sweep that runs (forward or backward); `None` while the shaft stands at the end.
     #[must_use]
     pub const fn part(&self) -> Option<MeasuringPart> {
         match self.way {

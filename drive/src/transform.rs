@@ -21,7 +21,7 @@ const ONE_OVER_ROOT_3: i64 = 1_239_850_262;
 pub struct AlphaBeta {
     /// Component along phase A.
     pub alpha: I16F16,
-    /// Component a quarter turn ahead of phase A.
+    /// Component at 90 electrical degrees to phase A.
     pub beta: I16F16,
 }
 
@@ -30,7 +30,7 @@ pub struct AlphaBeta {
 pub struct Dq {
     /// Component along the rotor's field.
     pub d: I16F16,
-    /// Component a quarter turn ahead of the rotor's field, which makes torque.
+    /// Component 90 electrical degrees ahead of the rotor's field. This component of the current makes the torque.
     pub q: I16F16,
 }
 

@@ -35,7 +35,7 @@ pub struct Twin {
     /// Values of the previous record: its number, the device's state, and whether the control law ran.
     before: Option<(u32, Phase, bool)>,
     knows: Knows,
-    /// Fraction of the torque while it fades in, 2^-32.
+    /// Factor by which the torque is multiplied while it fades in, 2^-32.
     fade: u32,
     /// Whether the control law's force was not zero in its last period.
     pushes: bool,

@@ -48,7 +48,7 @@ impl Setup {
 
 /// An emulated device, the simulated world around it, and the computer's end of its serial port.
 pub struct Bench {
-    /// The emulated chip with its simulated world, into which faults can be injected.
+    /// The emulated chip with the simulated motor, knob and hand, into which faults can be injected.
     pub machine: Machine,
     /// The computer's end of the serial link.
     pub link: Link,
@@ -143,7 +143,7 @@ impl Bench {
         answer.ok_or(what)
     }
 
-    /// Sends a request that must be granted.
+    /// Sends a request and returns the reply.
     ///
     /// # Errors
     /// The request was refused or not answered.
@@ -261,7 +261,7 @@ impl Bench {
         self.wait_for(Phase::Armed, 100 * MS)
     }
 
-    /// Whether the power bridge of the motor is on.
+    /// Whether the motor's power bridge is on.
     #[must_use]
     pub fn is_on(&self) -> bool {
         self.machine.chip().bridge.is_on()
@@ -329,7 +329,7 @@ pub fn number(value: Si) -> f64 {
     value.to_num()
 }
 
-/// A smooth rise from 0 to 1 along a minimum-jerk curve, as a person's hand moves; `share` is the fraction (0 to 1) of the
+/// A smooth rise from 0 to 1 along a minimum-jerk curve, as a person's hand moves; `share` is the elapsed fraction (0 to 1) of its
 /// duration.
 #[must_use]
 pub fn minimum_jerk(share: f64) -> f64 {

@@ -1,4 +1,4 @@
-//! The circuit board around the chip: which pin measures which quantity, at which scale.
+//! The circuit board around the emulated chip: which pin measures which quantity, at which scale.
 
 mod told;
 
@@ -77,11 +77,11 @@ pub struct Wiring {
     pub forced: [Option<(Source, f64)>; 2],
     /// Whether the gate driver pulls the break input, or its own fault line on boards that have such a line.
     pub break_pulled: bool,
-    /// Mask of the comparators that report too much current whatever their shunt measures: bit 0 is COMP1.
+    /// Mask of the chip's comparators (bit 0: COMP1) that a test makes report over-current, independently of their shunt.
     pub comparators: u32,
     /// Value at which the incremental encoder's count stays; `None` while the count follows the shaft.
     pub encoder_held: Option<i64>,
-    /// Encoder counts that are added to the count of the incremental encoder.
+    /// Encoder counts that an injected fault adds to the count of the incremental encoder.
     pub encoder_moved: i64,
 }
 
@@ -130,7 +130,7 @@ pub struct Board {
     pub shunts: &'static [((usize, usize), usize)],
     /// Voltage of the motor's supply, V.
     pub supply_v: f64,
-    /// Fraction (0 to 1) of a PWM period that a phase loses to dead time.
+    /// Fraction (0 to 1) of a PWM period that a phase loses to dead time, in which none of its transistors conducts.
     pub dead_share: f64,
     /// Properties of the motor and the knob that are mounted.
     pub parts: Parts,

@@ -1,5 +1,5 @@
-//! Counts what the firmware costs: instructions and cycles of the control law, of the control interrupt and of the current loop,
-//! and the stack in use.
+//! Counts the firmware's costs: instructions and cycles of the control law, the control interrupt and the current loop, and the
+//! stack in use.
 
 use touchstone_control::{ChangeOfForce, Si};
 use touchstone_protocol::settings::DeviceSettings;
@@ -203,7 +203,7 @@ pub fn run(programs: &Programs) -> u8 {
 }
 
 /// Runs all workloads on a board with the first of its encoders, and some workloads with its other encoders, and prints the table.
-/// Returns whether every cost is within its budget, and a summary.
+/// Returns whether every cost is within its limit, and a summary.
 fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> {
     println!(
         "{:<36}{:>22}{:>24}{:>22}",

@@ -16,9 +16,9 @@ use crate::peripheral::CORE_HZ;
 /// A signal to record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trace {
-    /// The pins of the power bridge with an active wall that renders no force, and the sampling times of the converters.
+    /// The pins of the power bridge while the device is armed but renders no force, and the sampling times of the converters.
     Pwm,
-    /// The phase currents at the beginning of a torque.
+    /// The phase currents at the beginning of a current pulse.
     Step,
     /// The shaft's angle and the current of one phase during a calibration.
     Calibration,

@@ -36,7 +36,7 @@ const CHANGE_LATE: u32 = pwm::HALF_PERIOD / 2;
 static LATE: AtomicBool = AtomicBool::new(false);
 static CURRENT: Owned<&'static mut CurrentLoop> = Owned::empty();
 
-/// Hands the current loop its state, sets the interrupts' priorities and enables the interrupts.
+/// Gives the current loop to its interrupt, sets the interrupts' priorities and enables the interrupts.
 ///
 /// # Safety
 /// Call it once, after [`CONTROL`] was filled.

@@ -46,7 +46,7 @@ impl<T> Guarded<T> {
         }
     }
 
-    /// The value, for the control interrupt.
+    /// Access to the value for the control interrupt.
     ///
     /// # Safety
     /// Called once in each run of the control interrupt's handler and nowhere else.
@@ -86,7 +86,7 @@ const NOTHING: u8 = 2;
 /// replaces one that was not taken yet.
 pub struct Latest<T> {
     places: [UnsafeCell<Option<T>>; 2],
-    /// Index of the value that was not taken yet.
+    /// Index of the value that the reader has not taken yet; [`NOTHING`] if there is none.
     waiting: AtomicU8,
     /// Index of the place that was written last.
     written: AtomicU8,
@@ -162,7 +162,7 @@ impl<T> Owned<T> {
         unsafe { *self.0.get() = Some(value) };
     }
 
-    /// The value, for the interrupt that owns it; `None` if the cell is empty.
+    /// Access to the value for the interrupt that owns it; `None` if the cell is empty.
     ///
     /// # Safety
     /// Called once in each run of one interrupt handler and nowhere else.

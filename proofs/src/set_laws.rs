@@ -9,7 +9,7 @@
 //!     enhanced                                                      p11_enhanced_settings32
 //! ```
 //!
-//! The settings are accepted ones, in the ranges that `accepted::p8_validated` proves.
+//! `k_v` is the soft stiffness. The settings are accepted ones, in the ranges that `accepted::p8_validated` proves.
 
 use crate::accepted::{any_settings, in_ranges};
 use crate::set::bits;
@@ -58,14 +58,15 @@ fn told(settings: &Settings) -> of_law::Settings {
     }
 }
 
-/// The law for the settings; `None` if they are refused.
+/// The law that the code makes of the settings; `None` if they are refused.
 fn made(settings: &Settings) -> Option<AnyLaw<N>> {
     let found = AnyLaw::new(settings).ok();
     reckoned::of_specification();
     found
 }
 reckoned_property! {
-    /// P11 (refinement): damping and inertia per tick equal the specification's, and so is whether the enhanced law is a spring.
+    /// P11 (refinement): damping and inertia per tick equal the specification's, and so does the decision whether the enhanced law
+    /// is a plain spring.
     equation "2 c_i/T, m/T², c_f/T, c_env/T, c_i/T, b/T;  k_de <= k_v"
     over "settings of the law"
     by minisat fn p11_derived64(s) {
@@ -133,7 +134,8 @@ lawful_property! {
 }
 lawful_property! {
     plain
-    /// P11 (refinement): for `k_de` up to `k_v` the enhanced law is the damped spring (§3.1) of the specification.
+    /// P11 (refinement): for a desired stiffness up to the soft stiffness, the enhanced law is the damped spring (§3.1 of the
+    /// thesis) of the specification.
     equation "k_de <= k_v  =>  AnyLaw::new(settings) = spec(settings): k_de, (b/T) k_de/k_v, limit"
     over "settings of the law, soft"
     by minisat fn p11_soft_settings32(s) {
@@ -145,7 +147,7 @@ lawful_property! {
 }
 lawful_property! {
     not_plain
-    /// P11 (refinement): the TDPA law for the settings, or its refusal, equals the specification's.
+    /// P11 (refinement): the TDPA law (time-domain passivity) for the settings, or its refusal, equals the specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, c_i/T, limit"
     over "settings of the law"
     by minisat fn p11_tdpa_settings32(s) {
@@ -168,8 +170,8 @@ lawful_property! {
 }
 lawful_property! {
     not_plain
-    /// P11 (refinement): the force bounding law for the settings, or its refusal, equals the specification's. Its bound belongs to
-    /// the damping as it is stored.
+    /// P11 (refinement): the force bounding law for the settings, or its refusal, equals the specification's. The factor of the
+    /// force bound belongs to the damping as it is stored.
     equation "AnyLaw::new(settings) = spec(settings): k_de, c_i/T, sqrt(4 c_i/T), limit"
     over "settings of the law"
     by minisat fn p11_fba_settings32(s) {
@@ -212,7 +214,8 @@ fn sfa_is_specified<S: Source>(s: &mut S, settings: &Settings, update: Update) {
 }
 lawful_property! {
     not_plain
-    /// P11 (refinement): the original SFA law for the settings, or its refusal, equals the specification's.
+    /// P11 (refinement): the original SFA law (successive force augmentation) for the settings, or its refusal, equals the
+    /// specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, k_v, k_c/k_v - 1, 1/k_v, limit"
     over "settings of the law"
     by minisat fn p11_sfa_settings32(s) {
@@ -223,7 +226,8 @@ lawful_property! {
 }
 lawful_property! {
     not_plain
-    /// P11 (refinement): the continuous SFA law for the settings, or its refusal, equals the specification's.
+    /// P11 (refinement): the continuous SFA law (successive force augmentation) for the settings, or its refusal, equals the
+    /// specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, k_v, k_c/k_v - 1, 1/k_v, limit"
     over "settings of the law"
     by minisat fn p11_sfa_continuous_settings32(s) {

@@ -41,7 +41,7 @@ property! {
 }
 
 property! {
-    /// P8 (settings): the first memory of every law satisfies the law's invariant.
+    /// P8 (settings): the memory with which every law starts satisfies the law's invariant.
     equation "invariant(initial memory)"
     over "configuration; SFA: valid"
     fn p8_initial32(s) {
@@ -223,7 +223,7 @@ mod tests {
         }
     }
 
-    /// Checks both sides of every documented bound, one quantum apart.
+    /// Checks that settings are accepted on one side of every documented bound and refused on the other, one step of 2^-32 apart.
     #[test]
     fn p8_every_bound_is_where_it_is_said_to_be() {
         type Put = fn(&mut Settings, Si);

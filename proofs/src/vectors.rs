@@ -1,4 +1,4 @@
-//! Sums, signs and lengths of vectors and directions, and multiples of a direction.
+//! Properties of vectors and directions: sums, signs, lengths, and multiples of a direction.
 //!
 //! ```text
 //! (v + w)_i = v_i + w_i, and v - w, -v     p1_vector_sums
@@ -34,7 +34,7 @@ fn any_direction<S: Source>(s: &mut S) -> Direction<N> {
 }
 
 property! {
-    /// P1 (energy): vectors are added, subtracted and negated by component, and each component saturates.
+    /// P1 (energy): vectors are added, subtracted and negated component by component, and each component saturates.
     equation "(v + w)_i = v_i + w_i, (v - w)_i = v_i - w_i, (-v)_i = -v_i"
     over "two vectors"
     fn p1_vector_sums(s) {
@@ -103,7 +103,7 @@ property! {
     }
 }
 
-/// The scalar product `floor(u·v)`, limited to the range of the format.
+/// The scalar product of a direction and a vector, rounded down and limited to the range of the format.
 fn scalar(u: Direction<N>, v: [i64; 3]) -> i64 {
     let [x, y, z] = u.0.map(N::of_signal);
     shown((x * v[0] + y * v[1] + z * v[2]).div_euclid(128))
@@ -153,7 +153,7 @@ property! {
 }
 property! {
     /// P4 (geometry): the part of a vector across a direction is never longer than the vector. It is the vector minus the part
-    /// along the direction, to two quanta.
+    /// along the direction, to two steps of the number format.
     equation "|v - (v·u) u| <= |v|"
     over "directions of 4 bits an axis, vectors of 4 bits an axis, five times as large"
     by sampled fn p4_across_is_shorter(s) {
@@ -177,7 +177,7 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): a vector that is cut to a limit is at most six quanta shorter than the limit.
+    /// P4 (geometry): a vector that is cut to a limit is at most six steps of the number format shorter than the limit.
     equation "|v| > l: l - 6 quanta <= |v'| <= l"
     over "vectors of 4 bits an axis, sixteen times as large, limits of 7 bits"
     by sampled fn p4_within_is_hardly_shorter(s) {

@@ -1,4 +1,4 @@
-//! The controller runs its parts in order (states, law, guard), and passes to each what it needs.
+//! Tests that the controller runs its parts in order (states, law, guard), and passes to each what it needs.
 
 use touchstone_control::estimator::EstimatorState;
 use touchstone_control::{
@@ -99,7 +99,7 @@ fn a_tick_is_the_law_and_then_the_guard() {
     assert!(estimated > 20, "{estimated}");
 }
 
-/// A configured device damping has an effect only in the TDPA variant that counts it.
+/// Checks that the configured damping of the device is a coefficient of the TDPA law only if the law is set to count it.
 #[test]
 fn tdpa_counts_the_device_s_damping_only_where_it_is_told_to() {
     let settings = |count_device_damping| Settings {
@@ -116,9 +116,9 @@ fn tdpa_counts_the_device_s_damping_only_where_it_is_told_to() {
     assert_eq!((damping(true), damping(false)), (4095, 0));
 }
 
-/// Equation (2.14a) of the thesis that this project implements. In a tick in which the hand moves inward, the offset of the wall's
-/// surface moves by `k_c/k_v - 1` times the hand's displacement: `k_c` is the critical stiffness, `k_v` the coupling stiffness. If
-/// that factor is negative, the offset does not move.
+/// Checks equation (2.14a) of the thesis: in a tick with a motion inward, the offset of the soft spring moves by `k_c/k_v - 1`
+/// times the displacement. `k_c` is the critical stiffness, `k_v` the soft stiffness. If that factor is negative, the offset does
+/// not move.
 #[test]
 fn the_offset_s_step_is_what_the_device_s_damping_makes_up_for() {
     let gain = |damping: &str| {

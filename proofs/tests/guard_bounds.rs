@@ -1,5 +1,5 @@
-//! The guard's coefficients equal the specification's on both sides of every step. At a step a coefficient changes by a quantum, or
-//! settings begin to be refused. The test finds the steps by bisection.
+//! Tests that the guard's coefficients equal the specification's on both sides of every step. At a step a coefficient changes by
+//! its last digit, or settings begin to be refused. The test finds the steps by bisection.
 
 use touchstone_control::fixed::types::I2F14;
 use touchstone_control::{
@@ -43,7 +43,7 @@ fn expected(settings: &GuardSettings, device: &GuardedDevice) -> Option<spec::Gu
         .flatten()
 }
 
-/// Asserts that the code equals the specification for settings from 2 quanta below `at` to 3 above.
+/// Asserts that the code equals the specification for settings from 2 steps of 2^-32 below `at` to 3 above.
 fn is_the_specification_around(
     at: i64,
     with: &dyn Fn(Si) -> (GuardSettings, GuardedDevice),

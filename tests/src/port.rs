@@ -34,8 +34,8 @@ pub struct SpringDamper {
 pub enum PortLaw {
     /// A spring and damper in `f64`. They can request forces from the energy guard that no shipped control law would request.
     SpringDamper(SpringDamper),
-    /// A control law of the control crate with its estimator, at 1 kHz. Guard and force limit in the settings are not used, because
-    /// the simulated port has its own.
+    /// A control law of the control crate with its state estimator, at 1 kHz. Guard and force limit in these settings are not used,
+    /// because [`Port`] has its own.
     Controlled(Settings),
 }
 
@@ -154,8 +154,8 @@ fn si(value: f64) -> Si {
 }
 
 impl Port {
-    /// The energy guard's usual settings in these tests: capacity 20 mJ, refill 0.5 mW, 80 % of the device's damping, and a delay
-    /// in control periods.
+    /// The energy guard's usual settings in these tests: an account of at most 20 mJ that is refilled by 0.5 mW, 80 % of the
+    /// device's damping, and a delay in control periods.
     #[must_use]
     pub fn settings(delay_ticks: f64) -> GuardSettings {
         GuardSettings {
@@ -381,7 +381,8 @@ impl<F: Fn(f64) -> f64> Gripped<F> {
     }
 }
 
-/// Torque of a hand that pushes with 0.1 N·m plus a sine of 0.03 N·m at `hz`, after a rise over 0.3 s. With 0 Hz the push is constant.
+/// Torque of a hand that pushes with 0.1 N·m plus a sine of 0.03 N·m at `hz`, after a rise over 0.3 s. With 0 Hz the push is
+/// constant.
 pub fn wiggle(hz: f64) -> impl Fn(f64) -> f64 {
     move |t| (t / 0.3).min(1.0) * (0.1 + 0.03 * (std::f64::consts::TAU * hz * t).sin())
 }

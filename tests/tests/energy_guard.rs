@@ -1,5 +1,5 @@
-//! Tests that the energy guard keeps its bound: in no window of time does a hand get out more than the account's capacity and
-//! refill. Holds for every delay and control law, also against hands that a search has optimised.
+//! Tests that the energy guard keeps its bound: in no time window does a hand get out more than the guard's energy account holds
+//! plus what refills it. The bound holds for every delay and control law, also against hands that a search has optimised.
 
 use std::f64::consts::TAU;
 use touchstone_control::{ChangeOfForce, GuardSettings, Settings, Si};
@@ -13,7 +13,8 @@ const REFILL_W: f64 = 0.0005;
 /// Energy of half an encoder count at each end of a time window, under 0.33 N·m, the largest force that the energy account allows.
 const ENCODER_J: f64 = 0.34 * COUNT_RAD;
 
-/// Mean delay, in control periods of 1 ms, from a board's sample until its force acts: 0.1, and 0.265 of a current loop of 600 Hz.
+/// Mean delay from a board's encoder sample until its force acts, in control periods of 1 ms: 0.1 until the motor voltage changes,
+/// plus 0.265 for a current loop of 600 Hz.
 const LATE_TICKS: f64 = 0.365;
 
 const STIFF: SpringDamper = SpringDamper { k: 20.0, b: 0.055 };
@@ -100,9 +101,9 @@ fn a_guard_that_does_not_know_the_delay_does_not_hold() {
     }
 }
 
-/// Compares two energy guards on a board with 0.1 ms until a voltage acts and a current loop of 0.265 ms. One reads positions once
-/// per control period and is configured for no delay. The other is configured for the delay and also reads the position when the
-/// force changes. The control law is the shipped one without its virtual damping.
+/// Compares two energy guards on a board whose motor voltage changes 0.1 ms after the encoder sample and whose current loop takes
+/// 0.265 ms. One guard reads positions once per control period and is configured for no delay. The other is configured for the
+/// delay and also reads the position when the force changes. The control law is the shipped one without its virtual damping.
 #[test]
 fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
     let shipped = GuardSettings::default();
@@ -135,9 +136,9 @@ fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
     }
 }
 
-/// Checks a board as shipped: its current loop, and a second encoder reading when half of a change of force has taken place. Only
-/// the part of a change after the control period is not counted. With the same guard but without that reading, the same search gets
-/// more energy out. The hands found in that search are also run against the shipped board.
+/// Checks the energy bound of a board as shipped: with its current loop, and with a second encoder reading halfway through each
+/// change of force. Without this second reading, the same search finds hands that get more energy out. These hands are also run
+/// against the shipped board.
 #[test]
 fn a_board_that_reads_when_the_force_changes_keeps_the_promise() {
     let (board, law) = BoardLoop::shipped();

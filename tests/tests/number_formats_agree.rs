@@ -46,7 +46,8 @@ struct Tick {
     /// Displacement in this control period, rad; `moved_before` is the displacement in the period before.
     moved: f64,
     moved_before: f64,
-    /// Force, observed energy and offset of the surface. Each is given first in the format under test, then in the 32-bit format.
+    /// Force, observed energy, and the shift of the wall's surface by the control law. Each is given first in the format under
+    /// test, then in the 32-bit format.
     force: [f64; 2],
     energy: [f64; 2],
     offset: [f64; 2],

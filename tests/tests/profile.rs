@@ -14,7 +14,7 @@ fn settings() -> Settings {
     settings
 }
 
-/// An environment with a torque profile and nothing else.
+/// A knob with a torque profile (torque over angle) and no wall.
 fn drawn<N: Reported>(profile: &ProfileSettings) -> Environment<N> {
     let settings = settings();
     built::<N>(&settings, &[], None)

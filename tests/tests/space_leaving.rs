@@ -1,6 +1,6 @@
-//! Tests when a contact ends if each axis has its own control law (§4.4.1 of the DLR thesis). Each figure of that section is a
-//! test, under three rules: each axis ends its contact alone (decoupled), all end as soon as one does (any axis), or all end when
-//! the penetration is longer than the offset's projection on it (projection).
+//! Tests when a contact ends if each axis has its own control law (§4.4.1 of the DLR thesis), which shifts the surface on its axis
+//! by an offset. Each figure of that section is a test, under three rules. Each axis ends its contact alone (decoupled), all end as
+//! soon as one does (any axis), or all end when the penetration is longer than the offset's projection on it (projection).
 
 use touchstone_control::space::environment::Cuboid;
 use touchstone_control::space::{Along, Leaving, PerAxis, Rule, SurfacePoint};
@@ -66,8 +66,8 @@ impl Hand {
     }
 }
 
-/// Checks Fig. 4.7 of the DLR thesis: the hand leaves the box through its side. If each axis ends its contact alone, the vertical
-/// offset goes on pushing in free air. If all axes end their contact together, no force remains.
+/// Checks Fig. 4.7 of the DLR thesis: the hand leaves the box through its side. If each axis ends its contact alone, the law of the
+/// vertical axis goes on pushing in free air. If all axes end their contact together, no force remains.
 #[test]
 fn figure_4_7_a_force_remains_after_the_side_is_left() {
     for leaving in RULES {

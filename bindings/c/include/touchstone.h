@@ -37,8 +37,8 @@
 #define TS_WALL_WORDS 160
 
 /*
- Result of a call. `TS_OK` is 0. With any other result the output (force or energy) is 0, so that firmware that ignores it drives no
- motor.
+ Result of a call. `TS_OK` is 0. With any other result the output (force or energy) is 0, so that firmware that ignores it drives
+ no motor.
  */
 typedef enum {
   /*

@@ -3,8 +3,8 @@
 use crate::memory;
 use core::ffi::c_char;
 
-/// Result of a call. `TS_OK` is 0. With any other result the output (force or energy) is 0, so that firmware that ignores it drives no
-/// motor.
+/// Result of a call. `TS_OK` is 0. With any other result the output (force or energy) is 0, so that firmware that ignores it drives
+/// no motor.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(non_camel_case_types, clippy::upper_case_acronyms)]

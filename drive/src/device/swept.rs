@@ -1,4 +1,5 @@
-//! A calibration with a cogging sweep, and the cogging map with which the board compensates cogging.
+//! A calibration followed by a cogging sweep (a slow turn that measures the cogging torque), and the map with which the board
+//! compensates cogging.
 
 use super::Device;
 use crate::Amps;

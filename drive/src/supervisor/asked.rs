@@ -32,7 +32,7 @@ impl AskedConfig {
     }
 }
 
-/// The time for which the computer has been silent.
+/// The time for which the computer has been silent, in control periods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Asked {
     ticks: u32,

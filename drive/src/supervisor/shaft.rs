@@ -19,7 +19,7 @@ use touchstone_protocol::FaultCode;
 
 /// Longest time over which the speed is averaged, in control periods.
 const WINDOW_MAX: usize = 20;
-/// Encoder counts by which a reading may jitter.
+/// Encoder counts by which readings of a shaft at rest may differ. They are added to the limits for overspeed and jumps.
 const JITTER: i64 = 4;
 /// A displacement that would need this many times the highest allowed speed counts as a jump of the reading; a smaller excess
 /// counts as overspeed.
@@ -103,7 +103,7 @@ pub enum Seen {
     },
     /// The reading is bad and must not be used, but is no fault yet.
     Bad,
-    /// The reading is a fault; holds its code and value.
+    /// The reading is a fault; holds the fault's code and the number that goes with it.
     Fault(FaultCode, i32),
 }
 

@@ -52,7 +52,7 @@ impl StuckConfig {
     }
 }
 
-/// The time for which the encoder has looked stuck.
+/// The time for which the encoder has looked stuck, in control periods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stuck {
     ticks: u32,

@@ -61,13 +61,13 @@ impl Chip {
         (MAP.iter().enumerate()).fold(0, |all, (at, row)| all | u64::from(clocked(row)) << at)
     }
 
-    /// The value of a register, whether its block has a clock or not.
+    /// The value of a register for a test, even if the register's block has no clock.
     pub fn peek(&mut self, address: u32) -> u32 {
         let (now, (block, offset, _)) = (self.core.now, self.find(address));
         self.peripheral(block).read(offset, now)
     }
 
-    /// Carries out a read by the firmware; returns the value.
+    /// Carries out the firmware's read of `size` bytes from a register; returns the value.
     pub fn read(&mut self, address: u32, size: usize) -> u32 {
         let now = self.core.now;
         let word = match address & !3 {
@@ -116,7 +116,7 @@ impl Chip {
         self.core.limit = self.core.limit.min(self.next_event());
     }
 
-    /// Passes the effects of a write on to other blocks.
+    /// Passes the effects of a write to a block on to other blocks of the chip.
     fn after_write(&mut self, block: Block) {
         match block {
             Block::AdcCommon => {

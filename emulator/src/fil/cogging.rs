@@ -239,9 +239,9 @@ fn at_order(map: &CoggingMap, order: f64) -> Complex<f64> {
         .sum()
 }
 
-/// Compares a map with the current that would compensate the simulated cogging: amplitudes and phases.
+/// Compares amplitudes and phases of a cogging map with the current that would compensate the simulated cogging.
 ///
-/// Errors: the deviation is larger than `most`, or the map has too much torque at other orders.
+/// Errors: the deviation is larger than `most`, or the map has too much torque at numbers of periods per turn without cogging.
 fn beside(found: &MeasuredCogging, motor: &MotorParameters, most: &Off) -> Result<String, String> {
     let constant = motor.torque_constant_nm_per_a();
     let mut words = Vec::new();
@@ -285,7 +285,7 @@ fn turns(bench: &mut Bench) -> Result<Vec<Felt>, String> {
     turns.collect()
 }
 
-/// Checks that the full cogging torque remains without a map, and a small part of it with one.
+/// Checks that the full cogging torque remains without a cogging map, and a small part of it with one.
 fn felt(without: &[Felt], with: &[Felt]) -> Result<String, String> {
     let mut words = Vec::new();
     let mut is_right = true;

@@ -38,7 +38,7 @@ const WEIGHT: Harmonic = Harmonic {
     phase: 0.7,
 };
 
-/// A magnet's angle errors at one and two periods per turn: amplitudes in degrees, and phases in rad.
+/// Errors of the encoder's angle due to its magnet, at one and two periods per turn: amplitudes in degrees, and phases in rad.
 #[derive(Clone, Copy)]
 struct Magnet([f64; 2], [f64; 2]);
 

@@ -7,7 +7,7 @@ use crate::board::Source;
 use crate::chip::{Chip, ResetCause};
 use crate::peripheral::spi::SlaveFault;
 
-/// The part of the firmware that a fault makes hang.
+/// The part of the firmware in which a fault is injected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
     /// The main program outside of any interrupt handler.
@@ -112,7 +112,7 @@ impl Fault {
     /// Injects the fault now.
     ///
     /// # Errors
-    /// The part of the firmware that the fault must hit did not run.
+    /// The part of the firmware in which the fault is injected did not run.
     pub fn inject(self, bench: &mut Bench) -> Result<(), String> {
         let now = bench.now();
         let chip = bench.machine.chip_mut();
@@ -206,7 +206,7 @@ impl Fault {
         Ok(())
     }
 
-    /// Whether the injection waits until the part of the firmware runs that the fault must hit.
+    /// Whether the injection first waits until the affected part of the firmware runs.
     #[must_use]
     pub const fn waits(self) -> bool {
         matches!(

@@ -87,7 +87,7 @@ enum Work {
     },
 }
 
-/// One job of the campaign: injections or checks that run on devices of their own.
+/// One job of the fault-injection campaign: injections or checks that run on emulated devices of their own.
 pub struct Job<'a> {
     program: &'a Program,
     setup: Setup,

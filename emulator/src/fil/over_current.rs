@@ -84,7 +84,7 @@ fn armed(bench: &mut Bench) -> Result<(), String> {
     bench.run(250 * MS)
 }
 
-/// The device's phase. Errors: a fault is latched although nothing is shorted.
+/// The device's phase (for example armed). Errors: a fault is latched although there is no short circuit.
 fn no_break(bench: &mut Bench) -> Result<Phase, String> {
     let status = bench.status()?;
     match status.fault.and_then(|fault| fault.known()) {
@@ -108,7 +108,7 @@ struct Found {
     code: Option<FaultCode>,
 }
 
-/// Shorts a phase of the armed device until the outputs are off, and returns what happened.
+/// Short-circuits a motor phase of the armed device until the outputs are off, and returns what happened.
 fn short(
     bench: &mut Bench,
     phase: usize,

@@ -227,7 +227,7 @@ impl Machine {
         self.locked = true;
     }
 
-    /// Resets the chip. Flash, RAM and the simulated world stay as they are.
+    /// Resets the chip. Flash, RAM and the simulated motor, knob and hand stay as they are.
     pub fn reset(&mut self, cause: ResetCause) {
         self.resets.push((self.chip().core.now, cause));
         self.chip_mut().reset(cause);

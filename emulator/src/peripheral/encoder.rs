@@ -122,7 +122,7 @@ pub struct Mt6701 {
     left: u32,
 }
 
-/// The CRC of 18 bits, polynomial x^6 + x + 1.
+/// The MT6701's checksum: CRC of 18 bits with the polynomial x^6 + x + 1.
 fn crc(mut data: u32) -> u32 {
     data <<= 6;
     for bit in (6..24).rev() {

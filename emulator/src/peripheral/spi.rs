@@ -23,11 +23,11 @@ pub trait Slave: std::fmt::Debug {
     fn exchange(&mut self, sent: u16, bits: u32) -> u16;
     /// Sets the shaft's angle, in turns.
     fn set_angle(&mut self, turns: f64);
-    /// Sets a fault that lasts from now on.
+    /// Sets the fault that the encoder has from now on.
     fn set_fault(&mut self, fault: SlaveFault);
 }
 
-/// The faults of an encoder on a bus.
+/// Faults of an encoder on the SPI bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SlaveFault {
     /// The encoder has no fault.
@@ -44,13 +44,13 @@ pub enum SlaveFault {
     FlipBit(u8),
     /// One bit of every seventh frame is flipped.
     FlipSeventh,
-    /// The reported angle never changes, in valid frames.
+    /// The encoder sends valid frames, in which the angle never changes.
     Stuck,
     /// The magnet is missing: the frames are valid and repeat the last angle, and the field register reports a weak field.
     NoMagnet,
     /// The magnet touches the encoder chip, so the field is too strong.
     MagnetTooNear,
-    /// Each reported angle is larger by this many 65,536ths of a turn.
+    /// Each reported angle is too large by this many 65,536ths of a turn.
     Jump(u16),
     /// The encoder chip reports an error.
     SaysError,

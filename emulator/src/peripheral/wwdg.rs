@@ -74,7 +74,7 @@ impl Wwdg {
         (self.at + counts).saturating_mul(self.count_cycles())
     }
 
-    /// Whether the watchdog resets the chip at the time `now`.
+    /// Whether the watchdog has to reset the chip at the time `now`, in processor cycles.
     #[must_use]
     pub fn bites(&self, now: u64) -> bool {
         self.refused || now >= self.next_event()

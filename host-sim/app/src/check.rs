@@ -17,7 +17,7 @@ pub struct Check {
     pub met: bool,
 }
 
-/// A name that distinguishes a simulation run from the others of the same command.
+/// A name that distinguishes a simulation run from other runs of the same command.
 pub fn name(run: &Summary) -> String {
     let counts = run.encoder_counts_per_rev.map_or_else(
         || "exact position".to_owned(),

@@ -1,5 +1,5 @@
-//! `touchstone scorecard --family`: tests one setting of the wall on a set of devices that differ in inertia, damping, delay,
-//! encoder and grip.
+//! `touchstone scorecard --family`: tests a wall with fixed settings on a set of simulated devices that differ in inertia, damping,
+//! delay, encoder and grip.
 
 use super::expect::NOT_MET;
 use super::number;

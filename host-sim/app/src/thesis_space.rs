@@ -25,7 +25,7 @@ pub struct SpaceOptions {
 }
 
 impl SpaceOptions {
-    /// Name of the first of these options that the user gave; `None` if none.
+    /// Name of the first of these options that the user gave; `None` if the user gave none.
     pub fn any(&self) -> Option<&'static str> {
         let mechanism = self.mechanism.map(|_| "--mechanism");
         mechanism.or(self.held_out.map(|_| "--held-out"))

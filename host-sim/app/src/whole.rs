@@ -77,7 +77,7 @@ pub fn is_of_same_command(path: &Path, mark: &str) -> bool {
         && String::from_utf8_lossy(&begin).contains(mark)
 }
 
-/// Checks with `tests/scripts/readers.py` that the installed CSV readers, such as pandas, read a table as it was written. Without
+/// Checks with `tests/scripts/readers.py` that the installed CSV readers, such as pandas, read back the values of a table. Without
 /// Python the check is skipped.
 #[cfg(test)]
 pub fn is_read_by_others(name: &str, table: &[u8]) {

@@ -67,7 +67,8 @@ fn beyond(card: &serde_json::Value) -> usize {
         .count()
 }
 
-/// The simulator's worst figures over all actions of the hand, for the same wall and hand. The simulator knows the true depths.
+/// The figures of the simulator, for comparison: the worst ones over all actions of the hand, for the same wall and hand. The
+/// simulator knows the true depths.
 fn simulated(normal: [f64; 3]) -> DirectionFigures {
     let wall = PressedWall {
         surface: PressedSurface::Plane([0.0; 3], normal),

@@ -40,7 +40,7 @@ pub struct AxisRecord {
     pub force_n: Vec<f64>,
 }
 
-/// The force law that makes the small motions and records them.
+/// The force law that moves the device by small motions and records them.
 #[derive(Debug, Clone)]
 pub struct MovedAbout {
     motions: SmallMotions,

@@ -7,7 +7,7 @@ use touchstone_protocol::settings::environment::Surround;
 /// next detent, a quarter beyond the ridge between the two.
 pub const HYSTERESIS: f64 = 0.25;
 
-/// Positions at equal distances, numbered upwards with the angle.
+/// Positions of a knob at equal distances, whose numbers rise with the angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Positions {
     /// Distance between two neighbouring positions, rad.

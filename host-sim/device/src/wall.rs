@@ -22,7 +22,7 @@ fn place(position_m: [f64; 3]) -> Vector<Position<N>> {
     Vector(position_m.map(|x| Position::<N>::from_f64(x * PER_METRE)))
 }
 
-/// The settings of a wall on a device.
+/// The settings of a wall on a haptic device with three axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WallSettings {
     /// Settings of the control law in SI units. Its rate is that of the servo loop.
@@ -31,7 +31,8 @@ pub struct WallSettings {
     pub per_axis: bool,
     /// Settings of the energy guard in SI units; `None` for no guard.
     pub guard: Option<GuardSettings>,
-    /// Settings of each axis's estimator in SI units; `None` if the law uses measured states.
+    /// Settings of each axis's motion estimator in SI units; `None` if the control law uses measured positions and velocities
+    /// directly.
     pub estimator: Option<[EstimatorSettings; 3]>,
     /// Resolution of the measured position (distance per encoder count), m.
     pub count_m: f64,

@@ -153,7 +153,8 @@ fn without_a_fault_there_is_a_wall_and_a_released_device() {
     }
 }
 
-/// Makes each call of the servo loop fail: at its first, its second and a later call; once, a few times and for good.
+/// Makes each call of the servo loop fail: at its first, its second and a later call; once, a few times and for good. Checks that
+/// the force is zero and the device closed within two control intervals.
 #[test]
 fn every_call_that_fails_ends_with_no_force_and_a_closed_device_within_two_ticks() {
     let calls = [

@@ -179,7 +179,7 @@ mod tests {
     #[test]
     fn each_setting_that_the_bound_rests_on_is_noticed_and_the_other_way_is_not() {
         type Change = fn(&mut DeviceSettings, bool);
-        // What weakens it, and what does not.
+        // Each change with a value that weakens the bound, and with one that does not.
         let changes: [(&str, Change); 6] = [
             ("law.guard.on", |all, weak| all.law.guard.on = !weak),
             ("law.guard.change", |all, weak| {
@@ -214,12 +214,12 @@ mod tests {
                 assert!(paths(&before, &after, board).is_empty(), "{board:?} {path}");
                 change(&mut after, true);
                 if path.ends_with("damping_n_m_s_per_rad") {
-                    // From half of it back above all of it.
+                    // Compared with the full damping, not with the half of it set before.
                     after.law.guard.damping_n_m_s_per_rad =
                         before.law.guard.damping_n_m_s_per_rad + Si::DELTA * 8;
                 }
                 assert_eq!(paths(&before, &after, board), [path], "{board:?}");
-                // Taken once, it is not said again.
+                // A weakness that is already set is not listed again.
                 assert!(paths(&after, &after, board).is_empty(), "{board:?} {path}");
             }
         }

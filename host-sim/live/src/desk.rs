@@ -28,7 +28,7 @@ pub const ROW: [&str; 17] = [
     "guard_account_j",
     "motor_force_n_m",
     "energy_hand_j",
-    // 0: the guard lets the law's force through, or there is none; 1: it gives less; 2: it has switched the force off.
+    // 0: the energy guard changes nothing, or there is none; 1: it reduces the force; 2: it has switched the force off.
     "guard_acts",
 ];
 
@@ -41,15 +41,16 @@ pub const FACTS: [&str; 19] = [
     "surface_rad",
     "k_desired_n_m_per_rad",
     "k_critical_n_m_per_rad",
-    // Rest point's shift for one newton metre of static torque against the desired stiffness; 0 without a hand.
+    // Shift of the hand's rest point for 1 N·m of static torque against a wall of the desired stiffness; 0 without a hand.
     "reach_rad_per_n_m",
     "angle_rad",
-    // Length of the scene's own motion, s; 0 where it has none.
+    // Duration of the hand motion in the scene file, s; 0 without one.
     "motion_s",
     "encoder_step_rad",
     // 1: there is a wall at `surface_rad`, solid above it; 0: there is none.
     "has_wall",
-    // What there is beside it; NaN: it is not there. A side is 1 where a wall is solid above its surface, -1 where below.
+    // Further walls and end stops; NaN for one that does not exist. A side is 1 for a wall that is solid above its surface, -1 for
+    // one that is solid below.
     "wall2_rad",
     "wall2_side",
     "wall3_rad",
@@ -58,7 +59,7 @@ pub const FACTS: [&str; 19] = [
     "wall4_side",
     "lower_end_rad",
     "upper_end_rad",
-    // Detents in a turn; 0: none.
+    // Detents per turn; 0: none.
     "detents_per_rev",
     "detent_rad",
 ];
@@ -112,7 +113,7 @@ pub fn scene(text: &str) -> Result<Scene> {
 impl Place {
     fn of(scene: Scene, live: Live) -> Result<Self> {
         let motion = match &scene.operator.motion {
-            // A page has no files.
+            // A browser's page cannot read files.
             MotionSpec::None | MotionSpec::Recorded(_) => None,
             _ => Some((RestPath::from_scene(&scene)?, scene.timing.duration_s)),
         };

@@ -1,5 +1,5 @@
 //! The specification of `Guard::new`, line by line the text of `proofs/coq/GuardSettings.v`. The theorems there state that accepted
-//! settings satisfy what the guard's harnesses assume, and cover the given device.
+//! settings satisfy what the guard's properties assume, and what the energy theorem requires for the given device.
 
 use super::guard::Guard;
 use super::settings::{
@@ -11,17 +11,17 @@ use super::{HIGHEST, Int};
 /// Settings of the guard as integers, in units of 2^-32 of their SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// Capacity of the energy account, J.
+    /// Most energy that the account holds, J.
     pub capacity: Int,
     /// Power that refills the energy account, W.
     pub refill: Int,
-    /// Trusted fraction (0 to 1) of the damping.
+    /// Fraction (0 to 1) of the damping that is trusted.
     pub share: Int,
     /// Damping of the device without a hand, N·m·s/rad.
     pub damping: Int,
-    /// Speed above which the guard trips, rad/s.
+    /// Speed above which the guard switches the force off, rad/s.
     pub overspeed: Int,
-    /// Delay until a force acts, s.
+    /// Delay from a sample until its force begins to act, s.
     pub delay: Int,
     /// Lag of the current loop, s.
     pub lag: Int,
@@ -29,20 +29,20 @@ pub struct Settings {
     pub measured: bool,
 }
 
-/// Properties of the device that the guard is given.
+/// Properties of the device that the guard's coefficients depend on, as integers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Told {
     /// Control rate, a whole number of Hz.
     pub rate: Int,
-    /// Force limit, N·m.
+    /// Force limit, N·m, in units of 2^-32.
     pub limit: Int,
-    /// Encoder count, rad.
+    /// Angle of an encoder count, rad, in units of 2^-32.
     pub count: Int,
 }
 
-/// A margin that exceeds the rounding error of a sum of products and quotients, in units of 2^-32.
+/// A margin for bounds, in units of 2^-32. It exceeds the rounding error of a sum of products and quotients.
 const UP: Int = 8;
-/// One quantum of a signal (position or force), in units of 2^-32.
+/// One step of the format of positions and forces, in units of 2^-32.
 const STEP: Int = 1 << 8;
 /// The largest force for which the energy account has room, 31.9 N·m in units of 2^-32.
 const ROOM: Int = 137_009_456_742;
@@ -62,8 +62,8 @@ fn rate(told: &Told) -> Int {
     (told.rate * ONE).min(MOST)
 }
 
-/// The settings with delay and lag limited to one tick, rounded down. Settings within their ranges can exceed that by at most one
-/// last digit.
+/// The settings with the sum of delay and lag limited to one tick, rounded down. Settings within their ranges can exceed a tick by
+/// at most one last digit.
 fn within_a_tick(set: &Settings, told: &Told) -> Settings {
     let tick = over(ONE, rate(told));
     let delay = set.delay.min(tick);
@@ -71,7 +71,7 @@ fn within_a_tick(set: &Settings, told: &Told) -> Settings {
     Settings { delay, lag, ..*set }
 }
 
-/// Whether `validate` accepts the settings.
+/// Whether `validate` accepts the guard's settings for this device.
 #[must_use]
 pub fn in_ranges(set: &Settings, told: &Told) -> bool {
     let each = between(0, set.capacity, 16 * ONE)
@@ -92,8 +92,8 @@ pub fn in_ranges(set: &Settings, told: &Told) -> bool {
     between(0, set.delay, tick) && between(0, set.lag, tick - set.delay)
 }
 
-/// Warnings for settings within their ranges. First: the account does not cover the largest force over the largest displacement,
-/// with the part after the next sample and half a count. Second: the account is never refilled.
+/// Whether there is each of two warnings for settings within their ranges. First: the account does not cover the largest force over
+/// the largest displacement, with the part after the next sample and half a count. Second: the account is never refilled.
 #[must_use]
 pub fn warned(set: &Settings, told: &Told) -> [bool; 2] {
     let set = within_a_tick(set, told);

@@ -46,7 +46,7 @@ pub enum When {
 }
 
 impl When {
-    /// Whether the motor outputs are on in this state.
+    /// Whether the motor's outputs are on in this state.
     #[must_use]
     pub const fn is_on(self) -> bool {
         !matches!(self, Self::Ready | Self::Starting | Self::Measuring)
@@ -73,10 +73,10 @@ pub enum Expect {
 pub struct Injection {
     /// Name of the injection for reports.
     pub name: &'static str,
+    /// The state of the device in which the fault happens.
+    pub when: When,
     /// Delay of the injection in microseconds after the device has reached its state. It varies the moment within the PWM period
     /// and the control period.
-    pub when: When,
-    /// Microseconds later than a round time: the moment within the PWM and the control period.
     pub moment_us: u64,
     /// The fault that is injected.
     pub fault: Fault,

@@ -270,7 +270,7 @@ impl BridgeTimer {
         }
     }
 
-    /// The value that a register gets by a write of `value`, given the bits that the LOCK level protects.
+    /// The value that a register gets by a write of `value`: bits that the timer's LOCK level protects keep their old value.
     fn unlocked(&self, offset: u32, value: u32) -> u32 {
         let level = self.registers.get(BDTR) >> 8 & 3;
         let kept = match (offset, level) {
@@ -463,7 +463,7 @@ impl Peripheral for BridgeTimer {
 }
 
 impl BridgeTimer {
-    /// Whether a break raises an interrupt. One enable bit serves the flags BIF, B2IF and SBIF.
+    /// Whether a break now raises an interrupt: one of the flags BIF, B2IF and SBIF is set, and their common enable bit.
     fn breaks_interrupt(&self) -> bool {
         self.registers.get(DIER) & BIF != 0 && self.status & (BIF | 0x100 | SBIF) != 0
     }

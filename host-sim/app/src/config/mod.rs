@@ -285,7 +285,7 @@ fn note_weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) {
     }
 }
 
-/// The settings whose values differ before and after.
+/// The settings whose values in `before` and `after` differ.
 fn different<'a>(
     before: &'a DeviceSettings,
     after: &'a DeviceSettings,

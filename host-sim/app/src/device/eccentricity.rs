@@ -16,8 +16,8 @@ use touchstone_sim::error::Result;
 /// The actions on the angle error of the encoder.
 #[derive(Debug, Clone, Copy, Subcommand)]
 pub enum EccentricityAction {
-    /// Measures the error: HANDS OFF, THE SHAFT TURNS, THEN SPINS BOTH WAYS, for half a minute. Nothing is stored; the device is
-    /// left stopped.
+    /// Measures the error of the encoder's angle: HANDS OFF, THE SHAFT TURNS, THEN SPINS BOTH WAYS, for half a minute. Nothing is
+    /// stored; the device is left stopped.
     Measure,
 }
 
@@ -132,7 +132,7 @@ pub fn warning(found: &Eccentricity, pole_pairs: f64) -> Option<String> {
     ))
 }
 
-/// The measured error as JSON, for programs and for a setup that is continued later.
+/// The measured error of the encoder's angle as JSON, for programs and for a setup that is continued later.
 pub fn as_json(found: &Eccentricity, pole_pairs: f64) -> Value {
     let cost = found.cost(pole_pairs);
     let harmonics = (0..ORDERS).map(|index| {

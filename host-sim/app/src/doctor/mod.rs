@@ -25,11 +25,11 @@ const TARGET: &str = "thumbv7em-none-eabihf";
 /// Options of the command `touchstone doctor`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// What you want to use: exit code 1 if something is missing for it. If you name nothing, the command looks for everything and
-    /// ends with 0. `--port` means a board.
+    /// What you want to use: exit code 1 if something is missing for it. If you name nothing, the command checks everything and
+    /// ends with 0. With `--port` it checks for a board.
     #[arg(value_name = "FOR")]
     needs: Option<Needs>,
-    /// Serial port or tcp:HOST:PORT; for a TCP port no probe is looked for.
+    /// Serial port or tcp:HOST:PORT; with a TCP port the command does not look for a debug probe.
     #[arg(long, value_name = "PORT")]
     port: Option<Address>,
     /// Folder in which the kernel shows USB devices; for tests.
@@ -49,13 +49,13 @@ enum Needs {
     Omega3,
 }
 
-/// The finding on one requirement: a line for people, an entry of `things` in the JSON for programs.
+/// The finding on one requirement. It becomes a line of text for people, or an entry of `things` in the JSON for programs.
 enum Found {
     /// The requirement is met; holds a description.
     There(String),
     /// The requirement is missing; holds the problem and the remedy.
     Missing { problem: String, fix: String },
-    /// Not needed, or not detectable here; holds the reason.
+    /// The requirement is not needed, or cannot be checked on this system; holds the reason.
     Skipped(String),
 }
 

@@ -81,7 +81,7 @@ impl Account<'_> {
         })
     }
 
-    /// Section of a report page: the run itself, and how late its ticks (control periods) began.
+    /// Section of a report page: the data of the run, and how late its control periods (ticks) began.
     pub fn section(&self) -> Section {
         let report = self.report;
         let row = |name: &str, value: String| vec![name.to_owned(), value];

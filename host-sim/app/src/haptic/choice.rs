@@ -35,7 +35,7 @@ impl HapticKind {
         }
     }
 
-    /// Whether the device is simulated by this program, with a simulated time.
+    /// Whether this program simulates the device, so that the run may be faster than real time.
     pub fn is_simulated(self) -> bool {
         matches!(self, Self::Simulated | Self::SimulatedDelta)
     }
@@ -98,7 +98,7 @@ pub enum SimulatedHand {
 }
 
 impl SimulatedHand {
-    /// The simulated hand's mechanical values; `None` without a hand.
+    /// Mass, stiffness and damping of the simulated hand; `None` without a hand.
     fn hand(self) -> Option<Hand> {
         match self {
             Self::Nobody(_) => None,

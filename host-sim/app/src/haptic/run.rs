@@ -99,7 +99,7 @@ pub struct Options {
 }
 
 impl Scenery {
-    /// Object around which a simulated hand moves. For a mesh the hand moves as for a floor: it touches from above.
+    /// Object around which a simulated hand moves. At a mesh the hand moves as at a floor: it touches from above.
     fn object(&self) -> Object {
         match self {
             Self::Known(_, object) => *object,

@@ -29,7 +29,7 @@ pub enum HandProgramme {
     /// Probes the object, holds, slides along it and lets go, again and again.
     #[default]
     Explore,
-    /// Touches, presses, holds and lets go; then moves in the wall at 1, 2 and 4 Hz; and ends.
+    /// Touches, presses, holds and lets go; then moves to and fro in the wall at 1, 2 and 4 Hz; and ends.
     Scorecard,
 }
 
@@ -108,7 +108,7 @@ impl ScoreOptions {
     }
 }
 
-/// Fraction of the largest force with which a hand touches before it presses.
+/// Force with which a hand touches the wall before it presses, as a fraction of the largest force.
 const TOUCH_SHARE: f64 = 2.0 / 15.0;
 /// Time at which the hand's programme begins, after the force has faded in, s.
 const BEGIN_S: f64 = 1.2;

@@ -50,7 +50,8 @@ pub fn values(motor: &MeasuredMotor) -> [Estimate; 7] {
     ]
 }
 
-/// Refuses a folder that contains a file with the name of a setup's file, but no progress file of a setup.
+/// Returns an error for a folder that has a file with the name of a setup's file, but no progress file: the file is not from a
+/// setup.
 fn untouched(folder: &Path) -> Result<()> {
     let taken = FILES
         .into_iter()

@@ -6,7 +6,7 @@ use crate::{Said, folder, program, script};
 use std::path::{Path, PathBuf};
 use touchstone_protocol::PROTOCOL_VERSION;
 
-/// An artificial machine with all tools that a board needs.
+/// An artificial machine: a folder with stand-ins for all tools and USB devices that a board needs.
 struct Machine(PathBuf);
 
 impl Machine {

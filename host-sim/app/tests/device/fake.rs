@@ -51,7 +51,7 @@ const LOOK: Duration = Duration::from_millis(5);
 /// Duration of a calibration in control periods.
 const CALIBRATION: u32 = 400;
 
-/// State of the imitated board hardware behind the protocol session.
+/// State of the imitated board hardware, on which the protocol session acts.
 pub struct World {
     pub machine: Machine,
     pub saved: Option<Vec<u8>>,
@@ -177,7 +177,7 @@ pub trait Served: Backend {
     fn noise(&mut self) -> Vec<u8> {
         Vec::new()
     }
-    /// Called for each request, before its answer. `false` closes the connection.
+    /// Called for each request, before it is answered. If the function returns `false`, the connection is closed.
     fn is_asked(&mut self) -> bool {
         true
     }

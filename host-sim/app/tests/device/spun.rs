@@ -34,7 +34,7 @@ impl Tamper for Supply {
 pub enum Pulled {
     /// At the first control period of this part of the motor measurement.
     In(MeasuringPart),
-    /// When settings are sent for the Nth time, before they take effect.
+    /// When settings are sent, before they take effect; holds the number of the sending, counted from 1.
     AtSettings(u32),
     /// While settings are written to the flash: the flash keeps its earlier contents.
     BeforeSaved,
@@ -44,7 +44,7 @@ pub enum Pulled {
     AtCalibration(u32),
 }
 
-/// State of the simulated board behind the protocol session.
+/// State of the simulated board with motor and knob, on which the protocol session acts.
 pub struct Spinning {
     pub knob: Knob<Supply, BareCoulomb>,
     pub saved: bool,
@@ -122,7 +122,7 @@ impl Spun {
         self.both.lock().unwrap()
     }
 
-    /// Plugs the cable in again, without a restart of the device.
+    /// Plugs the computer's cable in again, without a restart of the device.
     pub fn plug_in(&self) {
         let (_, world) = &mut *self.world();
         (world.pulled, world.pulled_in) = (false, None);

@@ -12,7 +12,7 @@ enum Right {
     Quiet,
     /// The input is refused with this message.
     Refused(&'static str),
-    /// The input is accepted and the verdict is not a fault of the wall.
+    /// The input is accepted, and the verdict is neither a limit cycle nor instability: the hand causes the motion, not the wall.
     NotTheWall,
     /// Every cell of the CSV file that the program writes is a decimal number.
     Decimals,

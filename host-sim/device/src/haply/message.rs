@@ -54,7 +54,7 @@ impl Generation {
 pub struct CursorState {
     /// The name of the device.
     pub device: String,
-    /// Whether the device has its supply, is calibrated, and has its motors on.
+    /// Position of the handle in the device's own frame, m.
     pub position_m: [f64; 3],
     /// Whether the device has its supply, is calibrated and has its motors on.
     pub standing: DeviceStanding,

@@ -27,7 +27,7 @@ pub struct DataSheet {
     pub degrees: usize,
     /// Largest force of the device, N.
     pub force_n: f64,
-    /// Where the effector may be, relative to the origin of the device's frame.
+    /// Range of positions that the end effector can reach, relative to the origin of the device's frame.
     pub workspace: Workspace,
     /// Resolution of the measured position (distance per encoder count), m.
     pub count_m: f64,
@@ -53,7 +53,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// Distance of a position outside the workspace, m; 0 inside.
+    /// How far a position is outside the workspace, m; 0 for a position inside.
     #[must_use]
     pub fn outside_m(&self, [x, y, z]: [f64; 3]) -> f64 {
         let across = (x.hypot(y) - self.radius_m).max(0.0);

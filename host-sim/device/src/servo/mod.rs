@@ -130,10 +130,11 @@ impl<D: HapticDevice> Drop for Engaged<'_, D> {
     }
 }
 
-/// Time between two requests of the device's state, s.
+/// Time between two requests of the device's state (supply, motors), s.
 const STANDING_S: f64 = 1e-3;
 
-/// Runs a force law on a device until `more` returns false or a fault occurs. The device is released in every case.
+/// Runs the servo loop with a force law on a device, until `more` returns false or a fault occurs. The device is released in every
+/// case.
 pub fn play<D: HapticDevice>(
     device: &mut D,
     law: &mut impl ForceLaw,

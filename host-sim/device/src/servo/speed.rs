@@ -14,7 +14,7 @@ pub struct SpeedEstimate {
 }
 
 impl SpeedEstimate {
-    /// An estimate for positions that come at this rate.
+    /// An estimate of the speed from positions that come at this rate, Hz.
     #[must_use]
     pub fn new(rate_hz: u32) -> Self {
         let ticks = (WINDOW_S * f64::from(rate_hz)).ceil().max(2.0) as usize;

@@ -16,9 +16,9 @@ pub enum Wrong {
     Silent,
     /// Sends pings instead of device states.
     Pings,
-    /// Sends the state byte by byte, one byte every 200 ms.
+    /// Sends the device state byte by byte, one byte every 200 ms.
     Drip,
-    /// Sends the state as a binary message instead of text.
+    /// Sends the device state as a binary message instead of text.
     Binary,
     Unlisted,
     NoNumber,
