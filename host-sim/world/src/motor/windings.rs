@@ -164,7 +164,7 @@ impl Windings {
         let (before, after) = (polar(1.0, theta), polar(1.0, theta + omega * t));
         let transient = self.current - constant - turning * before;
         self.current = constant + turning * after + transient * self.decay;
-        // ∫ i e^{-jθ} dt, part by part; the transient turns and decays.
+        // Computes ∫ i e^{-jθ} dt term by term; the transient term rotates and decays.
         let rate = C::new(r / l, omega);
         let end = polar(self.decay, -omega * t);
         let integral = turning * t
@@ -194,7 +194,7 @@ impl Windings {
         let decay = libm::exp(-r / l * until);
         let left = ((size + limit) * decay - limit).max(0.0);
         let left = if until < self.interval_s { 0.0 } else { left };
-        // ∫ |i| dt of (size + limit) e^{-Rt/L} - limit.
+        // Integral of the current's magnitude, which is (size + limit) e^{-Rt/L} - limit over time.
         let integral = (size + limit) * (1.0 - decay) * l / r - limit * until;
         let direction = self.current / size;
         self.current = direction * left;

@@ -44,7 +44,7 @@ pub const FALCON_GEOMETRY: DeltaGeometry = DeltaGeometry {
     ends_m: 2.0 * 0.01125,
     reach_m: 0.040 - 0.01443,
     aside_m: 0.02309 - 0.025,
-    // 90°, -30° and -150°, each 15° on.
+    // The directions 90°, -30° and -150°, each turned by 15°.
     legs_rad: [
         105.0 * std::f64::consts::PI / 180.0,
         -15.0 * std::f64::consts::PI / 180.0,
