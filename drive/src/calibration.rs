@@ -1,5 +1,5 @@
-//! Calibration, before the first torque. It measures the current sensors' offsets, the encoder's direction, and which count belongs
-//! to which electrical angle, and checks the number of pole pairs.
+//! Calibration, before the first torque. It measures the current sensors' offsets, the encoder's direction, and which encoder count
+//! belongs to which electrical angle, and checks the number of pole pairs.
 //!
 //! ```text
 //! Offsets -> Raise -> Settle -> Forward -> Back -> done
@@ -9,13 +9,13 @@
 //! 2. A current along a field that stands still is raised slowly. The rotor turns into the field, by at most half an electrical turn. A rotor
 //!    that stood against the field comes loose late and swings about it. The field waits as long as the rotor swings, up to three seconds.
 //! 3. The field turns one electrical turn and then one mechanical turn forward (`pole pairs` electrical turns), and all of it back;
-//!    the rotor follows. The first electrical turn of each way is not examined: it frees a rotor that happened to stand
+//!    the rotor follows. In the first electrical turn of each direction no samples are taken: it frees a rotor that happened to stand
 //!    against the field, and takes up friction. The counts moved in the mechanical turn give direction and pole pairs.
-//! 4. On the way, at each eighth of an electrical turn, the difference between field and count is taken. Friction makes the
-//!    rotor lag, on the way back in the other direction, so the mean of both ways is right. As the mean is over a whole turn, an eccentric
-//!    magnet does not change it.
+//! 4. In both directions, at each eighth of an electrical turn, the angle between field and rotor is sampled. Friction makes the rotor lag
+//!    behind the field, in opposite directions on the way forward and back, so the mean of both is right. As the mean is over a whole turn,
+//!    an eccentric magnet does not change it.
 //!
-//! The result is used only if all of it is plausible. Every stage ends after a limited number of ticks.
+//! The result is used only if all of it is plausible. Every stage ends after a limited number of control periods.
 //!
 //! If the alignment of an absolute encoder is stored, the calibration checks that alignment instead (module `check`).
 

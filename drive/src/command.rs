@@ -115,7 +115,7 @@ pub struct ThreePhase {
 }
 
 impl ThreePhase {
-    /// Computes the coefficients from the motor's settings.
+    /// Computes torque constant and its inverse from the motor's settings.
     ///
     /// # Errors
     /// The inverse of the torque constant does not fit its fixed-point format.
@@ -177,7 +177,7 @@ pub struct Analogue {
 }
 
 impl Analogue {
-    /// Computes the coefficient from the amplifier's settings.
+    /// Computes the codes of the analogue output per N·m from the amplifier's settings.
     ///
     /// # Errors
     /// The inverse of the full-scale torque does not fit its fixed-point format.

@@ -28,7 +28,7 @@ pub const NTC_10K_3455_OVER_4K7: Thermistor = Thermistor {
 };
 
 impl Thermistor {
-    /// A board without a temperature sensor: every code gives no temperature.
+    /// Table for a board without a temperature sensor: no code gives a temperature.
     pub const NONE: Self = Self {
         points: [(u16::MAX, 0); 9],
     };

@@ -1,14 +1,14 @@
 //! One PWM period of field-oriented control, at 20 kHz: takes phase currents, gives compare values.
 //!
-//! The loop obeys the [`CurrentCommand`] of the last control tick and depends on nothing else of the slower levels. It switches off
-//! by itself when a current is too large, when the hardware break acts, when the command is older than two control periods, or when
-//! the loop itself is too slow for the timer. It reports its measurements in a [`CurrentReport`].
+//! The loop obeys the [`CurrentCommand`] of the last control period and depends on nothing else of the slower levels. It switches
+//! off by itself when a current is too large, when the hardware break acts, when the command is older than two control periods, or
+//! when the loop itself is too slow for the timer. It reports its measurements in a [`CurrentReport`].
 //!
 //! Compare values act on average a whole PWM period after the sample from which they are calculated. So the voltage is turned ahead
 //! by the rotor's motion in a period ([`ACTS_AFTER_PERIODS`]).
 //!
-//! On a board that measures no current the two controllers are left out, and the voltage is `R` times the requested current. The
-//! file `voltage.rs` describes the disadvantages.
+//! On a board that measures no current the two current controllers are left out. The voltage is the winding's resistance times the
+//! requested current. The file `voltage.rs` describes the disadvantages.
 
 mod interface;
 mod offsets;

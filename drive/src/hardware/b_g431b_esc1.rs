@@ -1,4 +1,4 @@
-//! B-G431B-ESC1.
+//! Power stage of the board B-G431B-ESC1.
 //!
 //! | number | source |
 //! |---|---|
@@ -6,7 +6,7 @@
 //! | six lithium cells at most | UM2516, its first page |
 //! | 10 V at least | this project's choice: three cells at 3.3 V; where the gate drivers' own supply begins was **not read** |
 //! | the amplifier's 13 MHz | the chip's data sheet DS12589, OPAMP |
-//! | everything named after the shield | the same parts or the same program |
+//! | all numbers taken from `IHM08M1` | the same parts or the same program as with that shield |
 //!
 //! Pins: `firmware/src/board/b_g431b_esc1.rs`. Nothing was measured on a board.
 

@@ -1,8 +1,9 @@
 //! The supervisor: checks for faults.
 //!
-//! At the beginning of each control tick it compares all readings with their limits. The first broken limit becomes the tick's
-//! fault. The fault machine switches the outputs off in the same tick and latches the fault with its context. Power and sensors are
-//! checked from the command to calibrate until the next stop, since parts that are off may be unpowered or disconnected.
+//! At the beginning of each control period (tick) it compares all readings with their limits. The first broken limit becomes the
+//! fault of the period. The fault machine switches the outputs off in the same period and latches the fault with its context. Power
+//! and sensors are checked from the command to calibrate until the next stop, since parts that are off may be unpowered or
+//! disconnected.
 //!
 //! | checked in | faults |
 //! |---|---|

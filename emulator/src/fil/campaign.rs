@@ -33,7 +33,7 @@ const WATCHED: u64 = 30 * MS;
 /// Value of the fault `CalibrationFailed` if the shaft did not follow the field evenly (docs/faults/10-calibration-failed.md).
 const UNEVEN: i32 = 4;
 
-/// A shaft counts as resting if it stays within this angle for a tenth of a second, rad: a thousandth of a turn.
+/// Angle within which a shaft must stay for a tenth of a second to count as resting, rad: a thousandth of a turn.
 const RESTS_RAD: f64 = 6e-3;
 
 impl Campaign {

@@ -15,10 +15,10 @@ use crate::bench::{Bench, MS, Setup, US};
 use crate::cpu::elf::Program;
 use crate::machine::Halt;
 
-/// A number larger than the number of flash changes in one save.
+/// A number larger than the number of flash changes (words programmed, pages erased) in one save of the settings.
 const MOST_CHANGES: u64 = 400;
-/// On boards other than the reference board, the tests cut the supply only at every n-th flash change, with this n. The constant
-/// [`SAMPLED_MOMENTS`] is the n for the device's states.
+/// On boards other than the reference board, the tests cut the supply only at every n-th change of the flash (a word programmed, a
+/// page erased), with this n. The constant [`SAMPLED_MOMENTS`] is the n for the device's states.
 const SAMPLED_CHANGES: u64 = 5;
 const SAMPLED_MOMENTS: usize = 3;
 /// Time in processor cycles for which the supply is absent. By its end the motor's current is zero; the knob may still be moving.
@@ -33,7 +33,8 @@ fn is_reference(setup: &Setup) -> bool {
     setup.board.name == "nucleo-g474re-ihm16m1"
 }
 
-/// Cuts the supply at flash changes of a save, and once more in the save after the restart.
+/// Tests that cut the supply at single changes of the flash (a word programmed, a page erased) while settings are saved, and once
+/// more in the save after the restart.
 pub fn power_cuts(program: &Program, setup: &Setup, tally: &mut Tally) {
     let every = match is_reference(setup) {
         true => 1,
@@ -135,7 +136,8 @@ fn in_a_save(program: &Program, setup: &Setup, every: u64) -> Result<usize, Stri
     Err(format!("a save of more than {MOST_CHANGES} changes"))
 }
 
-/// Cuts the supply in a save, and again in the save after the restart, at several flash changes of each.
+/// Cuts the supply in a save of the settings, and again in the save after the restart, at several changes of the flash in each
+/// save.
 fn cut_twice(program: &Program, setup: &Setup) -> Result<usize, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;
