@@ -103,7 +103,8 @@ impl<N: Number> AnyLaw<N> {
     }
 }
 
-/// A control law, the stage before it that gives it position and velocity (states), and the energy guard after it that limits its force.
+/// A control law, the stage before it that gives it position and velocity (states), and the energy guard after it that limits its
+/// force.
 ///
 /// ```text
 /// penetration e -> states -> law -> guard -> force

@@ -1,8 +1,8 @@
 //! Divides by a constant without a division instruction.
 //!
-//! A control law divides by the same few stiffnesses at every tick. So an inverse of each is calculated once. `W` is the number of bits of
-//! a word. For the divisor shifted up until its highest bit is set, `2^(W-1) <= d < 2^W`, the inverse is `m = floor((2^k - 1)/d)` with
-//! `k = 3W - 1`. Then, for every `n < 2^(W-1) d`,
+//! A control law divides by the same few stiffnesses at every tick. So an inverse of each is calculated once. `W` is the number of
+//! bits of a word. For the divisor shifted up until its highest bit is set, `2^(W-1) <= d < 2^W`, the inverse is `m = floor((2^k -
+//! 1)/d)` with `k = 3W - 1`. Then, for every `n < 2^(W-1) d`,
 //!
 //! ```text
 //! floor(n/d) = floor((n + 1) m / 2^k)

@@ -79,39 +79,48 @@ macro_rules! table {
     };
 }
 table!(
-    /// Table of recorded answers for products of settings.
+    /// The table that replaces products of settings when the model checker runs. It records the results that the code got, so that
+    /// the specification gets the same.
     products, 16, any
 );
 table!(
-    /// Table of recorded answers for quotients of settings.
+    /// The table that replaces quotients of settings when the model checker runs. It records the results that the code got, so that
+    /// the specification gets the same.
     quotients, 12, any
 );
 table!(
-    /// Table of recorded answers for products of numbers with 56 fractional bits.
+    /// The table that replaces products of numbers with 56 fractional bits when the model checker runs. It records the results that
+    /// the code got, so that the specification gets the same.
     long_products, 12, nth
 );
 table!(
-    /// Table of recorded answers for quotients of numbers with 56 fractional bits.
+    /// The table that replaces quotients of numbers with 56 fractional bits when the model checker runs. It records the results
+    /// that the code got, so that the specification gets the same.
     long_quotients, 3, nth
 );
 table!(
-    /// Table of recorded answers for ratios of two settings.
+    /// The table that replaces ratios of two settings when the model checker runs. It records the results that the code got, so
+    /// that the specification gets the same.
     ratios, 4, nth
 );
 table!(
-    /// Table of recorded answers for the displacement of a device over a time by a displacement per tick of 1 (`V`).
+    /// The table that replaces a sum when the model checker runs: the displacement of a device over a time by a displacement per
+    /// tick of 1 (`V`). It records the results that the code got, so that the specification gets the same.
     reaches, 5, nth
 );
 table!(
-    /// Table of recorded answers for the displacement of a device over a time by a push (acceleration) of 1 per tick² (`X`).
+    /// The table that replaces a sum when the model checker runs: the displacement of a device over a time by a push (acceleration)
+    /// of 1 per tick² (`X`). It records the results that the code got, so that the specification gets the same.
     drifts, 5, nth
 );
 table!(
-    /// Table of recorded answers for products of a weight (coefficient) and a part (the leading digits) of a state.
+    /// The table that replaces products of a weight (coefficient) and a part (the leading digits) of a state when the model checker
+    /// runs. It records the results that the code got, so that the specification gets the same.
     weights, 10, any
 );
 table!(
-    /// Table of recorded answers for square roots.
+    /// The table that replaces square roots when the model checker runs. It records the results that the code got, so that the
+    /// specification gets the same.
     roots, 1, nth
 );
 
@@ -253,16 +262,18 @@ macro_rules! flows {
     };
 }
 flows!(
-    /// Table of recorded answers for the estimator's predictions (state transitions) over one tick.
+    /// The table that replaces the estimator's predictions (state transitions) over one tick when the model checker runs. It
+    /// records the results that the code got, so that the specification gets the same.
     over_ticks, 9
 );
 flows!(
-    /// Table of recorded answers for the estimator's predictions (state transitions) from a sample to the time when the next
-    /// command acts.
+    /// The table that replaces the estimator's predictions (state transitions) from a sample to the time when the next command acts
+    /// when the model checker runs. It records the results that the code got, so that the specification gets the same.
     aheads, 7
 );
 flows!(
-    /// Table of recorded answers for the estimator's correction gains.
+    /// The table that replaces the estimator's correction gains when the model checker runs. It records the results that the code
+    /// got, so that the specification gets the same.
     corrections, 3
 );
 fn told_of(device: &DeviceInTicks) -> [i64; 3] {

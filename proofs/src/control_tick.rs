@@ -1,6 +1,6 @@
-//! A device's control tick, from the readings to the drive's command, compared with its specification. The device's parts (law, limits, drive)
-//! may answer anything. The code calls them with the same arguments as the specification and calculates the same from the answers. Random
-//! tests run six ticks in a row with the real parts.
+//! A device's control tick, from the readings to the drive's command, compared with its specification. The device's parts (law,
+//! limits, drive) may answer anything. The code calls them with the same arguments as the specification and calculates the same
+//! from the answers. Random tests run six ticks in a row with the real parts.
 //!
 //! ```text
 //! output, memory = spec(memory, input, answers)     p11_control_tick

@@ -1,7 +1,8 @@
 //! The controller around a law: a tick is the law and then the energy guard, for any law. The controller keeps the force that later
 //! stages report to it.
 //!
-//! `f` is the force, `e` the penetration, `B` the energy in the guard's account and `C` the most that it holds; `'` marks the new value.
+//! `f` is the force, `e` the penetration, `B` the energy in the guard's account and `C` the most that it holds; `'` marks the new
+//! value.
 //!
 //! ```text
 //! f = guard(law(e, e - e(n-1)))                p11_controller_tick

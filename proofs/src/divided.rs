@@ -1,9 +1,10 @@
-//! Division and roots at 32 bits when the model checker runs: any result that has proved facts, and the same result for equal arguments.
+//! Division and roots at 32 bits when the model checker runs: any result that has proved facts, and the same result for equal
+//! arguments.
 //!
 //! A quotient is here any number that has the facts of [`facts`], as a product is in [`crate::multiplied`]. The specification's
-//! next call gets the code's result if its arguments are equal. The part of the dividend that the quotient accounts for (quotient times
-//! divisor) is a product with the facts of products. A `divided_property!` replaces divisions and roots of code and specification by the
-//! functions of this file, and products by those of [`crate::multiplied`].
+//! next call gets the code's result if its arguments are equal. The part of the dividend that the quotient accounts for (quotient
+//! times divisor) is a product with the facts of products. A `divided_property!` replaces divisions and roots of code and
+//! specification by the functions of this file, and products by those of [`crate::multiplied`].
 //!
 //! ```text
 //! q b <= a, a - q b < b, and q < 2^31 where a < 2^31 b     p3_quotient, obligations/check.py

@@ -1,8 +1,9 @@
 //! Properties of one tick of the energy guard, from every memory, for every configuration that `Guard::new` can give.
 //!
-//! That the guard's account is a lower bound of the true energy is proved on paper, in `docs/energy-guard.md`. The
-//! properties here prove that the code keeps that account: the sum, its limits, the reserve, and the bound on the force. `B` is the energy in
-//! the account, `C` the most that it holds, `R` the reserve, `A` the free energy `B - R`, `f` the force and `D` the largest displacement.
+//! That the guard's account is a lower bound of the true energy is proved on paper, in `docs/energy-guard.md`. The properties here
+//! prove that the code keeps that account: the sum, its limits, the reserve, and the bound on the force. `B` is the energy in the
+//! account, `C` the most that it holds, `R` the reserve, `A` the free energy `B - R`, `f` the force and `D` the largest
+//! displacement.
 //!
 //! ```text
 //! f D <= A  if  D/reach <= 1      p1_force_is_paid
@@ -415,7 +416,7 @@ guard!(
     w32, Fixed32, by sampled, sum sampled
 );
 guard!(
-    /// The properties of this file at 8 bits, where a solver covers every case. The account's sum is proved at 32 bits instead
+    /// The properties of this file at 8 bits, where a solver tries every case. The account's sum is proved at 32 bits instead
     /// (`refines::w32::p11_guard`, `p11_guard_booked`).
     w8, Fixed8, by cadical, sum sampled
 );

@@ -1,4 +1,5 @@
-//! Multiplication at 32 bits when the model checker runs: any result that has proved facts, and the same result for equal arguments.
+//! Multiplication at 32 bits when the model checker runs: any result that has proved facts, and the same result for equal
+//! arguments.
 //!
 //! That a tick equals its specification does not depend on what a product *is*. Code and specification multiply the same numbers,
 //! and then add, shift and compare the results. No solver follows these products at 32 bits, so a `multiplied_property!` replaces
@@ -13,9 +14,9 @@
 //! the code's multiplications are exact products       p1_products_are_exact, edges::p1_edge_work
 //! ```
 //!
-//! Calls are matched by their order: first those of the settings, then those of the memory, the code and the specification.
-//! A call of the specification that comes in another order than the code's gets a result of which nothing is known. That proves less, never
-//! more.
+//! Calls are matched by their order: first those of the settings, then those of the memory, the code and the specification. A call
+//! of the specification that comes in another order than the code's gets a result of which nothing is known. That proves less,
+//! never more.
 
 use crate::{cover, property};
 use touchstone_control::magnitude::Word;

@@ -1,7 +1,7 @@
 //! Properties of small parts of laws, guard and settings, each proved alone.
 //!
-//! `x_f` is the virtual mass' position, `d` its displacement per tick, `M` its inertia, `N0` the force that drives it. `B` is the energy in
-//! the guard's account and `C` the most that it holds.
+//! `x_f` is the virtual mass' position, `d` its displacement per tick, `M` its inertia, `N0` the force that drives it. `B` is the
+//! energy in the guard's account and `C` the most that it holds.
 //!
 //! ```text
 //! x_f' = x_f + d', M d = N0 with no stretch   p6_mass_moves

@@ -1,5 +1,5 @@
-//! Properties of a torque profile (a torque drawn over the angle) at 32 bits. The force lies between the two points beside the position, and
-//! never exceeds the largest force.
+//! Properties of a torque profile (a torque drawn over the angle) at 32 bits. The force lies between the two points beside the
+//! position, and never exceeds the largest force.
 //!
 //! `f` is the force, `A` the largest force, `i` a point's index, `x` the position, from `x_0` to `x_1`.
 //!

@@ -1,9 +1,9 @@
-//! Products and quotients of settings when the model checker runs: any result, and the same result for equal arguments (`answers.rs`).
-//! Validation is replaced as well (`stand_ins.rs`).
+//! Products and quotients of settings when the model checker runs: any result, and the same result for equal arguments
+//! (`answers.rs`). Validation is replaced as well (`stand_ins.rs`).
 //!
 //! How coefficients follow from settings does not depend on what the products and quotients are. A `reckoned_property!` replaces
-//! each by any number. Code or specification gets the same result if it calls with the same arguments again. For the estimator's 56-bit
-//! numbers, the specification's n-th call gets the result of the code's n-th, and nothing else is known of that result. Of a
+//! each by any number. Code or specification gets the same result if it calls with the same arguments again. For the estimator's
+//! 56-bit numbers, the specification's n-th call gets the result of the code's n-th, and nothing else is known of that result. Of a
 //! result in settings one fact is known:
 //!
 //! ```text

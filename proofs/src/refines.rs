@@ -1,8 +1,9 @@
 //! P11 (refinement): a tick of the code is a tick of its specification, force and whole memory, to the last bit.
 //!
 //! The specification, in `spec/`, uses no `Number` and shares nothing with the code. At 32 bits the model checker compares code and
-//! specification for every configuration, memory and sample. Products, quotients and roots are known only by facts (`multiplied.rs`,
-//! `divided.rs`). The same bodies run in random tests at 8 bits as well, and `proofs/tests/spec_*.rs` compare millions of ticks.
+//! specification for every configuration, memory and sample. Products, quotients and roots are known only by facts
+//! (`multiplied.rs`, `divided.rs`). The same bodies run in random tests at 8 bits as well, and `proofs/tests/spec_*.rs` compare
+//! millions of ticks.
 //!
 //! ```text
 //! tick(state, e, Δe) = spec(state, e, Δe)     p11_*

@@ -1,7 +1,7 @@
 //! Properties at 8 bits of the laws on three axes (shells), and of the wall that is made of them.
 //!
-//! All inputs of each are tried (`cargo xtask prove --every shells`). `F` is the force vector, `n` the normal, `e` the penetration, `m` and
-//! `Δ` the displacement, `E` the energy, `c` the damping per tick.
+//! All inputs of each are tried (`cargo xtask prove --every shells`). `F` is the force vector, `n` the normal, `e` the penetration,
+//! `m` and `Δ` the displacement, `E` the energy, `c` the damping per tick.
 //!
 //! ```text
 //! F = n f(e, m)                                             p4_magnitude_is_the_law

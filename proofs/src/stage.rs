@@ -1,8 +1,9 @@
-//! Properties of the guard as a stage of the controller (`control/src/guard/guarded.rs`). They are about four subjects: what the stage
-//! measures, that no motion under a force goes uncounted at the end of positions, that overspeed stays until the stage resumes, and what
-//! memory remains then.
+//! Properties of the guard as a stage of the controller (`control/src/guard/guarded.rs`). They are about four subjects: what the
+//! stage measures, that no motion under a force goes uncounted at the end of positions, that overspeed stays until the stage
+//! resumes, and what memory remains then.
 //!
-//! `Δ` is the displacement, `e` the measured and `x` the true position, `B` the energy in the account and `C` the most that it holds.
+//! `Δ` is the displacement, `e` the measured and `x` the true position, `B` the energy in the account and `C` the most that it
+//! holds.
 //!
 //! ```text
 //! tripped => f = 0, tripped'                 p4_stage_latches

@@ -3,8 +3,8 @@
 //! At 32 bits they run in random tests: products on three axes are beyond the solvers even at 8 bits. At 8 bits all inputs of
 //! one configuration per property are tried (`cargo xtask prove --every vector_guard`).
 //!
-//! `B` is the energy in the account, `C` the most that it holds, `R` the reserve, `F` the force vector, `D` the largest displacement plus an
-//! encoder count, `s` and `o` the lengths of the last two forces, `q` the distance charged.
+//! `B` is the energy in the account, `C` the most that it holds, `R` the reserve, `F` the force vector, `D` the largest
+//! displacement plus an encoder count, `s` and `o` the lengths of the last two forces, `q` the distance charged.
 //!
 //! ```text
 //! B' = max(min(sum of three axes, C), R)   p1_vector_account

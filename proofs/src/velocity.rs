@@ -1,10 +1,10 @@
 //! P11 (refinement): the velocity filters of a spring-damper equal their specification (`spec/velocity.rs`), and none of their
 //! states leaves its range.
 //!
-//! A product of a weight (coefficient) and a part (leading digits of a state) is one unknown number for code and specification where they are
-//! compared, as for the estimator ([`crate::weighed`]). Where only its range matters, it is any number in that range. The window, which
-//! multiplies by whole ticks, is compared in random tests, with everything else (`proofs/tests/spec_velocity.rs`). `v` is the filtered
-//! displacement per tick, `x` the position, `a` the gain.
+//! A product of a weight (coefficient) and a part (leading digits of a state) is one unknown number for code and specification
+//! where they are compared, as for the estimator ([`crate::weighed`]). Where only its range matters, it is any number in that
+//! range. The window, which multiplies by whole ticks, is compared in random tests, with everything else
+//! (`proofs/tests/spec_velocity.rs`). `v` is the filtered displacement per tick, `x` the position, `a` the gain.
 //!
 //! ```text
 //! v' = v + a (x - x' - v) = spec               p11_smoothed, its range p3_smoothed_stays32

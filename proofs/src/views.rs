@@ -1,5 +1,5 @@
-//! Properties of values for telemetry and of measurements: the laws' views, the observers alone, a law's input, and the guard on the mirrored
-//! axis.
+//! Properties of values for telemetry and of measurements: the laws' views, the observers alone, a law's input, and the guard on
+//! the mirrored axis.
 //!
 //! `E` is the energy, `f` the force, `x` a position, `e` a penetration, `Δ` a displacement; `'` marks the new value.
 //!

@@ -1,5 +1,5 @@
-//! Properties of the estimator's wide states as numbers, and of the few functions of `Fixed32` and `Fixed8` that no other file covers. Each is
-//! compared with its equation over integers.
+//! Properties of the estimator's wide states as numbers, and of the few functions of `Fixed32` and `Fixed8` that no other file
+//! covers. Each is compared with its equation over integers.
 //!
 //! ```text
 //! a + b, a - b where they fit; leading digits; ±2^k     p3_wide_sums, p3_wide_parts, p3_wide_within

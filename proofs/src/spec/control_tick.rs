@@ -1,8 +1,8 @@
-//! Specification of a device's control tick: which of the device's parts (drive, law, limits) the tick calls, and what it calculates
-//! from their answers.
+//! Specification of a device's control tick: which of the device's parts (drive, law, limits) the tick calls, and what it
+//! calculates from their answers.
 //!
-//! `e` is the penetration, `f` the force, `τ` the torque, `i` the current, `share` the fraction of the torque that is commanded; `'` marks
-//! the new value.
+//! `e` is the penetration, `f` the force, `τ` the torque, `i` the current, `share` the fraction of the torque that is commanded;
+//! `'` marks the new value.
 //!
 //! ```text
 //! fault     = reported, else detected, else refused settings      the first one is latched, and outputs go off

@@ -207,7 +207,7 @@ impl Trace {
     /// All columns, in the order of the fields.
     #[must_use]
     pub fn columns(&self) -> [&[f64]; 14] {
-        // No `..` here: a field that is forgotten does not compile.
+        // No `..` here, so that a forgotten field is a compile error.
         let Trace {
             time_s,
             angle_rad,

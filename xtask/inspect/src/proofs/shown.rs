@@ -50,7 +50,7 @@ fn look(tokens: &TokenStream, shown: &[LineColumn], lines: &mut Vec<usize>) {
 }
 
 /// Whether an assertion without a message is at this position. An assertion with a message belongs to a replacement of shipped
-/// code, which not every harness uses.
+/// code, which not every harness (proof) uses.
 fn is_asserted(all: &[TokenTree], place: usize) -> bool {
     let [
         TokenTree::Ident(name),
