@@ -22,8 +22,8 @@ const PLACES_LOG2: u32 = 11;
 pub const PLACES: usize = 1 << PLACES_LOG2;
 /// Number of low bits of a 16-bit angle that lie between two table entries and are interpolated.
 const REST_BITS: u32 = 16 - PLACES_LOG2;
-/// The map may use at most the current limit divided by this number. With more, too little current would be left for the wall's
-/// force.
+/// The cogging map may use at most the current limit divided by this number. With more, too little current would be left for the
+/// wall's force.
 pub const SHARE: i32 = 4;
 
 /// The constant `2π`.
@@ -43,7 +43,7 @@ pub struct Played {
 }
 
 impl Played {
-    /// Calculates the table of currents as the sum of the map's harmonics.
+    /// Calculates the table of currents as the sum of the cogging map's harmonics.
     #[cold]
     #[inline(never)]
     #[must_use]
@@ -96,7 +96,7 @@ impl Played {
     }
 }
 
-/// Sum of the map's harmonics at one entry of the table.
+/// Sum of the cogging map's harmonics at one entry of the table of currents.
 fn sum_at(map: &CoggingMap, place: u32) -> i64 {
     let of = |it: &touchstone_protocol::CoggingHarmonic| {
         let angle = Angle((place.wrapping_mul(u32::from(it.order)) << REST_BITS) as u16);

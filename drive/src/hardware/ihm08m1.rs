@@ -1,4 +1,4 @@
-//! X-NUCLEO-IHM08M1 on the NUCLEO-G474RE.
+//! Power stage of the shield X-NUCLEO-IHM08M1 on the NUCLEO-G474RE.
 //!
 //! | number | source |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! X-NUCLEO-IHM16M1, on the NUCLEO-G474RE or the NUCLEO-G431RB.
+//! Power stage of the shield X-NUCLEO-IHM16M1, on the NUCLEO-G474RE or the NUCLEO-G431RB.
 //!
 //! | number | source |
 //! |---|---|

@@ -23,9 +23,10 @@ use crate::bench::{Bench, MS, Setup};
 use crate::chip::ResetCause;
 use crate::cpu::elf::Program;
 
-/// Largest rate at which a change of the environment may change the force, N·m/s.
+/// Largest rate at which the force may change when one environment (walls, detents) replaces another, N·m/s.
 const CHANGE: &str = "0.5";
-/// Largest number of control periods for which the environments before and after a change may give the same force.
+/// Largest number of control periods for which two environments (walls, detents) may give the same force when one replaces the
+/// other.
 const SAME_FORCES: usize = 50;
 /// How far the hand turns the knob to each side, rad, if no force resists. Both end stops lie within this range.
 const REACH_RAD: f64 = 0.35;
@@ -103,7 +104,7 @@ fn set(bench: &mut Bench, environment: &Surround) -> Result<CountsFrom, String> 
     }
 }
 
-/// Lets a hand sweep to and fro through the environment, and changes the environment meanwhile.
+/// Lets a hand sweep to and fro through the environment (walls, detents), and changes the environment meanwhile.
 fn played(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = configured(program, setup)?;
     bench.calibrate()?;
@@ -154,10 +155,11 @@ fn played(program: &Program, setup: &Setup) -> Result<String, String> {
     Ok(format!("{compared}; answered within {answered_after} ms"))
 }
 
-/// Computes the environments' forces on the host from the device's encoder counts, and compares them with the device's forces.
+/// Computes the forces of the environments (walls, detents) on the host from the device's encoder counts, and compares them with
+/// the device's forces.
 ///
-/// The telemetry does not say from which control period (tick) on a change is active. The function finds that period by comparing
-/// forces: from there on, all forces must be those of the next environment.
+/// The telemetry does not say from which control period (tick) on a new environment is active. The function finds that period by
+/// comparing forces: from there on, all forces must be those of the new environment.
 fn compared(
     settings: &DeviceSettings,
     board: Board,
@@ -247,7 +249,8 @@ fn differs(record: &Telemetry, here: Force<Fixed32>) -> String {
     )
 }
 
-/// Checks that an invalid environment is refused without effect, and that a saved environment is active after a restart.
+/// Checks that an invalid environment (walls, detents) is refused without effect, and that a saved environment is active after a
+/// restart.
 fn kept(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = configured(program, setup)?;
     // The largest possible environment, because the watchdog already runs while the device builds it.
@@ -305,7 +308,7 @@ fn kept(program: &Program, setup: &Setup) -> Result<String, String> {
     Ok("saved, read and at work after a start; two wrong ones refused".into())
 }
 
-/// Checks that a board without room for environments answers `NotUnderstood`, and then works on.
+/// Checks that a board without memory for environments (walls, detents) answers `NotUnderstood`, and then works on.
 fn refused(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;

@@ -59,12 +59,12 @@ pub(super) const COGGING: [Harmonic; 4] = [
 /// Largest error of a cogging map at each number of periods per turn: relative error of the amplitude, and error of the phase in
 /// degrees.
 type Off = [(f64, f64); COGGING.len()];
-/// Largest errors of the map if the configured inertia is a third above the knob's. At 168 periods per turn, 42 Hz in the sweep,
-/// nearly all of the measured torque is due to the inertia, so the largest error is allowed there.
+/// Largest errors of the measured cogging map if the configured inertia is a third above the knob's. At 168 periods per turn, 42 Hz
+/// in the sweep, nearly all of the measured torque is due to the inertia, so the largest error is allowed there.
 const OFF_MOST: Off = [(0.15, 3.0), (0.4, 20.0), (0.05, 3.0), (0.05, 3.0)];
-/// Largest errors of the map if the configured inertia is that of the knob.
+/// Largest errors of the measured cogging map if the configured inertia is that of the knob.
 const OFF_MOST_KNOWN: Off = [(0.05, 3.0), (0.15, 20.0), (0.05, 3.0), (0.05, 3.0)];
-/// Largest torque of the map at numbers of periods per turn at which the motor has no cogging, effective value in N·m.
+/// Largest torque of the cogging map at numbers of periods per turn at which the motor has no cogging, effective value in N·m.
 const STRANGE_MOST_N_M: f64 = 1e-4;
 
 /// Tests on the reference board that the cogging map is measured, applied, stored and, where it does not fit, refused.
@@ -301,8 +301,8 @@ fn felt(without: &[Felt], with: &[Felt]) -> Result<String, String> {
     if is_right { Ok(words) } else { Err(words) }
 }
 
-/// Checks that after a change of the settings the device reports that the map does not fit them, and that the full cogging torque
-/// remains.
+/// Checks that after a change of the settings the device reports that the cogging map does not fit them, and that the full cogging
+/// torque remains.
 fn refused(
     bench: &mut Bench,
     because: Unkept,

@@ -23,7 +23,7 @@ pub struct Felt {
 }
 
 impl Felt {
-    /// Remaining torque as a fraction of the cogging torque: 1 means that nothing was compensated.
+    /// Ripple that remains with the compensation, as a fraction of the cogging torque: 1 means that nothing was compensated.
     #[must_use]
     pub fn left(&self) -> f64 {
         self.ripple_n_m / self.cogging_n_m

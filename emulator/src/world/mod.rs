@@ -26,7 +26,7 @@ const STEP: u64 = 4_250;
 /// Compare value at which a phase is always connected to the bus voltage.
 const TOP: u16 = 4_250;
 
-/// The usual motor, with a rotor angle that is not a round number at power-on.
+/// The usual motor. Its electrical angle at the encoder's zero is 1 rad, so that it is no special angle.
 const MOTOR: MotorParameters = MotorParameters {
     electrical_zero_rad: 1.0,
     ..GIMBAL

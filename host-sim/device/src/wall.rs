@@ -104,7 +104,7 @@ pub struct DeviceWall<'m> {
 }
 
 impl<'m> DeviceWall<'m> {
-    /// A wall with the device at rest outside the object, and with a full energy account of the guard.
+    /// A wall in the state before contact: the device is at rest outside the object, and the energy guard has its full energy.
     ///
     /// # Errors
     /// The control law or the energy guard refuses the settings.
@@ -138,7 +138,7 @@ impl<'m> DeviceWall<'m> {
         })
     }
 
-    /// Lowest value that the guard's energy account has reached, J; `None` without a guard or before the first control interval.
+    /// Lowest energy that the energy guard had left so far, J; `None` without an energy guard or before the first control interval.
     #[must_use]
     pub fn least_account_j(&self) -> Option<f64> {
         self.least_account

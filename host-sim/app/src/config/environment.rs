@@ -25,7 +25,7 @@ pub struct EnvironmentOptions {
     /// Removes everything but the wall.
     #[arg(long, conflicts_with_all = ["scene", "sets"])]
     wall_alone: bool,
-    /// Limit on the change of the force while the new environment replaces the old one under a hand, N·m/s.
+    /// Limit on the rate at which the force changes while the new environment replaces the old one under a hand, N·m/s.
     #[arg(long, value_name = "N_M_PER_S", allow_negative_numbers = true, value_parser = number::not_negative("in N·m/s"))]
     change: Option<f64>,
 }
@@ -90,7 +90,7 @@ fn small(place: &str, board: Board) -> Error {
     Error::device(place, problem, fix)
 }
 
-/// The environment that the options request: the device's present one with the requested changes.
+/// The environment (walls, detents, end stops) that the options request: the device's present one with the requested changes.
 fn wanted(
     options: &EnvironmentOptions,
     before: &Surround,
@@ -216,7 +216,7 @@ fn json(environment: &Surround) -> serde_json::Value {
     })
 }
 
-/// Prints the environment as TOML, in the form of a scene file.
+/// Prints an environment (walls, detents, end stops) as TOML, in the form of a scene file.
 fn shown(environment: &Surround) -> Result<()> {
     // Not through a JSON value, which stores numbers differently from TOML.
     let environment_table = toml::Value::try_from(as_scene(environment));

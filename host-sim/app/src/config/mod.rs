@@ -278,7 +278,7 @@ fn import(
     changed(&before, &after)
 }
 
-/// Prints a warning for each changed setting that weakens the guard's bound on energy.
+/// Prints a warning for each changed setting that weakens the energy guard's bound on the energy that a hand can receive.
 fn note_weaker(before: &DeviceSettings, after: &DeviceSettings, board: Board) {
     for it in guard::weaker(before, after, board) {
         note!("warning: the guard is weaker: {}: {}", it.path, it.problem);

@@ -199,7 +199,7 @@ pub struct Trace {
     pub energy_true_j: Vec<f64>,
     /// Energy that the device has dissipated since the start, J (viscous and dry friction).
     pub energy_device_loss_j: Vec<f64>,
-    /// Energy account of the guard, J: energy that the wall may still give to the hand. NaN for a scene without a guard.
+    /// Account of the energy guard, J: energy that the wall may still give to the hand. NaN for a scene without an energy guard.
     pub guard_account_j: Vec<f64>,
 }
 
@@ -207,7 +207,7 @@ impl Trace {
     /// All columns, in the order of the fields.
     #[must_use]
     pub fn columns(&self) -> [&[f64]; 14] {
-        // No `..` here: a field that is forgotten does not compile.
+        // No `..` here, so that a forgotten field is a compile error.
         let Trace {
             time_s,
             angle_rad,

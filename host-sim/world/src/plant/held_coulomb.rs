@@ -17,10 +17,10 @@ use events::Mode;
 
 /// A device in a hand, with dry friction: the equations of motion of [`super`], with four states and two modes.
 ///
-/// *Sliding*: friction is a constant torque `F_k`, so the total is `w = u - sign(v) F_k` and the step is that of [`HeldLinear`]. `u` is the held
-/// torque, `v` the device's velocity. *Stuck*: the angle `x` stays the same bit for bit, `v` is exactly zero, and the hand moves
-/// against a pad whose other side is fixed. Because the pad oscillates, the velocity may change sign twice in an interval, which
-/// its value at the interval's end does not show.
+/// *Sliding*: friction is a constant torque `F_k`, so the total is `w = u - sign(v) F_k` and the step is that of [`HeldLinear`].
+/// `u` is the held torque, `v` the device's velocity. *Stuck*: the angle `x` stays the same bit for bit, `v` is exactly zero, and
+/// the hand moves against a pad whose other side is fixed. Because the pad oscillates, the velocity may change sign twice in an
+/// interval, which its value at the interval's end does not show.
 ///
 /// Each step therefore first evaluates a bound that holds in every case: on an interval of length `h` a function `f` stays within
 /// `h²/8 max|f''|` of the straight line between its end values. If that leaves no room for a stop or a start, which is nearly

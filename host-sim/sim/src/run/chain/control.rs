@@ -40,10 +40,10 @@ pub struct Sampled<S, W> {
 }
 
 impl<S: Sensor, W: Wall> Control for Sampled<S, W> {
-    // Reached through a table of functions in any case, and the law's code then stands in the program once.
+    // The loop calls this method indirectly in any case. Without inlining, the law's code exists only once.
     #[inline(never)]
     fn torque_n_m(&mut self, angle_rad: f64) -> f64 {
-        // The wall pushes out, along -x.
+        // The wall's force pushes out of the wall, in the direction of -x.
         -self.sensor.read(&mut self.wall, angle_rad)
     }
 

@@ -109,7 +109,7 @@ pub struct Delayed<S> {
 impl<S: Stepper> Delayed<S> {
     /// Builds a delay of `whole` control periods plus the time over which `before` advances the plant.
     pub fn new(before: S, after: S, whole: usize) -> Self {
-        // Before the first command arrives the motor is off.
+        // Until the first command takes effect, the motor has no torque.
         Self {
             before,
             after,

@@ -165,7 +165,7 @@ mod tests {
             let spread = (variance / n).sqrt();
             assert!((found - expected).abs() < 5.0 * spread, "{power}: {found}");
         }
-        // White: neighbours, and the two of a pair, are not correlated.
+        // The noise is white: neighbouring numbers, such as the two of a pair, are not correlated.
         for lag in 1..=8 {
             let sum: f64 = numbers.windows(lag + 1).map(|w| w[0] * w[lag]).sum();
             assert!((sum / n).abs() < 5.0 / n.sqrt(), "lag {lag}: {}", sum / n);

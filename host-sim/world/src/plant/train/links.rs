@@ -195,7 +195,7 @@ pub(super) fn assemble<const N: usize, const K: usize>(
             motor_power[(torque, 1)] = 0.5;
         }
     }
-    // The pair that the hand holds, and its inertia.
+    // Index of the body that the hand holds, and the body's inertia.
     let mut held = (0, motor_inertia);
     if let Some(transmission) = &links.transmission {
         let knob = (2, knob_inertia);
