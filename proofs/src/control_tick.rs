@@ -176,7 +176,7 @@ fn position(bits: i32) -> Position<Fixed32> {
 fn any_position<S: Source>(s: &mut S) -> Position<Fixed32> {
     position(s.i32())
 }
-/// An option that is sometimes `None` in random tests; under the model checker always `Some`, to save a case.
+/// A value that is sometimes `None` in random tests. Under the model checker it is always `Some`, to save a case.
 fn some_sampled<S: Source, T>(s: &mut S, any: impl FnOnce(&mut S) -> T) -> Option<T> {
     if cfg!(kani) { None } else { some(s, any) }
 }
@@ -253,7 +253,7 @@ fn any_alignment<S: Source>(s: &mut S) -> Alignment {
         against: s.bool(),
     }
 }
-/// The contact phase that a byte stands for.
+/// The contact phase that a byte stands for, to make any phase from an arbitrary byte.
 pub(crate) const fn contact_of(byte: u8) -> Contact {
     match byte % 3 {
         0 => Contact::Free,

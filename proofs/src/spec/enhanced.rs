@@ -30,7 +30,8 @@ pub struct Enhanced {
     /// Whether the stored energy counts the next displacement of the virtual mass (exact observer) instead of its last one
     /// (thesis).
     pub exact: bool,
-    /// Whether the force is kept where the first contact phase ends (thesis 2.16, 2.17).
+    /// Whether the force is kept where the first phase of the contact ends (thesis 2.16, 2.17); otherwise the offset starts at
+    /// zero.
     pub keep_force: bool,
     /// Inertia of the virtual mass over the control period squared, in the format of gains.
     pub inertia: Int,

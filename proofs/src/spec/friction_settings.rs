@@ -7,7 +7,7 @@ use super::settings::{ONE, between, gain_fits, gain_of, over, signal_fits, signa
 /// Settings of the friction as integers, in units of 2^-32 of their SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// Stiffness, N/m.
+    /// Stiffness of the friction's spring, N/m.
     pub stiffness: Int,
     /// Coefficient of static friction.
     pub fixed: Int,

@@ -58,7 +58,7 @@ impl Guard {
         times(force.abs(), self.in_flight)
     }
 
-    /// The largest force that a free energy covers for every allowed displacement.
+    /// The largest force that the free energy in the account covers for every allowed displacement.
     #[must_use]
     pub fn largest_force(&self, free: Int) -> Int {
         times(self.per_reach, free >> SIGNAL) >> GAIN

@@ -38,7 +38,8 @@ pub struct Sfa {
     pub compliance: Int,
     /// The ticks in which the offset of the soft spring changes.
     pub update: Update,
-    /// Whether the force is kept where the first contact phase ends (thesis 2.16, 2.17).
+    /// Whether the force is kept where the first phase of the contact ends (thesis 2.16, 2.17); otherwise the offset starts at
+    /// zero.
     pub keep_force: bool,
     /// Largest force, in steps of the force format.
     pub limit: Int,
