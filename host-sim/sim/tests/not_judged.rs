@@ -45,7 +45,7 @@ fn sine(hz: f64, time_s: f64) -> f64 {
     libm::sin(std::f64::consts::TAU * hz * time_s)
 }
 
-/// Tests that a wall of half the critical stiffness, which stays stable, is never called unstable while a hand moves it.
+/// Tests that a wall of half the largest stable stiffness is never called unstable while a hand moves it.
 #[test]
 fn a_soft_wall_is_never_at_fault_for_a_hand_that_moves() {
     let mut unjudged = 0;

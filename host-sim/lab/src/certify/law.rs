@@ -36,7 +36,7 @@ use super::linear_law::{LinearLaw, Phase};
 use touchstone_control::law::EnhancedSfa;
 use touchstone_control::{AnyLaw, OffsetUpdate, Regulate};
 
-/// Name of the linear phase in which the enhanced law changes its offset (shift of the wall's surface) at every tick.
+/// Name of the linear phase in which the law changes its offset (shift of the wall's surface) at every tick.
 pub const OFFSET_UPDATED: &str = "offset updated";
 
 /// How a control law may change between its linear phases.
@@ -153,7 +153,7 @@ impl Phases {
     }
 }
 
-/// Treatment of the enhanced law's offset (shift of the wall's surface) in a linear phase.
+/// Treatment of the law's offset (shift of the wall's surface) in a linear phase of enhanced successive force augmentation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Offset {
     /// The offset changes at every tick by the ideal step, equation (6) or (7) in `law.rs`.

@@ -139,7 +139,7 @@ impl Member {
     }
 
     /// Deepest penetration of press and touch, each divided by the ideal depth (force of the press over requested stiffness).
-    /// `None` if the wall is lost.
+    /// `None` if the wall is lost: a press too deep, or its stiffness far off.
     fn depths(&self) -> Result<Option<[f64; 2]>> {
         let (grip, hand) = self.hand;
         let mut pressed = Programme::of(&self.scene).scene(&self.scene, grip, Deed::Press);
@@ -287,7 +287,8 @@ pub struct Judged {
 }
 
 impl Judged {
-    /// The larger of the relative depths of press and touch; infinite if the wall is lost.
+    /// The larger of the relative depths of press and touch; infinite if the wall is lost (a press too deep, or its stiffness far
+    /// off).
     #[must_use]
     pub fn depth(&self) -> f64 {
         let both = self.press.zip(self.touch);
@@ -306,9 +307,10 @@ pub struct Family {
     pub members: usize,
     /// Number of device variants on which the wall is lost (a press too deep, or its stiffness far off).
     pub lost: usize,
-    /// Number of device variants on which the wall is lost although no tuned law would handle it either.
+    /// Number of device variants on which the wall is lost (a press too deep, or its stiffness far off) and would be with any tuned
+    /// law.
     pub lost_beyond_map: usize,
-    /// Number of device variants on which the wall is lost, or press or touch is deeper than [`DEEP`].
+    /// Number of device variants on which the wall is lost (its stiffness far off), or press or touch is deeper than [`DEEP`].
     pub deep: usize,
     /// Deepest press over the device variants on which the wall is not lost, divided by the ideal depth (force over requested
     /// stiffness).

@@ -94,7 +94,7 @@ pub struct Figures(pub [f64; 8]);
 impl Figures {
     /// Start value: the measures before any tick.
     pub const NONE: Figures = Figures([0.0; 8]);
-    /// Measures of a lost wall: all infinite.
+    /// Measures of a wall that cannot hold the device (lost wall): all infinite.
     pub const LOST: Figures = Figures([f64::INFINITY; 8]);
 
     /// Value of one measure, in SI units.

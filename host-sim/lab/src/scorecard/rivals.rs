@@ -19,7 +19,8 @@ pub struct Rival {
     pub source: &'static str,
     /// Whether the law is a spring with virtual damping, with which the other laws are compared.
     pub damped_spring: bool,
-    /// Whether the law is tuned with estimated states. In a scorecard, the enhanced law uses the states that its scene sets.
+    /// Whether the law is tuned with the state estimator. In a scorecard, enhanced successive force augmentation uses the estimator
+    /// only if its scene does.
     pub estimated: bool,
     apply: fn(&mut Scene),
 }
@@ -145,8 +146,8 @@ pub const RIVALS: [Rival; 12] = [
     },
 ];
 
-/// Sets a control law as it is usually published: measured states, no energy guard, and the thesis' parameters where the scene has
-/// none.
+/// Sets a control law as it is usually published: without state estimator and energy guard, and with the thesis' parameters where
+/// the scene has none.
 fn measured(scene: &mut Scene, kind: LawKind) {
     if let Ok(known) = scene.with_preset(Preset::Thesis) {
         *scene = known;
@@ -162,27 +163,27 @@ fn filtered(scene: &mut Scene, from: VelocityKind) {
     scene.law.velocity.from = from;
 }
 
-/// Factor from the energy that the guard needs for its largest force at the overspeed limit to the account's capacity. With this
-/// capacity a full energy account never reduces a press.
+/// Ratio of the capacity of the energy guard's account to the energy that the guard needs for its largest force at the overspeed
+/// limit. With this capacity a full account never reduces a press.
 const CAPACITY_SHARE: f64 = 1.2;
-/// Factor from the power that a wall costs the guard to the power that refills its energy account.
+/// Ratio of the power that refills the energy guard's account to the power that a wall costs.
 ///
 /// The cost assumes that the force changes by the stiffness times one encoder count in every tick. The guard charges half a count
 /// for each change.
 const REFILL_SHARE: f64 = 4.0;
-/// Largest power for refilling the energy account that the guard's settings accept, W.
+/// Largest power for refilling the account that the energy guard's settings accept, W.
 const MOST_REFILL_W: f64 = 1.0;
-/// Largest capacity of the energy account that the guard's settings accept, J.
+/// Largest capacity of the account that the energy guard's settings accept, J.
 const MOST_CAPACITY_J: f64 = 16.0;
-/// Delay in ticks above which the encoder is also read at the moment when the force changes. Without that reading the guard would
-/// charge more energy for each change.
+/// Delay in ticks above which the encoder is also read at the moment when the force changes. Without that reading the energy guard
+/// would charge more energy for each change.
 const MEASURED_FROM_TICKS: f64 = 0.1;
 
 /// Longest delay in ticks (control periods) that the energy guard covers, with a margin for rounding. With a longer delay the guard
 /// is off.
 pub const MOST_DELAY_TICKS: f64 = 1.0 + 1e-9;
 
-/// Longest delay that the scene or the guard assumes, plus the guard's lag, in ticks (control periods).
+/// Longest delay that the scene or the energy guard assumes, plus the guard's lag, in ticks (control periods).
 #[must_use]
 pub fn delay_ticks(scene: &Scene) -> f64 {
     let guard = &scene.law.guard;

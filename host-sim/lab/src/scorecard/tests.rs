@@ -16,7 +16,7 @@ fn knob(k_desired: f64) -> Scene {
     scene
 }
 
-/// A spring with damping on estimated states. With a damping of 0.006 N·m·s/rad it works on every device at five times the
+/// A spring with damping, with the state estimator. With a damping of 0.006 N·m·s/rad it works on every device at five times the
 /// stiffness that sampling allows a plain spring.
 fn estimated(k_desired: f64, damping: f64) -> Scene {
     let mut scene = Rival::named("spring-damper-estimated")

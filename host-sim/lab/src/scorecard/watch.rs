@@ -1,7 +1,7 @@
 //! Computes the measures of a scorecard from one run.
 //!
-//! The force is the motor's true mean force in a tick (control period), after limits, guard, amplifier resolution and delay. The
-//! penetration is the true one in the middle of the tick, to which that force belongs.
+//! The force is the motor's true mean force in a tick (control period), after limits, energy guard, amplifier resolution and delay.
+//! The penetration is the true one in the middle of the tick, to which that force belongs.
 
 use super::cases::Deed;
 use super::measure::{Beside, Figures, Measure};

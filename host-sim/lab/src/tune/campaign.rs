@@ -28,7 +28,8 @@ const OF_INERTIA: f64 = 0.16;
 pub enum Class {
     /// Five times the critical stiffness, the largest that sampling allows a plain spring.
     FiveCritical,
-    /// Twenty times the critical stiffness, for devices where this is below the limit by inertia (see `Inertia`).
+    /// Twenty times the largest stiffness that sampling allows a plain spring, for devices where this is below the limit by inertia
+    /// (see `Inertia`).
     TwentyCritical,
     /// The limit by inertia, `0.16 J/T²`: inertia `J`, control period `T`.
     Inertia,
@@ -135,7 +136,7 @@ pub struct Row {
     pub phase_deg: Option<f64>,
     /// Number of settings that were examined.
     pub looks: u64,
-    /// Power that refills the guard's energy account, W; absent if the delay is longer than the guard covers.
+    /// Power that refills the account of the energy guard, W; absent if the delay is longer than the guard covers.
     pub guard_refill_w: Option<f64>,
     /// Worst verdict of the stability certificate over the scorecard's hands; empty if there is no certificate.
     pub certificate: String,

@@ -1,7 +1,7 @@
 //! Evaluates settings by the eigenvalues of the loop alone, which is a thousand times faster than simulated runs.
 //!
-//! If the wall is lost in every grip, simulated runs do not show in which direction settings become better; eigenvalues do. A
-//! search therefore begins at the settings with the best eigenvalues.
+//! If the wall does not hold the device in any grip, simulated runs do not show in which direction settings become better;
+//! eigenvalues do. A search therefore begins at the settings with the best eigenvalues.
 
 use super::cost::Cost;
 use super::eigenvalue::radius;

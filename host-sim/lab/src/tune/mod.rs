@@ -244,7 +244,7 @@ fn starts(scene: &Scene, axes: &[Axis]) -> Vec<Vec<f64>> {
 }
 
 /// Known good settings for the thesis' knob, each divided by the value of the start rule. They are for walls of 5 and 20 times the
-/// knob's critical stiffness, and for a damped wall that passes on every device variant at 14 times.
+/// largest stiffness that sampling allows a plain spring, and for a damped wall that passes on every device variant at 14 times.
 const KNOWN: [&[(&str, f64)]; 3] = [
     &[
         ("law.limit_of_penetration_per_ms", 11.4),

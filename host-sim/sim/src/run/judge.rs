@@ -35,11 +35,12 @@ pub struct Judge {
 /// How often and how far the energy guard reduced the force in a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GuardWatch {
-    /// Lowest value of the guard's energy account, J.
+    /// Lowest value of the energy guard's account, J: energy that the wall may still give.
     pub account_min_j: f64,
-    /// Number of ticks in which the guard passed less force than the control law requested.
+    /// Number of ticks in which the energy guard passed less force than the control law requested.
     pub limited_ticks: u64,
-    /// Tick from which the guard held the force at zero after a shut-down (such as overspeed); `None` if it did not shut down.
+    /// Tick from which the energy guard held the force at zero after a shut-down (such as overspeed); `None` if it did not shut
+    /// down.
     pub tripped_tick: Option<u64>,
 }
 

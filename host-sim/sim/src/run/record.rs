@@ -199,7 +199,7 @@ pub struct Trace {
     pub energy_true_j: Vec<f64>,
     /// Energy that the device has dissipated since the start, J (viscous and dry friction).
     pub energy_device_loss_j: Vec<f64>,
-    /// Energy account of the guard, J: energy that the wall may still give to the hand. NaN for a scene without a guard.
+    /// Account of the energy guard, J: energy that the wall may still give to the hand. NaN for a scene without an energy guard.
     pub guard_account_j: Vec<f64>,
 }
 

@@ -71,8 +71,7 @@ pub enum Approach {
     /// Enhanced successive force augmentation, applied along the normal.
     #[default]
     Magnitude,
-    /// The shipped wall for the mechanism: tuned, on estimated states, with the energy guard. The thesis does not have this
-    /// approach.
+    /// The shipped wall for the mechanism: tuned, with state estimator and energy guard. The thesis does not have this approach.
     Shipped,
 }
 
@@ -210,8 +209,8 @@ pub fn cells(mechanism: Mechanism) -> Vec<Cell> {
     cells
 }
 
-/// Settings of a control law for the omega.3, in SI units. They have the same ratios to the critical stiffness as the settings for
-/// the knob; the critical stiffness of the omega.3 is 5 N/mm (§5.2).
+/// Settings of a control law for the omega.3, in SI units. They have the same ratios to the critical stiffness (largest stable
+/// stiffness of a plain spring) as the settings for the knob. The critical stiffness of the omega.3 is 5 N/mm (§5.2).
 #[must_use]
 pub fn settings(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
     let si = Si::from_num::<f64>;

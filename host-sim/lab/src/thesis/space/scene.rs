@@ -44,7 +44,8 @@ pub struct SpaceLaw {
     /// Approach (way in which the force is computed): a control law, and the rule for the direction of its force.
     #[serde(default)]
     pub approach: Approach,
-    /// Requested stiffness, N/mm. If left out, it is five times the mechanism's critical stiffness, or that of the shipped wall.
+    /// Requested stiffness, N/mm. If left out, it is five times the largest stable stiffness of a plain spring on the mechanism, or
+    /// that of the shipped wall.
     #[serde(default)]
     pub k_desired_n_per_mm: Option<f64>,
 }

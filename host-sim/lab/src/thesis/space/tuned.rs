@@ -53,7 +53,7 @@ struct Played {
     mechanism: Mechanism,
     tuned: TunedWall,
     rate_hz: u32,
-    /// Whether the law uses estimated states; otherwise it uses differences of position counts.
+    /// Whether the law uses the state estimator; otherwise it uses differences of position counts.
     estimated: bool,
 }
 

@@ -24,7 +24,7 @@ pub struct TunedWall {
     pub damping_n_s_per_m: f64,
     /// Largest damping of an axis that may use the wall, N·s/m.
     pub most_damping_n_s_per_m: f64,
-    /// Stiffness of the enhanced law's soft spring, [`Settings::k_soft`], N/m.
+    /// Stiffness of the soft spring of enhanced successive force augmentation, [`Settings::k_soft`], N/m.
     pub k_soft: f64,
     /// Fraction of the ideal step by which the law's offset moves per millisecond, [`Settings::step_of_ideal`].
     pub step_of_ideal: f64,
@@ -32,7 +32,7 @@ pub struct TunedWall {
     pub limit_of_force: f64,
     /// Largest step of the law's offset, as a fraction of the penetration, per millisecond, [`Settings::limit_of_penetration`].
     pub limit_of_penetration: f64,
-    /// Virtual mass of the enhanced law, [`FilterSettings::mass`], kg.
+    /// Virtual mass of enhanced successive force augmentation, [`FilterSettings::mass`], kg.
     pub filter_kg: f64,
     /// Stiffness of the coupling between device and virtual mass, [`FilterSettings::stiffness`], N/m.
     pub filter_stiffness: f64,
