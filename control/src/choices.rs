@@ -4,7 +4,8 @@
 pub use crate::observer::ObserverForm;
 
 crate::choice! {
-    /// The control law in use. Numbers in brackets are equations and sections of the thesis on which this crate builds.
+    /// The control law in use. Numbers in brackets are equations and sections of the thesis that `CITATION.cff` names, whose
+    /// control laws this crate implements.
     LawKind {
         /// Virtual spring: force in proportion to the penetration, equation (1.6) of the thesis.
         Spring = "spring",
@@ -19,7 +20,7 @@ crate::choice! {
         Sfa = "sfa",
         /// Successive force augmentation whose offset changes at every tick (control period) of inward motion.
         SfaContinuous = "sfa-continuous",
-        /// Enhanced successive force augmentation: SFA behind a virtual mass, with an exact energy sum.
+        /// Enhanced successive force augmentation (SFA): the augmentation acts on a virtual mass, whose energy is summed exactly.
         #[default]
         EnhancedSfa = "enhanced-sfa",
     }
@@ -108,9 +109,9 @@ crate::choice! {
         Filtered = "filtered",
         /// First-order adaptive windowing (Janabi-Sharifi, Hayward and Chen 2000).
         Foaw = "foaw",
-        /// A Kalman filter in its steady state that assumes a constant velocity.
+        /// A Kalman filter with constant gains (its steady state) that assumes a constant velocity.
         Kalman = "kalman",
-        /// A Kalman filter in its steady state that assumes a constant acceleration.
+        /// A Kalman filter with constant gains (its steady state) that assumes a constant acceleration.
         KalmanAcceleration = "kalman-acceleration",
     }
 }

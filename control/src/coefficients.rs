@@ -12,10 +12,10 @@ use crate::validate::{Field, SettingsError, gain, ratio};
 use crate::velocity::Velocity;
 use crate::{Compliance, Divisor, Energy, Force, Number, ObserverForm, Ratio, Stiffness};
 
-/// The coefficients that all laws share.
+/// The coefficients that all control laws share: desired stiffness and force limit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Common<N: Number> {
-    /// Desired stiffness: `k_de`.
+    /// Desired stiffness of the wall, `k_de`.
     desired: Stiffness<N>,
     limit: Force<N>,
     energy_cap: Energy<N>,
@@ -174,7 +174,7 @@ pub(crate) fn soft_damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>
     stiffness(Field::VirtualDamping, whole.saturating_mul(share))
 }
 
-/// A fraction divided by the soft stiffness `k_v`, as a compliance.
+/// A fraction divided by the soft stiffness `k_v`, as a compliance in rad/(N·m).
 fn compliance<N: Number>(
     settings: &Settings,
     field: Field,

@@ -22,7 +22,7 @@ pub struct CountScale {
     surface: Si,
     /// Encoder counts per turn.
     counts: i64,
-    /// One count as a fraction of a turn, in units of 2^-64, rounded to the nearest.
+    /// Fraction of a turn that one count is, in units of 2^-64, rounded to the nearest.
     share: u64,
     /// Angle of half a turn in rad. If a count lies at half a turn, this is that count's angle, so that both directions of rotation
     /// give the same value.
@@ -127,16 +127,16 @@ impl CountScale {
         Self { surface, ..self }
     }
 
-    /// Angle of a count in rad from count 0, whatever the surface. `-count` gives the exact negative, and a turn more in counts
-    /// exactly one turn more in angle.
+    /// Angle of a count in rad from count 0; the surface of the wall does not matter. `-count` gives the exact negative, and one
+    /// turn more in counts gives exactly one turn more in angle.
     #[inline(never)]
     #[must_use]
     pub fn angle(&self, count: i64) -> Si {
         self.on_steps(count, Si::DELTA)
     }
 
-    /// The angle of a count as a multiple of `step`, which is a power of two. Within a turn it is rounded to the nearest step; a
-    /// whole turn is a whole number of steps.
+    /// The angle of a count in rad, as a multiple of `step`, which is a power of two. Within a turn the angle is rounded to the
+    /// nearest multiple; a whole turn counts as a whole number of steps.
     #[inline]
     #[must_use]
     pub fn on_steps(&self, count: i64, step: Si) -> Si {

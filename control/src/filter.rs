@@ -31,14 +31,14 @@ pub struct VirtualMass<N: Number> {
     /// Divisor of the update, the sum of inertia, coupling stiffness, coupling damping and ground damping per tick: `m/T² + k_f +
     /// c_f/T + c_env/T`. Never zero.
     pub total: Stiffness<N>,
-    /// The sum `total`, prepared as a divisor.
+    /// The sum `total` prepared as a divisor, for fast division.
     pub by_total: Divisor<N>,
 }
 
 /// State of the virtual mass, measured from the wall's surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MassState<N: Number> {
-    /// Penetration of the mass into the wall, `x_f - x_s`.
+    /// Penetration of the mass into the wall (its position less the surface's).
     pub position: Position<N>,
     /// Displacement of the mass in the last tick (its velocity times the control period).
     pub moved: Position<N>,

@@ -321,7 +321,7 @@ impl<N: Number> Tension<N> {
     pub fn rounded_up(self) -> Force<N> {
         Force(N::round_up(self.0))
     }
-    /// Stretch of a spring `k` under this tension, rounded towards zero.
+    /// Stretch of a spring of stiffness `k` under this force (tension), rounded towards zero.
     #[inline(always)]
     #[must_use]
     pub fn over(self, k: Stiffness<N>) -> Position<N> {

@@ -216,12 +216,12 @@ macro_rules! setting_path {
 
 /// A setting whose value is one word of a fixed list, such as a control law's name.
 pub trait Choice: Copy + PartialEq + 'static {
-    /// All variants. The place in this list is the variant's number on the wire, so new variants go to the end.
+    /// All variants. A variant's index in this list is its number on the serial link, so new variants go to the end.
     const ALL: &'static [Self];
     /// The words of the variants in scene files, in the order of [`Choice::ALL`].
     const WORDS: &'static [&'static str];
 
-    /// The variant's place in [`Choice::ALL`], which is its number on the wire.
+    /// The variant's index in [`Choice::ALL`], which is its number on the serial link.
     #[must_use]
     fn number(self) -> u32 {
         // At most as many as there are words.
@@ -231,7 +231,7 @@ pub trait Choice: Copy + PartialEq + 'static {
             .map_or(0, |(number, _)| number)
     }
 
-    /// The variant's word in scenes and on devices.
+    /// The word that stands for the variant in scene files (TOML files that describe a simulation) and on devices.
     #[must_use]
     fn word(self) -> &'static str {
         Self::ALL
@@ -329,7 +329,7 @@ mod tests {
     macro_rules! rows {
         ($($(#[$doc:meta])* $table:ident $($group:ident)? { $($variant:ident $field:ident, $name:ident:
             $kind:ident $range:tt = $default:tt, $unit:literal, $about:literal;)+ })+) => {
-            /// Variant, last part of the path, unit and description of each setting, in the order of the table.
+            /// Variant, last part of the path, unit and description of each setting, in the order of the table of settings.
             const ROWS: &[(Field, &str, &str, &str)] = &[$($((Field::$variant, stringify!($name), $unit, $about),)+)+];
         };
     }

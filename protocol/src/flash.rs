@@ -74,7 +74,7 @@ pub fn load<F: NorFlash>(
     Start::defaults(defaults, refused)
 }
 
-/// Writes an image into the next slot and reads it back to compare.
+/// Writes an image of the settings into the next slot and reads it back to compare.
 ///
 /// # Errors
 /// The flash reported an error, or the data read back differ. The settings stored before are still readable.

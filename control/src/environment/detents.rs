@@ -42,13 +42,13 @@ pub struct Detents<N: Number> {
     strength: Compliance<N>,
 }
 
-/// Positions of the detents.
+/// Where the detents are: around a turn, or along an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
     /// Detents around a turn: their number, and the position of one detent as a fraction of the distance to the next, in units of
     /// 2^-32.
     Turn { per_turn: i32, centre: i32 },
-    /// Detents along an axis: the inverse of their pitch, and the position of one detent.
+    /// Detents along an axis: 1 over the distance between neighbours, and the position of one detent.
     Axis { per_pitch: u64, centre: Si },
 }
 

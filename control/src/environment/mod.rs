@@ -85,13 +85,14 @@ pub struct Environment<N: Number> {
     limit: Force<N>,
     /// The energy guard behind the sum of all forces.
     pub guard: Option<Guarded<N>>,
-    /// Step in rad (m) to which positions are rounded for the guard's energy account.
+    /// Step in rad (m) to which positions are rounded before the guard's energy account gets their differences.
     step: Si,
     /// The position at the last tick, rounded to whole steps.
     last: Option<Si>,
     /// Largest position of the number format, to either side.
     end: Position<N>,
-    /// Whether a wall was off at the last tick, because the device was deeper inside it than positions reach.
+    /// Whether a wall was off at the last tick, because the device was deeper inside it than the number format of positions
+    /// reaches.
     beyond_reach: bool,
     commanded: Force<N>,
     /// The force of the last tick, before any later stage (such as a current limit) changes it.
@@ -261,7 +262,8 @@ impl<N: Number> Environment<N> {
         guard.moved_from(other_end, moved, before_change, wanted)
     }
 
-    /// Whether a wall was off at the last tick, because the device was deeper inside it than positions reach.
+    /// Whether a wall was off at the last tick, because the device was deeper inside it than the number format of positions
+    /// reaches.
     #[must_use]
     pub const fn is_beyond_reach(&self) -> bool {
         self.beyond_reach

@@ -78,7 +78,7 @@ pub struct ProfileSettings {
     pub extent: Extent,
     /// Position of the first point, rad (m).
     pub start: Si,
-    /// The force at a point of 10,000, N·m (N), from 0 to the force limit.
+    /// The force at a point of the largest value (10,000), N·m (N), from 0 to the force limit.
     pub strength: Si,
     /// The points of the profile.
     pub shape: Shape,
@@ -97,7 +97,7 @@ pub struct Profile<N: Number> {
     most: Force<N>,
 }
 
-/// Positions of the points.
+/// Where the points of a torque profile are: in repeated copies around a turn, or once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
     /// A repeated profile: number of copies per turn, and the position of the first point as a fraction of a copy in units of
@@ -107,12 +107,12 @@ enum Place {
     Once { start: Si, end: Si, per_length: u64 },
 }
 
-/// A position among the points of a profile.
+/// A position between two points of a torque profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Between {
-    /// Index of the point before the position.
+    /// Index of the point on one side of the position, from which `way` is measured.
     pub before: u32,
-    /// Index of the next point.
+    /// Index of the neighbouring point on the other side of the position.
     pub after: u32,
     /// How far the position is from the point before to the next one: a fraction of that distance, in units of 2^-32.
     pub way: u32,

@@ -27,7 +27,7 @@ pub struct Flow<N: Number, const COMMANDS: usize> {
     pub drift: Weight<N>,
     /// Fraction of the initial displacement per tick that damping takes over the time span.
     pub loss: Weight<N>,
-    /// For each command, the latest first: the weights that the command subtracts from position and from displacement per tick.
+    /// For each command, the latest first: how much a command of 1 N·m takes from the position and from the displacement per tick.
     pub commands: [[Weight<N>; 2]; COMMANDS],
 }
 

@@ -6,7 +6,7 @@ use crate::number::Exact;
 use crate::quotient::over;
 use crate::{EstimatorSettings, Field, Force, Number, SettingsError, Si};
 
-/// `a / b` for two positive values, saturating.
+/// The quotient `a / b` of two positive settings, saturating.
 #[inline]
 fn ratio(a: Si, b: Si) -> Exact {
     ratio_of_bits(a.to_bits(), b.to_bits())

@@ -11,7 +11,7 @@ use crate::{
 /// The properties of the device that the guard's coefficients depend on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct GuardedDevice {
-    /// Control rate `1/T`, Hz.
+    /// Control rate, Hz.
     pub rate_hz: u32,
     /// Largest force ever commanded, N·m (N).
     pub force_limit: Si,

@@ -1,27 +1,30 @@
 //! Enhanced successive force augmentation (thesis Algorithm 3.1, Fig. 3.18), made passive up to a stated loan of energy.
 //!
-//! The first contact is rendered at `k_de` without the virtual mass. When the motion turns, the virtual mass takes over. The hand's
-//! point (HIP) hangs on the mass by a spring `k_f`. The soft spring `k_v` pushes the mass out; it is deformed by the mass'
-//! penetration plus an offset `O`. The law changes the offset until the stiffness felt at the HIP is `k_de`.
+//! In the first contact the law is a spring of the desired stiffness `k_de`. When the motion turns, a virtual mass takes over. The
+//! hand's point (HIP) hangs on the mass by a coupling spring `k_f`. The soft spring `k_v` pushes the mass out of the wall; it is
+//! deformed by the mass' penetration plus an offset `O`. The law changes the offset until the stiffness felt at the HIP is `k_de`.
 //!
-//! **Passivity at the mass is exact.** The next displacement of a virtual mass, unlike that of a hand, is *known* before the
-//! force is chosen: `d' = (N0 - f)/D`. So the controller prevents a deficit of energy instead of repairing it. If the mass would
-//! move out further than the stored energy pays for at full force, it moves out by exactly the distance that the energy pays for
-//! (`E/f`), and the force becomes the one that does so. With no energy left the mass stands still and the wall holds: it neither
-//! kicks nor collapses. `E >= 0` is an invariant for every input.
+//! **Passivity at the mass is exact.** The next displacement `d'` of a virtual mass, unlike that of a hand, is *known* before the wall's
+//! force `f` is chosen: `d' = (N0 - f)/D`, with the driving force `N0` and the sum of coefficients `D` of [`VirtualMass`]. So the
+//! controller prevents a deficit of the stored energy `E` instead of repairing it. If the mass would move out further than the
+//! energy pays for at full force, it moves out by exactly the distance that the energy pays for (`E/f`), and the force becomes the
+//! one that does so. With no energy left the mass stands still and the wall holds: it neither kicks nor collapses. `E >= 0` holds
+//! for every input.
 //!
-//! **Loan (credit).** A wall that holds a hand's force `F` at `k_de` through a coupling `k_f` stores `F²/(2 k_f)` in that coupling,
-//! but a slow press into a stiffness `k_de` absorbs only `F²/(2 k_de)`. So *no* passive wall behind `k_f <= k_c` can show more than
-//! about `2 k_f` to a resting hand. The thesis' controller shows more, because its observer counts the energy leak of sampling with
-//! the wrong sign. Here the loan is explicit. The observer starts each contact with the energy `energy_credit`, and over one
-//! contact the mass can never give more than that beyond what it took.
+//! **Loan (credit).** A wall that holds a hand's force `F` at the stiffness `k_de` through a coupling `k_f` stores `F²/(2 k_f)` in that
+//! coupling, but a slow press into a stiffness `k_de` absorbs only `F²/(2 k_de)`. So *no* passive wall whose coupling is at most
+//! the critical stiffness of sampling, `k_f <= k_c`, can show more than about `2 k_f` to a resting hand. The thesis' controller
+//! shows more, because its observer counts the energy leak of sampling with the wrong sign. Here the loan is explicit. The observer
+//! starts each contact with the energy `energy_credit`, and over one contact the mass can never give more than that beyond what it
+//! took.
 //!
-//! **A damper beside the augmented wall.** The force `(B/T) Δe`, the damper of the plain spring, is added to the wall's force in
-//! every phase. The sum never pulls and stays within the force limit. Up to `k_v` the law is that damped spring, with damping `B
-//! k_de/k_v`. The energy sum at the *mass* leaves the damper out: the energy that it takes is never given back through the offset,
-//! and the offset regulates the stiffness of the wall alone. At the *wall's* port its force is held over a tick and acts over the
-//! next displacement. So where the motion turns, the damper gives up to `(B/T) |Δe(n) Δe(n+1)|`. A device with the damping `k T/2 +
-//! B` absorbs that energy. The energy guard bounds the total energy that a hand gets out.
+//! **A damper beside the augmented wall.** The force of a damper, `B/T` (virtual damping over control period) times the hand's displacement
+//! `Δe`, is added to the wall's force in every phase. The sum never pulls and stays within the force limit. For a desired stiffness
+//! up to `k_v` the law is a damped spring with the damping `B k_de/k_v`. The energy sum at the *mass* leaves the damper out: the
+//! energy that it takes is never given back through the offset, and the offset regulates the stiffness of the wall alone. At the
+//! *wall's* port the damper's force is held over a tick and acts over the next displacement. So where the motion turns, the damper
+//! gives up to `(B/T) |Δe(n) Δe(n+1)|`. A device with the damping `k T/2 + B`, for a wall of stiffness `k`, absorbs that energy.
+//! The energy guard bounds the total energy that a hand gets out.
 //!
 //! The form of the thesis (without the damper, with its observer, offset changed on inward motion only) can be selected.
 
@@ -39,7 +42,8 @@ pub struct Augmentation<N: Number> {
     /// Gain of the ideal step from the error of the force: a fraction `c` over the soft stiffness `k_v` or the desired stiffness
     /// `k_de`, equations (3.7) and (3.8) of the thesis. See [`crate::IdealStep`].
     pub of_ideal: Compliance<N>,
-    /// Limits the step in proportion to the force: a fraction `b` over the soft stiffness `k_v`, equation (3.9) of the thesis.
+    /// Limits the step of the offset in proportion to the force: a fraction `b` over the soft stiffness `k_v`, equation (3.9) of
+    /// the thesis.
     pub of_force: Compliance<N>,
     /// Limits the step to this fraction `a` of the penetration, equation (3.11) of the thesis.
     pub of_penetration: Ratio<N>,
@@ -71,24 +75,24 @@ impl<N: Number> Augmentation<N> {
 /// (thesis §3.1), which another type calculates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EnhancedSfa<N: Number> {
-    /// Desired stiffness `k_de`.
+    /// Desired stiffness of the wall, `k_de`.
     pub desired: Stiffness<N>,
     /// The stiffness that the law reaches by changing the offset: the desired stiffness, or that of equation (3.5) of the thesis
     /// for the virtual mass.
     pub target: Stiffness<N>,
     /// Virtual damping over the control period, of the damper whose force is added to the wall's; zero for the thesis' law.
     pub damper: Stiffness<N>,
-    /// Soft stiffness `k_v`.
+    /// Stiffness of the soft spring, `k_v`.
     pub soft: Stiffness<N>,
     /// Compliance of the soft spring: `1/k_v`.
     pub compliance: Compliance<N>,
-    /// The rule that changes the offset.
+    /// The rule that changes the offset of the soft spring.
     pub augmentation: Augmentation<N>,
     /// The stiffness that the law regulates by the offset: that at the virtual mass or that at the hand's point (HIP).
     pub regulate: Regulate,
     /// The ticks (control periods) in which the offset of the soft spring changes.
     pub update: OffsetUpdate,
-    /// The form of the energy observer: exact or the thesis'.
+    /// The form of the energy observer: the exact one or that of the thesis.
     pub observer: ObserverForm,
     /// What happens to the force when the first contact ends (the first reversal of motion).
     pub first_contact: FirstContact,
@@ -100,7 +104,7 @@ pub struct EnhancedSfa<N: Number> {
     pub series: Divisor<N>,
     /// Energy in joules lent to each contact.
     pub credit: Energy<N>,
-    /// Largest stored energy, a quarter of the format's range; see [`super::Tdpa`].
+    /// Largest energy that the law stores, a quarter of the number format's range.
     pub energy_cap: Energy<N>,
     /// Largest force that the law commands.
     pub limit: Force<N>,
@@ -111,13 +115,13 @@ pub struct EnhancedSfa<N: Number> {
 pub struct Augmented<N: Number> {
     /// State of the virtual mass.
     pub mass: MassState<N>,
-    /// Offset `O`, by which the soft spring is deformed beyond the mass' penetration.
+    /// Offset: deformation of the soft spring beyond the mass' penetration.
     pub offset: Position<N>,
     /// Force of the wall on the mass in the last tick, never negative.
     pub at_mass: Force<N>,
 }
 
-/// Memory of [`EnhancedSfa`].
+/// Memory of the enhanced law, [`EnhancedSfa`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EnhancedState<N: Number> {
     /// Phase of the contact: outside, first contact, or augmenting.

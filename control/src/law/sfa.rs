@@ -11,9 +11,9 @@ use crate::{Compliance, FirstContact, Force, Number, OffsetUpdate, Position, Rat
 /// Successive force augmentation: a soft spring whose offset grows until the force is that of the desired stiffness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sfa<N: Number> {
-    /// Desired stiffness `k_de`.
+    /// Desired stiffness of the wall, `k_de`.
     pub desired: Stiffness<N>,
-    /// Soft stiffness `k_v`.
+    /// Stiffness of the soft spring, `k_v`.
     pub soft: Stiffness<N>,
     /// Critical over soft stiffness less 1, `k_c/k_v - 1`: the gain of equation (2.14a) of the thesis.
     pub gain: Ratio<N>,
@@ -27,14 +27,14 @@ pub struct Sfa<N: Number> {
     pub limit: Force<N>,
 }
 
-/// Memory of [`Sfa`].
+/// Memory of successive force augmentation, [`Sfa`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SfaState<N: Number> {
     /// Phase of the contact: outside, first contact, or augmenting.
     pub contact: Contact,
     /// Penetration of the last tick.
     pub last: Position<N>,
-    /// Penetration of the tick before the last.
+    /// Penetration of the tick before the last one.
     pub before_last: Position<N>,
     /// Offset: the deformation of the soft spring beyond the penetration.
     pub offset: Position<N>,

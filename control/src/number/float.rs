@@ -222,7 +222,8 @@ macro_rules! float_number {
     };
 }
 
-/// A square root. `core` has none, and only this module needs one; the floating-point formats are built only where `std` exists.
+/// Square root for the floating-point formats. `core` has none, and only this module needs one; these formats exist only where
+/// `std` does.
 trait Root {
     fn root(self) -> Self;
 }

@@ -57,7 +57,7 @@ impl<N: Spatial> Bounding<N> {
     }
 }
 
-/// Energy that the device's damping took over a displacement, rounded down.
+/// Energy that the device's damping dissipated over a displacement, rounded down.
 fn damped<N: Number + Spatial>(law: &Fba<N>, moved: Vector<Position<N>>) -> Energy<N> {
     let [x, y, z] = moved
         .map(|part| crate::observer::damping_loss(law.device_damping, part))

@@ -28,7 +28,7 @@ use core::fmt;
 /// Coefficients of the friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction<N: Spatial> {
-    /// Stiffness of the spring across the normal.
+    /// Stiffness of the spring that holds the hand's point to its anchor on the surface.
     pub stiffness: Stiffness<N>,
     /// Largest stretch of the spring for each newton of normal force before the point slides: static friction coefficient over
     /// stiffness.
@@ -143,7 +143,7 @@ pub enum FrictionError {
     },
     /// A coefficient does not fit the number format.
     OutOfFormat {
-        /// The value in the device's length unit.
+        /// The value that does not fit, in the device's unit of length.
         value: Si,
         /// Name of the number format.
         format: &'static str,

@@ -7,10 +7,11 @@ use super::root::{root_16, root_32, root_64, root_high_16, root_high_32, root_hi
 use crate::magnitude::Word;
 use crate::{Fixed8, Fixed16, Fixed32, Number};
 
-/// Three numbers of a format, one for each axis.
+/// Three numbers of one number format: x, y and z.
 pub type Axes<T> = [T; 3];
 
-/// Lengths and directions in one number format. All functions are total: they saturate and never divide by zero.
+/// Lengths and directions in one number format. Every function has a result for every input: it saturates and never divides by
+/// zero.
 pub trait Spatial: Number {
     /// The value 1, or the largest signal of a format whose range ends below 1 ([`Fixed8`]).
     const ONE: Self::Signal;
@@ -40,7 +41,8 @@ pub trait Spatial: Number {
         part: Self::Signal,
         whole: Self::Signal,
     ) -> Axes<Self::Signal>;
-    /// The largest signal whose square does not exceed `e`; 0 for a negative `e`. Same as [`Number::root`], calculated faster.
+    /// Square root of an energy: the largest signal whose square does not exceed `e`; 0 for a negative `e`. Same as
+    /// [`Number::root`], but faster.
     fn root_of_squares(e: Self::Energy) -> Self::Signal;
     /// The part of `v` perpendicular to the direction `u`. Each component is right within two steps of the number format, rounded
     /// towards zero; the result is never longer than `v`.

@@ -1,13 +1,12 @@
 //! Three laws of one degree of freedom, one for each axis (thesis §4.4), with three rules for when a contact ends.
 //!
 //! The penetration `e` is a vector here. Each law gets the absolute value of its coordinate of `e`, negative outside, and pushes to
-//! the side of the surface. Where that side changes, the law's offset changes its side too, and the force jumps (Fig. 5.13 of the
-//! thesis).
+//! the side of the surface. Where that side changes, the law's offset changes its side too, and the force jumps.
 //!
-//! **Equation (4.8) lacks a sign.** `O` is the vector of the laws' offsets. Outside, `e` and `O` are opposed, so the `α` of (4.8b) is
-//! negative. Then (4.8c), `α < 1`, holds for any position of the hand's point (HIP): as printed, an object is never left. This code
-//! follows Fig. 4.9: the object is left where `|e| > |O'|` and `e` and `O'`, the projection of `O` on `e`, are opposed. With the
-//! absolute values of §4.4 that is `Σ e_i² > Σ |e_i| O_i`, without a division.
+//! **Equation (4.8) of the thesis has a wrong sign.** It ends a contact by comparing `e` with the projection of `O`, the vector of the laws'
+//! offsets, on `e`. As printed, a contact would never end. This code follows the thesis' Fig. 4.9: the object is left where `e` is
+//! longer than that projection and opposed to it. With the absolute values of §4.4 that is `Σ e_i² > Σ |e_i| O_i`, without a
+//! division.
 
 use super::number::Spatial;
 use super::scalar::Along;

@@ -42,13 +42,13 @@ impl<N: Spatial, L: Along<N>> Shell<N, L> {
 /// A virtual object with everything that renders it: shape, estimator of the hand's position, law, friction and guard.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpaceWall<N: Spatial, S, L> {
-    /// The object's shape.
+    /// The shape of the virtual object.
     pub surface: S,
     /// The estimator that predicts the position of the hand's point (HIP); `None` means that the measured position is used.
     pub estimator: Option<PlaceEstimator<N>>,
     /// The rule that chooses the touched point of the object, with its memory.
     pub point: SurfacePoint<N>,
-    /// The law, and how it gives a force vector.
+    /// The law, and how it gives a force vector: along the normal, or one law per axis.
     pub shell: Shell<N, L>,
     /// Friction with its memory; `None` without friction.
     pub friction: Option<(Friction<N>, FrictionState<N>)>,

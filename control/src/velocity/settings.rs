@@ -7,7 +7,7 @@ use crate::{
     Field, Number, Position, Ratio, SettingsError, Si, Stiffness, VelocityKind, VelocitySettings,
 };
 
-/// `1/√2`, to the last digit of the format in which weights are calculated.
+/// `1/√2`, to the last digit of the number format in which filter coefficients are calculated.
 const ROOT_HALF: Exact = Exact::lit("0.7071067811865475244");
 
 impl VelocitySettings {

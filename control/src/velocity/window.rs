@@ -22,7 +22,7 @@ pub struct Slope<N: Number> {
 /// Each position is tested once: the slope to it must lie within the bounds that all later positions allow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstOrderAdaptiveWindow<N: Number> {
-    /// The possible windows, shortest first.
+    /// The lengths of the possible windows, shortest first.
     pub slopes: [Slope<N>; LONGEST_WINDOW],
     /// Length of the longest window, ticks.
     pub longest: u8,

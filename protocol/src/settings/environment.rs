@@ -15,7 +15,7 @@ use touchstone_control::environment::{
 };
 use touchstone_control::{Fixed32, Force, Si};
 
-/// Longest environment (walls, end stops, detents) on the wire, in bytes (a test checks it).
+/// Longest environment (walls, end stops, detents) on the serial link, in bytes (a test checks it).
 pub const ENVIRONMENT_MAX: usize = 496;
 
 /// The environment: whether the wall in the device's settings is rendered, and which walls, detents and profile are rendered beside
@@ -24,7 +24,7 @@ pub const ENVIRONMENT_MAX: usize = 496;
 pub struct Surround {
     /// Whether the wall of the device's settings is rendered.
     pub first_wall: bool,
-    /// The second, third and fourth wall, as far as there are any.
+    /// The second, third and fourth wall, if they exist.
     pub further: [Option<WallBeside>; 3],
     /// Walls at both ends of the knob's travel.
     pub endstops: Option<TravelEnds>,

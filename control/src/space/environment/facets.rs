@@ -1,4 +1,4 @@
-//! A convex body that is bounded by many planes.
+//! A virtual object: a convex body that is bounded by many planes.
 
 use super::{Nearest, Plane, Surface};
 use crate::Position;

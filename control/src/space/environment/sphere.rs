@@ -1,4 +1,4 @@
-//! A ball.
+//! A virtual object: a ball.
 
 use super::{Nearest, Surface};
 use crate::space::number::Spatial;

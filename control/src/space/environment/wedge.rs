@@ -96,7 +96,7 @@ impl<N: Spatial> Surface<N> for Edge<N> {
 /// on the crease, and the force lies in the plane of both normals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Corner<N: Spatial> {
-    /// The free space above both planes, treated as an object of its own.
+    /// The free space above both planes, treated as an edge: the corner's surface is the edge's, seen from the other side.
     free: Edge<N>,
 }
 
