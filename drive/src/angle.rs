@@ -25,7 +25,7 @@ const fn table() -> [i16; STEPS + 1] {
     let mut table = [0; STEPS + 1];
     let mut k = 0;
     while k <= STEPS {
-        // Into the quarter turn around zero, where the series needs few terms: sin(π - x) = sin x.
+        // Reduces the angle to a quarter turn around zero, where the power series needs few terms: sin(π - x) = sin x.
         let (turn, sign) = if k > STEPS / 2 {
             (k - STEPS / 2, -1)
         } else {
@@ -62,7 +62,7 @@ impl Angle {
     pub const fn sin(self) -> i32 {
         let at = (self.0 >> STEP_BITS) as usize;
         let rest = (self.0 & ((1 << STEP_BITS) - 1)) as i32;
-        // In range without a check: `at` has 8 bits and the table 257 entries.
+        // The indices are always in range: `at` has 8 bits and the table 257 entries.
         let (from, to) = (TABLE[at] as i32, TABLE[at + 1] as i32);
         from + (((to - from) * rest + (1 << (STEP_BITS - 1))) >> STEP_BITS)
     }
@@ -105,7 +105,7 @@ impl ElectricalScale {
         } else {
             counts_per_rev as u64
         };
-        // 32 bits at a time: the rest is below 2^32 and is divided again.
+        // Divides 32 bits at a time: the remainder is below 2^32 and is divided again.
         let turns = (pole_pairs as u64) << 32;
         let (upper, rest) = (turns / counts, turns % counts);
         Self {

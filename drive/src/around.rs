@@ -220,7 +220,7 @@ impl Around {
                 new.environment
                     .take_over_from(law, &new.first, (&at, self.shown), new.per_tick);
             }
-            // Armed, and no tick yet.
+            // The device is armed, but no control period has run since.
             _ => new
                 .environment
                 .begin(law.guard.as_ref().map(Guarded::account)),
@@ -230,7 +230,8 @@ impl Around {
 }
 
 impl Scenery for Around {
-    // The wall alone pays for two questions: what it does itself is the longest thing that a tick does.
+    // For the single wall the functions below only add two comparisons. Its own control law is the longest computation of a control
+    // period.
     #[inline(always)]
     fn armed(&mut self, law: &mut Law, fresh: &Law) {
         if self.runs {

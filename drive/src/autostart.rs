@@ -103,7 +103,7 @@ impl Autostart {
         let waits_for = match (now.state, is_first) {
             (State::Boot, true) => REST,
             (State::Ready, false) => REST_AGAIN,
-            // The command is on its way, or carried out.
+            // The command is being passed on or carried out.
             (State::Boot | State::Calibrating, false) => return None,
             (State::Fault(_), _) => return self.ends(SelfStart::Faulted, None),
             _ => return self.ends(SelfStart::NotReady, None),

@@ -255,12 +255,14 @@ impl Calibration {
 
     fn offsets(&mut self, tick: u32, report: &CurrentReport) -> Progress {
         let config = &self.config;
-        // The loop forgets old ones in the first period that it sees the command, which is before the third tick.
+        // The current loop discards old offsets in the first PWM period in which it sees the command, which is before the third
+        // control period.
         if self.ticks >= 3
             && let Some(offsets) = report.offsets
             && self.may_begin()
         {
-            // Without sensors there is nothing that could be off; the bridge was off all the same, and a check has waited for rest.
+            // A board without current sensors has no offsets to check. The bridge was off for as long, and a check has waited until
+            // the shaft rests.
             #[cfg(feature = "voltage")]
             if !config.senses {
                 self.enter(Stage::Raise);
@@ -320,7 +322,7 @@ impl Calibration {
             (self.began, self.ended) = (count, count);
             return None;
         }
-        // Three quarters are less than any ripple takes away.
+        // Even with ripple the current is above three quarters of the commanded one.
         let least = Amps::from_bits(self.config.current.to_bits() >> 2)
             .saturating_mul(Amps::const_from_int(3));
         if report.current.d < least {
@@ -382,7 +384,7 @@ impl Calibration {
 
     fn forward(&mut self, count: i64) -> Option<Progress> {
         const TURN: i64 = 1 << 32;
-        // The count belongs to the field of the tick before: that one has acted.
+        // The count belongs to the field of the previous control period, which has acted since.
         let (field, inside) = (self.field_angle(), self.field >= TURN);
         if !inside {
             self.began = count;
@@ -410,7 +412,8 @@ impl Calibration {
         if moved < counts / 8 {
             return Some(failed(Reason::Uneven));
         }
-        // With one pole pair more, the field's turns would be a (p + 1)-th of a turn short: half of that decides.
+        // If the motor had one pole pair more than the settings' p, the shaft would move a (p + 1)-th of a turn less. Half of that
+        // is the limit.
         let twice = i64::from(self.config.pole_pairs)
             .saturating_add(1)
             .saturating_mul(2);
@@ -424,7 +427,7 @@ impl Calibration {
         if inside && passed {
             self.sample(field, count);
         }
-        // Where the forward turn began to be looked at.
+        // The field is back where the examined forward turn began.
         if field_turns(self.field) >= 1 {
             self.ended = count;
         }
@@ -445,7 +448,7 @@ impl Calibration {
             return failed(Reason::Unbalanced);
         }
         let spread = |fit: &Fit| fit.most.saturating_sub(fit.least);
-        // The wrong direction differs by whole turns, so that its spread is far larger.
+        // With the wrong direction of counting the angles differ by whole turns, so their spread is far larger.
         let against = spread(&self.against) < spread(&self.along);
         let fit = if against { &self.against } else { &self.along };
         if spread(fit) > SPREAD {

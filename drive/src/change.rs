@@ -94,7 +94,8 @@ impl Answer {
     /// Calculates the next quarter of a PWM period; returns the fraction of the change of force that is still missing at its end.
     #[inline(never)]
     fn next(&mut self) -> i64 {
-        // The voltage is there from its bottom on, one and a half periods after the tick's sample, and stays.
+        // The new voltage acts from the counter's bottom one and a half PWM periods after the sample of the control period on, and
+        // stays.
         #[cfg(feature = "voltage")]
         if let Some(share) = self.winding {
             if self.quarter >= 6 {
@@ -132,7 +133,7 @@ impl Part {
     fn add(&mut self, from: i64, to: i64) {
         self.quarters += 1;
         self.area += (from + to) / 2;
-        // The chord of a square is above it.
+        // The mean of both ends is an upper bound, because the square is convex.
         self.square += (times(from, from) + times(to, to)) / 2;
     }
 
@@ -207,7 +208,7 @@ impl ChangeConfig {
             answer.next();
         }
         for quarter in 0..tick {
-            // As soon as half of the change is there.
+            // The encoder is read as soon as half of the change of force has come.
             if quarter & 3 == 0 && read_at.is_none() && answer.missing <= ONE / 2 {
                 read_at = u16::try_from(quarter / 4).ok();
             }
@@ -219,11 +220,11 @@ impl ChangeConfig {
         }
         let read_at = read_at.filter(|_| answer.missing.abs() <= REST_MAX)?;
         let open = before.variance() + after.variance();
-        // The guard charges `lag (span - lag)/span`: the sixteenth more is what the parenthesis takes away, and some.
+        // The energy guard charges `lag (span - lag)/span`. The sixteenth added to the lag is more than that factor takes away.
         let lag = open + open / 16;
         let delay = before.area + after.area - lag;
         let span = i64::from(tick) * ONE - delay;
-        // The guard puts so much of the way after the change under the old force by itself.
+        // This fraction of the displacement after the change the energy guard itself counts as made under the old force.
         let own = (lag << BITS).checked_div(span)?;
         if lag - times(lag, own) < open {
             return None;
@@ -259,7 +260,7 @@ impl ChangeConfig {
     ) -> Position<Fixed32> {
         let under_new =
             |share: i32, way: Position<Fixed32>| i64::from(share) * i64::from(way.0.to_bits());
-        // Shares are some 1 at most: 29 bits and 32, and the sum of both fits.
+        // The fractions are about 1 at most: products of 29 and 32 bits, whose sum fits into 64 bits.
         let sum = under_new(self.before, until_read) + under_new(self.after, from_read);
         Position(fixed::types::I8F24::from_bits(crate::units::clamp_i32(
             sum >> BITS,

@@ -58,14 +58,14 @@ impl Played {
         let mut sum = 0;
         for (place, entry) in (0..).zip(&mut table) {
             let value = sum_at(map, place);
-            // As a whole: a map that were cut off would take work in a turn.
+            // The whole map is scaled down: if only its peaks were cut off, it would do work over a turn.
             let value = if peak > most {
                 value * most / peak
             } else {
                 value
             };
             sum += value;
-            // Within the bits of the current limit.
+            // The value is within the current limit, so it fits into 16 bits.
             *entry = value as i16;
         }
         level(&mut table, sum);
@@ -85,7 +85,7 @@ impl Played {
         let angle = self.scale.angle(place).0.wrapping_add(ahead as u16);
         let at = (angle >> REST_BITS) as usize;
         let rest = (angle & ((1 << REST_BITS) - 1)) as i32;
-        // In range without a check: 11 bits.
+        // The indices are always in range: they have 11 bits.
         let (from, to) = (
             self.table[at & (PLACES - 1)] as i32,
             self.table[(at + 1) & (PLACES - 1)] as i32,
@@ -112,7 +112,7 @@ fn level(table: &mut [i16; PLACES], sum: i64) {
     for entry in table {
         let more = i64::from(rest > 0);
         rest -= more;
-        // By a step or two: harmonics have no mean, and the entries are within a quarter of 16 bits.
+        // Changes entries by a step or two only, because harmonics have no mean. The entries are within a quarter of 16 bits.
         *entry = clamp_i32(i64::from(*entry) - each - more) as i16;
     }
 }
@@ -174,13 +174,13 @@ mod tests {
             let found: f64 = played.current(count, I16F16::ZERO).to_num();
             worst = worst.max((found - exact).abs());
         }
-        // A straight line is up to 0.83 % of the 22 mA off, a step of the current 0.12 mA.
+        // The linear interpolation errs by up to 0.83 % of the 22 mA, the current's step of 0.12 mA by half of it.
         assert!(worst < 3.5e-4, "{worst}");
     }
 
     #[test]
     fn a_turn_takes_no_work_and_no_map_is_more_than_a_quarter_of_the_limit() {
-        // The second is a map whose peaks meet on one side.
+        // In the second map the peaks of all harmonics meet on one side.
         for parts in [
             &[(84, 0.01, 0.003)][..],
             &[(5, 3.9, 0.0), (10, 3.9, 0.0)][..],
@@ -189,7 +189,7 @@ mod tests {
             let played = played(parts);
             assert_eq!(played.table.iter().map(|it| i64::from(*it)).sum::<i64>(), 0);
             let most = played.table.iter().map(|it| it.unsigned_abs()).max();
-            // Of 2 A, and two steps of levelling.
+            // A quarter of the 2 A limit, and two steps because the entries were shifted to add up to zero.
             assert!(f64::from(most.unwrap()) <= 0.5 * AMPERE + 2.0, "{most:?}");
         }
     }
@@ -197,14 +197,14 @@ mod tests {
     #[test]
     fn it_is_looked_up_where_the_shaft_will_be() {
         let played = played(&[(84, 0.02, 0.0)]);
-        // Two PWM periods, the current loop's 0.265 ms and half a tick.
+        // Two PWM periods, the current loop's lag of 0.265 ms, and half a control period.
         let lead_s = 100e-6 + 1.0 / (TAU * 600.0) + 0.5e-3;
         for speed in [-30.0, -5.0, 0.0, 5.0, 30.0] {
             for count in 0..1_000_i64 {
                 let angle = TAU * count as f64 / 16_384.0 + speed * lead_s;
                 let exact = 0.02 * (84.0 * angle).cos();
                 let found: f64 = played.current(count, I16F16::from_num(speed)).to_num();
-                // Angles of 16 bits: 84 · 9.6e-5 rad, and what the straight lines are off.
+                // The error of 16-bit angles, 84 · 9.6e-5 rad, and that of the linear interpolation.
                 assert!(
                     (found - exact).abs() < 5e-4,
                     "{speed} {count}: {found} {exact}"

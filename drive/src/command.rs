@@ -137,11 +137,11 @@ impl ThreePhase {
 impl Drive for ThreePhase {
     fn command(&self, torque: Force<Fixed32>, rotor: &Rotor) -> Driven {
         let along = Amps::from_bits(product(torque.0.to_bits(), self.amps_per_nm.to_bits(), 24));
-        // At most the limit, as the derating is at most 1.
+        // This is at most the limit, as the derating is at most 1.
         let left = (i64::from(self.limit.to_bits()) * i64::from(rotor.derating.min(1 << 16))) >> 16;
         let left = Amps::from_bits(clamp_i32(left));
         let added = rotor.added(left);
-        // With nothing added, within what is left; else the limit is on one side nearer and on the other further, and always around zero.
+        // Range of the wall's current. The cogging map's current shifts it, but it always includes zero.
         let (least, most) = (
             left.saturating_neg().saturating_sub(added),
             left.saturating_sub(added),
@@ -194,7 +194,7 @@ impl Analogue {
 
 impl Drive for Analogue {
     fn command(&self, torque: Force<Fixed32>, _rotor: &Rotor) -> Driven {
-        // 24 + 16 fractional bits to none, to the nearest.
+        // Removes 24 + 16 fractional bits, rounding to the nearest.
         let wide = i64::from(torque.0.to_bits()) * i64::from(self.codes_per_nm);
         let wanted = clamp_i32((wide + (1 << 39)) >> 40);
         let given = wanted.clamp(-2_047, 2_047);
@@ -265,7 +265,7 @@ mod tests {
             panic!("{driven:?}")
         };
         let limits = driven.limits;
-        // What is left is what the current gives, and never more.
+        // The reported torque is the one that the current gives, and never more than requested.
         let (left, given) = (
             driven.torque.0.to_num::<f64>(),
             0.25 * command.current.q.to_num::<f64>(),
@@ -287,7 +287,7 @@ mod tests {
 
     #[test]
     fn a_torque_is_a_current_by_the_torque_constant_and_direction() {
-        // 0.25 N·m/A, at most 2 A.
+        // The torque constant is 0.25 N·m/A, the current limit 2 A.
         for (nm, amps) in [(0.0, 0.0), (0.1, 0.4), (-0.1, -0.4), (0.49, 1.96)] {
             let (q, limits) = current(nm, ROTOR);
             assert!(
@@ -351,7 +351,8 @@ mod tests {
             (q, driven.torque.0.to_num::<f64>(), is_limited)
         };
         let near = |a: f64, b: f64| (a - b).abs() < 1e-4;
-        // Of 2 A the map has its part; the force that is told is that of the rest, and never another way or more than was asked.
+        // The cogging map uses a part of the 2 A. The reported force is that of the remaining current; it never has the other sign,
+        // nor is it more than requested.
         for (nm, map, derating, q, told, limited) in [
             (0.1, 0.05, 1 << 16, 0.45, 0.1, false),
             (0.5, 0.1, 1 << 16, 2.0, 0.475, true),
@@ -371,7 +372,7 @@ mod tests {
 
     #[test]
     fn the_analogue_output_spans_its_full_scale_around_the_middle() {
-        // 1 N·m at the upper end.
+        // The upper end of the range is 1 N·m.
         let drive = Analogue::new(&DeviceSettings::default().drive).unwrap();
         for (nm, code) in [
             (0.0, 2_048),

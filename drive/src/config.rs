@@ -66,8 +66,8 @@ impl Config {
         let motor = &settings.motor;
         let rate = Si::saturating_from_num(settings.timing.rate_hz);
         let ticks = settings.limits.fade_in_s.saturating_mul(rate);
-        // 32 fractional bits, so that the quotient's bits are the step; all at once below a tick.
-        // Rounded up, so that the last of these ticks has all of it.
+        // The quotient has 32 fractional bits, so its bits are the step. A time below a control period gives the whole torque at
+        // once. The step is rounded up, so that the torque is complete in the last of these periods.
         let fade_step = u32::try_from(quotient(Si::ONE, ticks).to_bits())
             .unwrap_or(u32::MAX)
             .saturating_add(1);

@@ -277,7 +277,7 @@ impl Device {
 
         let reconfigure = self.change(before, after, progress, verdict.count, scenery);
         let last = (self.memory.record.penetration, self.memory.record.count);
-        // A fault may have switched off before this tick.
+        // A fault may have switched the outputs off before this control period.
         let acted = watch.driven && found.is_none() && verdict.count.is_some();
         self.observe(tick, input, verdict.count);
         if before == State::Armed && after != State::Armed {
@@ -293,7 +293,7 @@ impl Device {
         };
         self.finish(input, drive, limits, watched && verdict.count.is_none());
         ControlOutput {
-            // A tick without a reading to drive by is off as well, whatever the state.
+            // Without a usable encoder reading the outputs are off in every state.
             outputs: if drive == DriveCommand::Off {
                 Outputs::Off
             } else {
@@ -330,7 +330,7 @@ impl Device {
         if self.swept.running.is_some() {
             return self.swept(tick, count, self.map_here(scenery));
         }
-        // Built by its first tick and not by the one that takes its settings, which has enough to do.
+        // The calibration is built in its first control period, because the one that switches the settings already takes long.
         let progress = self
             .calibration
             .get_or_insert_with(|| Calibration::new(config.calibration))
@@ -433,7 +433,7 @@ impl Device {
     }
 
     /// Writes the values that are reported in every state into the telemetry record.
-    // A call would have the whole input in memory, and it is copied there.
+    // Inlined, because a call would copy the whole input to memory.
     #[inline(always)]
     fn observe(&mut self, tick: u32, input: &ControlInput, count: Option<i64>) {
         let shaft = self.supervisor.shaft();
@@ -448,7 +448,7 @@ impl Device {
         record.current = input.current.current;
         record.bus = input.current.bus;
         record.timing = input.timing;
-        // Unless the law runs.
+        // These values hold unless the control law runs in this period.
         record.law_ran = false;
         record.force = Force::zero();
         record.torque = Force::zero();

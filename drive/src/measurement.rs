@@ -66,7 +66,7 @@ impl MeasurementConfig {
         let current: Amps = narrow(settings.calibration.current_a);
         let hold = (rate / 2).max(1);
         let step = current.to_bits() / i32::try_from(hold).unwrap_or(i32::MAX);
-        // Half of what switches off: room for what a push adds until it is seen.
+        // Half of the speed at which the device switches off. That leaves room for the speed that a push adds until it is detected.
         let speed = of(settings.limits.max_speed_rad_per_s, 2);
         let push = of(settings.calibration.current_a, 4);
         Self {
@@ -179,7 +179,7 @@ impl Measurement {
             tick,
             mode: CurrentMode::Drive,
             angle: Angle((self.field >> 16) as u16),
-            // A sixty-third of 2^32 is below 2^31.
+            // The cast is exact: a sixty-third of 2^32 is below 2^31.
             advance: FAST_FIELD as i32,
             current: Dq {
                 d: self.current,
@@ -208,7 +208,7 @@ impl Measurement {
         let wanted = if self.pushes < PUSHES / 2 { fast } else { slow };
         let is_over = self.ticks >= self.config.longest;
         if speed.saturating_abs() >= wanted || is_over {
-            // A hand holds it, or friction is more than the push.
+            // A hand holds the shaft, or its friction is larger than the push.
             if speed.saturating_abs() < Amps::from_bits(wanted.to_bits() >> 3) {
                 return Measuring::Failed(Reason::Held);
             }

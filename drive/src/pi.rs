@@ -98,7 +98,7 @@ impl Pi {
             .saturating_add(self.integral);
         let given = wanted.min(limit).max(limit.saturating_neg());
         let way = i64::from(given.to_bits()) - i64::from(self.integral.to_bits());
-        // To the nearest step, so that a small error is not lost on one side only.
+        // Rounded to the nearest step, so that small errors are not lost in one direction only.
         let step = share_of(way, gains.share);
         self.integral = Volts::from_bits(clamp_i32(i64::from(self.integral.to_bits()) + step));
         (given, given != wanted)

@@ -90,7 +90,7 @@ impl CompactRecord {
         let [t0, t1, c0, c1, c2, f0, f1, i0, i1, lateness, limits, state] = *bytes;
         Self {
             tick: u16::from_le_bytes([t0, t1]),
-            // Into the upper bytes and down again, so that the sign is kept.
+            // The three bytes go into the upper bytes and are shifted down, which extends the sign.
             count: i32::from_le_bytes([0, c0, c1, c2]) >> 8,
             force: i16::from_le_bytes([f0, f1]),
             current: i16::from_le_bytes([i0, i1]),

@@ -67,7 +67,7 @@ impl SweepConfig {
         let speed = (per_second / i64::from(rate)).max(1);
         let constant = settings.motor.torque_constant_n_m_per_a;
         let inertia = settings.law.estimator.inertia_kg_m2;
-        // J ω / k_t, A·s/rad, and J ω² / k_t, A/rad.
+        // Inertia times frequency over torque constant: J ω / k_t, A·s/rad, and J ω² / k_t, A/rad.
         let once = quotient(inertia.saturating_mul(OMEGA), constant);
         let twice = once.saturating_mul(OMEGA);
         let counts_si = Si::saturating_from_num(counts);
@@ -157,7 +157,7 @@ impl Running {
         let spring = clamp_i32(behind.saturating_mul(config.stiffness) >> 32);
         let most = i64::from(config.limit.to_bits()) << 32;
         let more = i64::from(spring) * config.integral;
-        // Not `clamp`, which panics where its ends are the wrong way round.
+        // Not `clamp`, because that panics if its lower end is above the upper one.
         self.integral = self.integral.saturating_add(more).min(most).max(-most);
         let wanted = clamp_i32((self.speed * config.rad_per_s) >> 32);
         let slower = wanted.saturating_sub(speed.to_bits());

@@ -51,7 +51,7 @@ impl AlphaBeta {
     #[inline]
     #[must_use]
     pub const fn from_phases(a: I16F16, b: I16F16) -> Self {
-        // At most 3 · 2^31, so the product with 2^31/√3 fits.
+        // The sum is at most 3 · 2^31, so the product with 2^31/√3 fits into 64 bits.
         let sum = a.to_bits() as i64 + 2 * b.to_bits() as i64;
         Self {
             alpha: a,
@@ -64,7 +64,7 @@ impl AlphaBeta {
     #[must_use]
     pub const fn square(self) -> u64 {
         let (a, b) = (self.alpha.to_bits() as i64, self.beta.to_bits() as i64);
-        // Each at most 2^62.
+        // Each square is at most 2^62.
         (a * a) as u64 + (b * b) as u64
     }
 }
@@ -136,7 +136,7 @@ mod tests {
             assert!((v.alpha.to_num::<f64>() - 3.0 * phase.cos()).abs() < 1e-4);
             assert!((v.beta.to_num::<f64>() - 3.0 * phase.sin()).abs() < 1e-4);
             assert!(((v.square() as f64) / 2f64.powi(32) - 9.0).abs() < 1e-3);
-            // In a frame that turns with it, it stands along d.
+            // In a frame that turns with the vector, the vector stands along d.
             let angle = Angle((f64::from(step) * 65_536.0 / 720.0).round() as u16);
             let dq = Rotation::of(angle).park(v);
             assert!((dq.d.to_num::<f64>() - 3.0).abs() < 1e-3, "{dq:?}");

@@ -160,7 +160,7 @@ impl Calibration {
 
     /// Runs one control period of rocking the field.
     pub(super) fn rock(&mut self, count: i64) -> Option<Progress> {
-        // The count belongs to the field of the tick before: that one has acted.
+        // The count belongs to the field of the previous control period, which has acted since.
         let field = self.field_angle();
         let (most, step) = self.rocking();
         self.speed = self.speed.saturating_add(step).min(most);
@@ -195,7 +195,7 @@ impl Calibration {
             Way::Forth => {
                 let mean = check.sum.checked_div(check.samples).unwrap_or(i32::MAX);
                 let followed = i32::from(rotor.since(check.end));
-                // The field moved by four times this.
+                // The field moved by four times this value.
                 const HALF: i32 = (REACH >> 16) as i32;
                 if !(HALF..=3 * HALF).contains(&followed) {
                     return Some(failed(Reason::KeptNotFollowed));
@@ -215,7 +215,7 @@ impl Calibration {
     /// speed in a period. The speed is at most one electrical turn per second, so that a light rotor does not swing around the
     /// field.
     fn rocking(&self) -> (u32, u32) {
-        // Ticks in a second and in a quarter of one.
+        // Control periods in a second and in a quarter of a second.
         let settle = self.config.settle.max(2);
         let second = settle.saturating_mul(2);
         let most = self

@@ -71,7 +71,7 @@ impl VoltageStage {
         }
         Ok(Some(Self {
             ohms: narrow(motor.resistance_ohm),
-            // At most 100: a resistance is 0.01 ohm and more.
+            // The conductance is at most 100 A/V, because the settings require at least 0.01 ohm.
             amps_per_volt: narrow(quotient(Si::ONE, motor.resistance_ohm)),
             back_emf: narrow(back_emf),
         }))

@@ -82,7 +82,7 @@ impl HeatConfig {
         if mean >= self.bears {
             return self.for_ever;
         }
-        // Less than the whole, so the quotient is below 2^16; never by zero.
+        // `beyond` is less than the divisor, so the quotient is below 2^16. The divisor is never zero.
         let beyond = i64::from(mean - self.warm) << 16;
         let way = beyond
             .checked_div(i64::from(self.bears - self.warm))
@@ -131,8 +131,8 @@ impl Heat {
     pub fn update(&mut self, config: &HeatConfig, report: &CurrentReport) -> (Option<Found>, u32) {
         let now = clamp_i32(square(report.current.d) + square(report.current.q));
         let mean = (self.mean >> (MEAN_BITS - SQUARE_BITS)) as i32;
-        // Both squares are at least 0 and below 2^31: so is the mean afterwards, as a share of less than one is taken of their
-        // difference, which has 16 + 32 fractional bits then.
+        // Both squares are at least 0 and below 2^31. So is the new mean, because less than the whole difference is added. The
+        // product has 16 + 32 fractional bits.
         self.mean += i64::from(now - mean) * i64::from(config.share);
         let fault = (mean > config.hot).then(|| {
             let permille = (i64::from(mean) * 1_000).checked_div(i64::from(config.bears));
@@ -185,7 +185,7 @@ mod tests {
             let (worst, given) = leans(&settings, 2.0, 12.0);
             assert!(worst <= 0.49 * 1.001, "{rate} Hz: {worst} A²");
             assert!((0.69..0.703).contains(&given), "{rate} Hz: {given} A");
-            // What the motor bears is never taken from it.
+            // The current that the motor can carry continuously is never reduced.
             let (worst, given) = leans(&settings, 0.62, 12.0);
             assert!((worst - 0.3844).abs() < 0.002, "{worst} A²");
             assert_eq!(given, 0.62);
@@ -212,10 +212,10 @@ mod tests {
         let Some((tick, (FaultCode::MotorHot, value))) = fault else {
             panic!("{fault:?}");
         };
-        // 20 s times ln(2.25/(2.25 - 0.735)).
+        // The expected time is 20 s times ln(2.25/(2.25 - 0.735)).
         assert!((7_890..7_930).contains(&tick), "{tick}");
         assert!((1_500..1_503).contains(&value), "{value}");
-        // After a reset of which nobody knows how long it took.
+        // After a reset of unknown duration.
         let (_, left) = Heat::unknown(&config).update(&config, &report(0.0));
         assert!((22_000..23_500).contains(&left), "{left}");
     }

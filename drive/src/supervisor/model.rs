@@ -94,7 +94,7 @@ impl Model {
             I16F16::from_bits(product(config.henries.to_bits(), speed.to_bits(), 16)),
             i.q,
         );
-        // All are words of 32 bits: no sum of these comes near 2^63.
+        // All terms have 32 bits, so no sum comes near 2^63.
         let now = [
             i64::from(v.d.to_bits()) - drop_d + cross,
             (1 << 15) + (drop_q.abs() >> 4) + (emf.abs() >> 2),
