@@ -35,7 +35,8 @@ use touchstone_protocol::{DeviceSettings, Limit, Limits, Machine, Outputs, State
 use crate::device_parts::{end, of_specification};
 /// Number of control ticks that the comparison runs in a row: one under the model checker, six in random tests.
 const TICKS: usize = if cfg!(kani) { 1 } else { 6 };
-/// Does nothing in random tests. Under the model checker its namesake marks that the specification makes the calls from now on.
+/// Does nothing in random tests. Under the model checker, the function of this name in `device_parts` marks that from now on the
+/// specification makes the calls.
 #[cfg(not(kani))]
 fn of_specification() {}
 #[cfg(not(kani))]

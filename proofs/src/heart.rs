@@ -18,8 +18,8 @@ macro_rules! heart {
             const FULL: $wide = $wide::MAX >> 1;
 
             property! {
-                /// P1 (energy), motion inward against the force: the wall stores exactly the work, at most the signed limit; the
-                /// force stays.
+                /// P1 (energy), motion inward against the force: the wall stores exactly the work, up to the largest energy of the
+                /// signed format; the force stays.
                 equation "E' = min(E + f d, highest), f' = f"
                 over "energy, force, displacement"
                 by $bits fn p1_step_inward(s) {

@@ -74,9 +74,9 @@ pub struct Settings {
 /// Coefficients of a spring with damping: stiffness, damping per tick, and the largest force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Spring {
-    /// Stiffness of the wall, in the format of gains.
+    /// Stiffness of the wall, in the number format of stiffnesses.
     pub desired: Int,
-    /// Damping over the control period, in the format of gains.
+    /// Damping over the control period, in the number format of stiffnesses.
     pub damping: Int,
     /// Largest force, in steps of the force format.
     pub limit: Int,
