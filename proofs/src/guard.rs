@@ -230,7 +230,7 @@ macro_rules! guard {
             }
             property! {
                 /// P1 (energy): the free energy in the guard's account covers the allowed force over every displacement up to the
-                /// largest. Reciprocal, energy and force are all rounded to the side where this holds.
+                /// largest. Reciprocal, energy and force are all rounded to the safe side.
                 equation "D r <= 1  =>  |f| y <= A for every y <= D"
                 over "valid configuration, free energy, reach, displacement"
                 by $solver fn p1_force_is_paid(s) {

@@ -358,7 +358,7 @@ pub mod w8 {
         }
     }
 
-    /// Checks that the guard's constructor could give the configuration of the properties.
+    /// Checks that `Guard::new` could give the guard that the properties at 8 bits use.
     #[cfg(all(test, not(kani)))]
     #[test]
     fn the_configuration_is_valid() {
