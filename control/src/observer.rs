@@ -38,7 +38,7 @@ pub struct ExactObserver<N: Number> {
 }
 
 impl<N: Number> ExactObserver<N> {
-    /// Starts the sum at a position, with no force and no energy.
+    /// Starts the energy sum at a position, with no force and no energy.
     #[must_use]
     pub fn new(position: Position<N>) -> Self {
         Self {
@@ -68,7 +68,7 @@ pub struct ThesisObserver<N: Number> {
 }
 
 impl<N: Number> ThesisObserver<N> {
-    /// Starts the sum at a position, with no energy.
+    /// Starts the energy sum at a position, with no energy.
     #[must_use]
     pub fn new(position: Position<N>) -> Self {
         Self {

@@ -79,8 +79,8 @@ const PROPERTIES: &[Row] = &[
 /// Most numbers that one input of a property consists of.
 const DIGITS: usize = 16;
 
-/// Source that gives all inputs, one after the other: each number of an input is a digit of one large number that counts up. There
-/// are some thousand million inputs, so the work for each input is kept small.
+/// A source that gives a property all inputs, one after the other: each number of an input is a digit of one large number that
+/// counts up. There are some thousand million inputs, so the work for each input is kept small.
 struct Every {
     /// Value and width in bits of each digit.
     digits: [(u64, u32); DIGITS],

@@ -364,8 +364,8 @@ pub fn at_limit(weight: i32, limit: i64) -> i64 {
 pub fn bounded<N: Number>(_: &Estimator<N>) -> bool {
     true
 }
-/// Replaces [`crate::spec::estimator_settings::bounded`] when the model checker runs the specification: returns the value that the
-/// code got for equal arguments.
+/// Replaces [`crate::spec::estimator_settings::bounded`] when the model checker runs the specification: always `true`, as in the
+/// code.
 pub fn specified_bounded(_: &crate::spec::estimator::Estimator) -> bool {
     true
 }

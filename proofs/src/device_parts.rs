@@ -134,8 +134,7 @@ part!(beyond, 2, 1);
 part!(faded, 3, 1);
 part!(driven, 6, 10);
 
-/// Replaces `settings::validate` when the model checker runs: returns any value to the code, and the same value to the
-/// specification.
+/// Replaces `settings::validate` when the model checker runs: it accepts all settings.
 pub fn accepted(_: &DeviceSettings, _: &Hardware) -> Result<(), SettingsError> {
     Ok(())
 }
@@ -198,8 +197,7 @@ pub fn inspect(
         derating: derating as u32,
     }
 }
-/// Replaces `Supervisor::restart` when the model checker runs: returns any value to the code, and the same value to the
-/// specification.
+/// Replaces `Supervisor::restart` when the model checker runs: it only records the call in the history of this tick.
 pub fn restart(_: &mut Supervisor) {
     done(1);
 }
@@ -292,8 +290,7 @@ pub fn since_change(
     let question = [until, from].map(|way| i64::from(way.0.to_bits()));
     Position(I8F24::from_bits(since::ask(question)[0] as i32))
 }
-/// Replaces `Controller::resume` when the model checker runs: returns any value to the code, and the same value to the
-/// specification.
+/// Replaces `Controller::resume` when the model checker runs: it only records the call in the history of this tick.
 pub fn resume<N: Number>(_: &mut Controller<N>, _: &Controller<N>) {
     done(2);
 }
@@ -325,8 +322,7 @@ pub fn view<N: Format>(_: &Controller<N>) -> View<N> {
 pub fn commanded<N: Format>(_: &mut Controller<N>, force: Force<N>) {
     told::ask([done(4), N::of_signal(force.0)]);
 }
-/// Replaces `Controller::switched_off` when the model checker runs: returns any value to the code, and the same value to the
-/// specification.
+/// Replaces `Controller::switched_off` when the model checker runs: it only records the call in the history of this tick.
 pub fn switched_off<N: Number>(_: &mut Controller<N>) {
     done(5);
 }

@@ -129,7 +129,7 @@ pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Fi
     FixedI64::from_bits(any)
 }
 
-/// The facts of quotients and roots that the model checker assumes.
+/// The facts that the model checker assumes of quotients and roots.
 pub mod facts {
     /// Whether a result has the facts of a quotient; `part` is quotient times divisor. A quotient beyond a signed word has no such
     /// part.

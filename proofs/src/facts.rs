@@ -63,7 +63,7 @@ pub mod fact {
     pub fn affordable(moved: i64, rest: i64, e: i64) -> bool {
         moved >= 0 && rest >= 0 && rest <= e
     }
-    /// Facts of a root: it is not negative, and it is 0 if its argument is not positive.
+    /// Facts of a square root: it is not negative, and it is 0 if its argument is not positive.
     pub fn root(result: i64, e: i64) -> bool {
         result >= 0 && (e > 0 || result == 0)
     }

@@ -70,7 +70,7 @@ macro_rules! fba {
                 }
             }
             property! {
-                /// P5 (force bounding): the force of a tick is at most the largest that its energy allows.
+                /// P5 (force bounding): the force of a tick is at most the largest that the law's energy allows.
                 equation "f <= largest(E')"
                 over "valid configuration, memory in the invariant, position inside"
                 by $sums fn p5_tick_is_bounded(s) {

@@ -30,7 +30,7 @@ mod memo {
     const ROWS: usize = 6;
     type Row = [AtomicI64; 5];
 
-    /// Record of one operation: per row three arguments and two results, of which some operations use fewer.
+    /// Record of one operation: each row has three arguments and two results, of which some operations use fewer.
     pub struct Memo {
         used: AtomicUsize,
         rows: [Row; ROWS],

@@ -28,7 +28,7 @@ pub fn room<N: Format>(x: &Position<N>) -> bool {
     *x >= Position::zero() && N::of_signal(x.0) <= quarter::<N>()
 }
 
-/// The exact product of two signed words of the format.
+/// The exact product of two signed numbers of the format, given as integers.
 pub fn times<N: Format>(a: i64, b: i64) -> N::Exact {
     N::exact(a) * N::exact(b)
 }
@@ -230,7 +230,7 @@ macro_rules! guard {
             }
             property! {
                 /// P1 (energy): the free energy in the guard's account covers the allowed force over every displacement up to the
-                /// largest. Reciprocal, energy and force are all rounded to the side where this holds.
+                /// largest. Reciprocal, energy and force are all rounded to the safe side.
                 equation "D r <= 1  =>  |f| y <= A for every y <= D"
                 over "valid configuration, free energy, reach, displacement"
                 by $solver fn p1_force_is_paid(s) {
@@ -254,7 +254,7 @@ macro_rules! guard {
                 }
             }
             property! {
-                /// P4 (limits): the guard never makes a force larger and never reverses it.
+                /// P4 (limits): the guard never makes the requested force larger and never reverses it.
                 equation "|f| <= |f_wanted|, f f_wanted >= 0"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
                 by $solver fn p4_force_never_grows(s) {

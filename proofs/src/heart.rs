@@ -18,8 +18,8 @@ macro_rules! heart {
             const FULL: $wide = $wide::MAX >> 1;
 
             property! {
-                /// P1 (energy), motion inward against the force: the wall stores exactly the work, at most the signed limit; the
-                /// force stays.
+                /// P1 (energy), motion inward against the force: the wall stores exactly the work, up to the largest energy of the
+                /// signed format; the force stays.
                 equation "E' = min(E + f d, highest), f' = f"
                 over "energy, force, displacement"
                 by $bits fn p1_step_inward(s) {
@@ -192,7 +192,7 @@ macro_rules! heart {
                 }
             }
             property! {
-                /// P6 (rounding): a quotient rounds towards zero: `quotient·divisor <= dividend`.
+                /// P6 (rounding): a quotient rounds towards zero: quotient times divisor is at most the dividend.
                 equation "q d <= n"
                 over "dividend and divisor"
                 by $products
@@ -241,7 +241,7 @@ pub mod root8 {
     }
 }
 
-/// Quotients by a prepared divisor (stored reciprocal), which is used for many dividends.
+/// Properties of quotients by a prepared divisor (stored reciprocal), which is used for many dividends.
 pub mod reciprocal {
     use super::*;
     use fixed::FixedI32;
@@ -319,8 +319,8 @@ pub mod reciprocal {
             inverse: 0,
         }
     }
-    /// Replaces `Reciprocal32::quotient` under the model checker: any magnitude that fits a word, and the same one for equal
-    /// arguments.
+    /// Replaces `Reciprocal32::quotient` when the model checker runs: any absolute value that fits a word, and the same one for
+    /// equal arguments.
     #[cfg(kani)]
     pub fn any_quotient(by: &Reciprocal32, dividend: u64) -> u32 {
         use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -344,7 +344,7 @@ pub mod algebra32 {
     use super::*;
     property! {
         /// P1 (energy) for the enhanced law: the work of a smaller force and the work it saves sum to the work of the full force.
-        /// So with `p1_affordable`, rest plus saving is exactly the energy minus the work.
+        /// So with `p1_affordable`, the remainder plus the saved work is exactly the energy minus the work.
         equation "(f_w - f) m + f m = f_w m"
         over "pair of forces, retreat"
         by cvc5 fn p1_smaller_force(s) {

@@ -161,7 +161,7 @@ mod by_one_product {
     /// Row of the next product in the record. The next variable is 1 while the specification multiplies.
     static AT: AtomicUsize = AtomicUsize::new(0);
     static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
-    /// The row of the record after the code's last product.
+    /// Row of the record that follows the code's last product.
     static ASKED: AtomicUsize = AtomicUsize::new(CODE);
     static LEFT: [AtomicU32; END] = [const { AtomicU32::new(0) }; END];
     static RIGHT: [AtomicU32; END] = [const { AtomicU32::new(0) }; END];
@@ -188,7 +188,7 @@ mod by_one_product {
         let factors = [LEFT[at].load(Relaxed), RIGHT[at].load(Relaxed)];
         (factors, FOUND[at].load(Relaxed))
     }
-    /// The row of the record after the code's last product.
+    /// Row of the record that follows the code's last product, also while the code still multiplies.
     fn asked() -> usize {
         if specifies() {
             ASKED.load(Relaxed)
@@ -268,7 +268,7 @@ mod by_one_product {
     fn product_of(a: i32, b: i32) -> i64 {
         signed(a, b, magnitude(a.unsigned_abs(), b.unsigned_abs()))
     }
-    /// A number of the specification as a 32-bit word.
+    /// Converts a number of the specification to a 32-bit word.
     pub fn word(x: i128) -> i32 {
         assert!(
             i32::try_from(x).is_ok(),

@@ -168,7 +168,7 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): from inside a box the way out is the longest that passes no face, rounded towards zero.
+    /// P4 (geometry): from inside a box the way out along a direction is the longest that passes no face, rounded towards zero.
     equation "t = min floor((h_i ∓ x_i) / |u_i|) over u_i ≠ 0"
     over "inside; places of 4 bits an axis, half lengths from 1 to 4 quanta, directions of 3 bits an axis"
     by sampled fn p4_box_exit(s) {

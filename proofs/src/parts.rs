@@ -46,7 +46,7 @@ property! {
     }
 }
 property! {
-    /// P1 (energy): the guard starts with a full energy account and no force.
+    /// P1 (energy): at power-up the guard has a full energy account and no force.
     equation "B = C, f = f' = 0"
     over "any configuration"
     fn p1_guard_starts_full(s) {
@@ -99,8 +99,8 @@ property! {
     }
 }
 property! {
-    /// P8 (settings): accepted settings of the guard belong to a device whose force limit and encoder count are in their ranges;
-    /// delay and lag are not negative.
+    /// P8 (settings): if the guard's validation accepts settings for a device, the device's force limit and encoder count are in
+    /// their ranges, and delay and lag are not negative.
     equation "0 <= limit <= 1000, 0 <= count <= 0.1, delay >= 0, lag >= 0"
     over "delay, lag, force limit and count of 64 bits each, any rate; other settings as by default"
     by kissat fn p8_guard_settings(s) {

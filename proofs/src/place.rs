@@ -84,7 +84,7 @@ placed_property! {
     }
 }
 
-/// An estimator with any coefficients; in random tests one that settings can give.
+/// A state estimator with any coefficients; in random tests one that settings can give.
 fn any_in_range<S: Source>(s: &mut S) -> Estimator<N> {
     loop {
         let law = any(s);

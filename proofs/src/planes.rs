@@ -35,8 +35,8 @@ fn plane(normal: Direction<N>, height: i64) -> Plane<N> {
 }
 
 property! {
-    /// P4 (geometry): the depth of a place below a plane is the plane's height minus the place's part along the normal, rounded
-    /// down. A plane seen from below has the opposite normal and height.
+    /// P4 (geometry): the depth of a place below a plane is the plane's height minus the place's component along the normal,
+    /// rounded down. A plane seen from below has the opposite normal and height.
     equation "depth = h - floor(n·x)"
     over "normals and places of 3 bits an axis, heights of 6 bits"
     by sampled fn p4_plane_nearest(s) {
@@ -55,8 +55,8 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): the way out through a plane is the depth divided by the cosine. Along the plane or inwards there is no way
-    /// out.
+    /// P4 (geometry): the way out through a plane along a direction is the depth divided by the cosine of the angle to the normal.
+    /// Along the plane or inwards there is no way out.
     equation "t = depth / floor(n·u) towards zero, of a 1 of 127/128"
     over "normals and directions of 3 bits an axis, depths of 7 bits"
     by sampled fn p4_plane_exit(s) {
@@ -111,7 +111,7 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): the way out of a body of planes is the shortest of the ways through its planes.
+    /// P4 (geometry): the way out of a body of planes along a direction is the shortest of the ways through its planes.
     equation "t = min t_i"
     over "three planes along x, y, against x or none, heights and places of 3 bits along two axes, directions of 2 bits along them"
     by sampled fn p4_facets_exit(s) {
@@ -200,7 +200,7 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): the way out of an edge is the shorter of the ways through its two planes.
+    /// P4 (geometry): the way out of a convex edge along a direction is the shorter of the ways through its two planes.
     equation "t = min(t_1, t_2)"
     over "normals of 3 bits along two axes, heights of 2 bits, four times as large, places of 3 bits along two axes, three times as large, an axis"
     by sampled fn p4_edge_exit(s) {

@@ -61,8 +61,8 @@ macro_rules! refines {
             }
             divided_property! {
                 $products
-                /// P11 (refinement): the thesis' passivity controller equals its specification: energy and force for a displacement
-                /// that is already known.
+                /// P11 (refinement): the thesis' passivity controller (energy and force for a displacement that is already known)
+                /// equals its specification.
                 equation "(E', f) = spec(E, f_wanted, d)"
                 over "stored energy, wanted force not negative, displacement"
                 by $solver fn p11_passive(s) {
@@ -275,7 +275,7 @@ macro_rules! refines {
             }
             booked_property! {
                 $products
-                /// P11 (refinement), guard: a tick with an energy deficit equals its specification.
+                /// P11 (refinement), guard: a tick in which the energy account has a deficit equals its specification.
                 equation "(B', f, f(n-1)') = spec(B, f, g, Δ, Δ_before, f_wanted)"
                 over "valid configuration, memory in the invariant, displacement, way before the change, wanted force"
                 by $solver fn p11_guard_deficit(s) {
@@ -302,7 +302,7 @@ macro_rules! refines {
             }
             booked_property! {
                 $products
-                /// P11 (refinement), guard: switching off equals its specification.
+                /// P11 (refinement), guard: the guard's memory after the force was switched off equals its specification.
                 equation "(B', f', f(n-1)') = spec(B, f, f(n-1))"
                 over "valid configuration, memory in the invariant"
                 by $solver fn p11_guard_switched_off(s) {
@@ -326,8 +326,8 @@ macro_rules! refines {
             }
             booked_property! {
                 $products
-                /// P11 (refinement), guard: a tick without a position at the change of force equals one in which the device did not
-                /// move before the change.
+                /// P11 (refinement), guard: a tick without a measured position at the change of force equals a tick in which the
+                /// device did not move before that change.
                 equation "tick(Δ) = tick(Δ, 0)"
                 over "valid configuration, memory in the invariant, displacement, wanted force"
                 by $solver fn p11_guard_without_change(s) {

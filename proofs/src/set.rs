@@ -214,7 +214,7 @@ timed_property! {
         cover!(s, expected.is_none(), "refused");
     }
 }
-/// Any settings of the estimator and a rate in Hz; in random tests many of them are valid.
+/// Any settings of the estimator and a control rate in Hz; in random tests many of them are valid.
 fn any_estimator_settings<S: Source>(s: &mut S) -> (EstimatorSettings, u32) {
     const ONE: i64 = 1 << 32;
     let rate = s.u32();

@@ -85,7 +85,7 @@ reckoned_property! {
         cover!(s, found.mass_per_tick2 > settings.filter.mass, "a mass");
     }
 }
-/// Checks that the spring for the settings equals the specification's.
+/// Checks that the spring that the code makes of the settings equals the specification's.
 fn spring_is_specified<S: Source>(s: &mut S, settings: &Settings) {
     let accepted = settings.validate().is_ok();
     let found = made(settings);
@@ -112,7 +112,7 @@ fn spring_is_specified<S: Source>(s: &mut S, settings: &Settings) {
 }
 lawful_property! {
     not_plain
-    /// P11 (refinement): the spring for the settings, or its refusal, equals the specification's.
+    /// P11 (refinement): the spring that the code makes of the settings, or its refusal, equals the specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, limit"
     over "settings of the law"
     by minisat fn p11_spring_settings32(s) {
@@ -123,7 +123,7 @@ lawful_property! {
 }
 lawful_property! {
     not_plain
-    /// P11 (refinement): the spring with virtual damping for the settings, or its refusal, equals the specification's.
+    /// P11 (refinement): the damped spring that the code makes of the settings, or its refusal, equals the specification's.
     equation "AnyLaw::new(settings) = spec(settings): k_de, b/T, limit"
     over "settings of the law"
     by minisat fn p11_damped_settings32(s) {
@@ -195,7 +195,7 @@ lawful_property! {
         cover!(s, expected.is_none() && accepted, "refused");
     }
 }
-/// Checks that the SFA law for the settings equals the specification's.
+/// Checks that the SFA law (successive force augmentation) that the code makes of the settings equals the specification's.
 fn sfa_is_specified<S: Source>(s: &mut S, settings: &Settings, update: Update) {
     let accepted = settings.validate().is_ok();
     let found = made(settings);
@@ -239,8 +239,8 @@ lawful_property! {
 
 lawful_property! {
     not_plain
-    /// P11 (refinement): the enhanced law for the settings, or its refusal, equals the specification's. That includes the target
-    /// stiffness of its offset (thesis 3.5 with a compensated mass) and its prepared divisors.
+    /// P11 (refinement): the enhanced law that the code makes of the settings, or its refusal, equals the specification's. That
+    /// includes the target stiffness that its offset regulates to (thesis 3.5) and its prepared divisors.
     equation "AnyLaw::new(settings) = spec(settings): k_de, k_de k_f/(k_f - k_de), b/T, k_v, a, b/k_v, c/k_v or c/k_de, m/T², k_f, c_f/T, their sum, k_f + k_v, credit, limit"
     over "settings of the law"
     by minisat fn p11_enhanced_settings32(s) {

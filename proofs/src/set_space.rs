@@ -33,7 +33,7 @@ fn si(x: Int) -> Si {
 }
 
 reckoned_property! {
-    /// P11 (refinement): the friction for the settings, or its refusal, equals the specification's.
+    /// P11 (refinement): the friction that the code makes of the settings, or its refusal, equals the specification's.
     equation "0 < k <= 2 b/T, 0 <= μ_k <= μ_s <= 10  =>  k/u, μ_s u/k, μ_k u/k"
     over "settings of friction, unit, rate, damping"
     by minisat fn p11_friction_settings32(s) {

@@ -61,7 +61,7 @@ property! {
     }
 }
 
-/// Whether a controller satisfies what the properties assume about its law.
+/// Whether a controller's coefficients satisfy what the properties assume about its law.
 pub fn satisfies_assumptions<N: Format>(controller: &Controller<N>) -> bool {
     let guarded = controller.guard.as_ref();
     if guarded.is_some_and(|it| !(it.guard.valid() && it.guard.holds(&it.state))) {

@@ -137,8 +137,8 @@ macro_rules! space {
                 }
             }
             property! {
-                /// P4 (limits): a limited vector is within the limit, and none of its components grows or changes its sign. A
-                /// vector within the limit is unchanged.
+                /// P4 (limits): a vector that is cut to a limit is within the limit, and none of its components grows or changes
+                /// its sign. A vector within the limit is unchanged.
                 equation "|F'| <= limit, |F'_i| <= |F_i|"
                 over "every vector, every limit from 0 to below the end of the format"
                 by $within fn p4_within(s) {

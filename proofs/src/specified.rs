@@ -58,7 +58,7 @@ macro_rules! specified {
 
             /// The specification's tick of the spring.
             pub use spec::sfa::spring_tick as spring;
-            /// The specification of the passivity controller.
+            /// The specification of the thesis' passivity controller, which limits a force by stored energy.
             pub use spec::tdpa::passive;
 
             /// Converts a TDPA law (time-domain passivity) to the specification's type.

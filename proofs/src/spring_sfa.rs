@@ -18,8 +18,8 @@ macro_rules! spring_sfa {
             type F = $functions;
 
             property! {
-                /// P3, P4, P7, spring: no panic, the force never pulls and is at most the limit. Outside the wall the force is 0
-                /// and the memory is cleared.
+                /// P3, P4, P7, spring law: no panic, the force never pulls and is at most the limit. Outside the wall the force is
+                /// 0 and the memory is cleared.
                 equation "0 <= f <= limit; e <= 0  =>  f = 0, memory cleared"
                 over "valid configuration, memory in the invariant, position"
                 by $solver fn p4_spring(s) {

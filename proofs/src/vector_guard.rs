@@ -54,12 +54,12 @@ fn damped<N: Format>(law: &Guard<N>, moved: [i64; 3]) -> i128 {
     let surely = (root_up(sum_of_squares(moved)) - length(law.count) - 1).max(0);
     ((wide(N::of_gain(law.damping.0)) * surely) >> N::GAIN_BITS) * surely
 }
-/// Most energy that a force of this size may still cost.
+/// Most energy that a force of this size may still cost after the next sample, which the guard keeps in reserve.
 fn reserve<N: Format>(law: &Guard<N>, size: Force<N>) -> i128 {
     wide(N::of_signal(size.0)) * length(law.in_flight)
 }
 
-/// The exact sum of the energy account over three axes, without the damping.
+/// The exact sum of the energy account over three axes, without the energy that the damping dissipates.
 fn booked<N: Format + Spatial>(
     law: &Guard<N>,
     before: &VectorGuardState<N>,
@@ -358,7 +358,7 @@ pub mod w8 {
         }
     }
 
-    /// Checks that the guard's constructor could give the configuration of the properties.
+    /// Checks that `Guard::new` could give the guard that the properties at 8 bits use.
     #[cfg(all(test, not(kani)))]
     #[test]
     fn the_configuration_is_valid() {

@@ -15,7 +15,7 @@ use touchstone_control::{Fixed8, Force, Number, Position};
 
 type N = Fixed8;
 
-/// A number limited to the range of 8 bits.
+/// Limits a number to the range of 8 bits.
 const fn shown(x: i64) -> i64 {
     if x < -128 {
         -128
@@ -51,7 +51,7 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): a length along a direction is the product with each component, rounded towards zero.
+    /// P4 (geometry): a vector of a given length along a direction has that length times each component, rounded towards zero.
     equation "(u l)_i = u_i l towards zero"
     over "direction, length"
     by kissat fn p4_direction_times(s) {
@@ -68,7 +68,7 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): a force along a direction is the product with each component, rounded towards zero.
+    /// P4 (geometry): a force along a direction has its size times each component of the direction, rounded towards zero.
     equation "(u f)_i = u_i f towards zero"
     over "direction, force"
     by kissat fn p4_direction_times_force(s) {
@@ -136,7 +136,8 @@ property! {
     }
 }
 property! {
-    /// P4 (geometry): the length of a vector is the root of its square, rounded down or up, and limited to the format.
+    /// P4 (geometry): the length of a vector is the root of the sum of its squared components, rounded down or up, and limited to
+    /// the format.
     equation "floor |v|, ceil |v|"
     over "every vector"
     by sampled fn p4_lengths(s) {

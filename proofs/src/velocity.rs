@@ -96,7 +96,7 @@ property! {
     }
 }
 weighed_property! {
-    /// P11 (refinement): a Kalman filter in its steady state equals the specification's; both restart on the same inputs.
+    /// P11 (refinement): a velocity filter with constant Kalman gains equals the specification's; both restart on the same inputs.
     equation "r = e - x - V d - X g; (x', d', g') = (x⁻, d⁻, g) + (α, β, γ) r"
     over "weights, motion in the invariant, measured position"
     by minisat fn p11_tracker(s) {
@@ -154,8 +154,8 @@ property! {
 }
 replaced_property! {
     [(touchstone_control::velocity::Velocity::tick, crate::velocity::any_velocity)]
-    /// P11 (refinement): a spring with its own velocity filter is the spring, with the penetration and whatever velocity the filter
-    /// gives.
+    /// P11 (refinement): a spring-damper with a velocity filter is the spring-damper with the penetration and the velocity that the
+    /// filter gives.
     equation "f = spring(e, v), v = filter(e)"
     over "spring and damper, penetration, displacement told; under the checker whatever a filter tells"
     by kissat fn p11_damped_tick(s) {

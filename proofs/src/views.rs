@@ -75,7 +75,7 @@ property! {
         cover!(s, state.contact == Contact::Free, "free");
     }
 }
-/// A signal (position or force) as its 32-bit word.
+/// A position or force as its 32-bit word.
 fn bits(x: <N as Number>::Signal) -> i32 {
     x.to_bits().into()
 }

@@ -198,7 +198,7 @@ mod by_one_product {
         Wide64(any)
     }
 
-    /// A wide number that can be made from any bits.
+    /// A wide number (an estimator's state) that can be made from any bits.
     pub trait Made: Wide {
         /// A wide number with these bits.
         fn made(bits: i64) -> Self;

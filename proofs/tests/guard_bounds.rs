@@ -61,8 +61,8 @@ fn is_the_specification_around(
     }
 }
 
-/// The largest setting at which a function still has its value at the lower end, found by bisection; `None` if both ends have the
-/// same value.
+/// The largest setting at which a function still has the value that it has at the lower end, found by bisection. `None` if both
+/// ends have the same value.
 fn step_of<T: PartialEq>([mut low, mut high]: [i64; 2], of: &dyn Fn(Si) -> T) -> Option<i64> {
     if of(Si::from_bits(low)) == of(Si::from_bits(high)) {
         return None;

@@ -104,7 +104,7 @@ impl Format {
         [0, 1, 2].map(|i| ((v[i] << self.fraction) - along * u[i]) / one)
     }
 
-    /// A vector cut to a limit: each component is multiplied by one ratio, which has as many bits as a component.
+    /// A vector cut to a limit: each component is multiplied by one common ratio, which has as many bits as a component.
     fn within(self, v: Axes<i128>, limit: i128) -> Axes<i128> {
         let square: i128 = v.iter().map(|x| x * x).sum();
         if square <= limit * limit {

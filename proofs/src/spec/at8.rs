@@ -23,7 +23,7 @@ pub type Int = i32;
 pub const BITS: u32 = 8;
 /// Number of fractional bits of a signal (position or force).
 pub const SIGNAL: u32 = 7;
-/// Number of fractional bits of a gain.
+/// Number of fractional bits of a gain (stiffness).
 pub const GAIN: u32 = 3;
 /// The highest signal (position or force), in steps of the number format.
 pub const HIGHEST: i32 = (1 << 7) - 1;

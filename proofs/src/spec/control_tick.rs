@@ -58,8 +58,8 @@ pub trait Parts {
     fn penetration(&mut self, count: i64) -> i32;
     /// Whether the encoder is also read when the force changes.
     fn measures_change(&self) -> bool;
-    /// Displacement since the change of force. The tick's displacement up to the second encoder reading is `until`, from that
-    /// reading on it is `from`.
+    /// Displacement since the force changed. Of the tick's displacement, `until` passed before the second encoder reading and
+    /// `from` after it.
     fn since_change(&mut self, until: i32, from: i32) -> i32;
     /// Restarts the law, as when the outputs are switched on (arming).
     fn resume(&mut self);

@@ -10,7 +10,7 @@ pub const FINE: u32 = 40;
 /// bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Device {
-    /// Fraction of a tick after which a force begins to act.
+    /// Fraction of a tick after which a force of the device begins to act.
     pub s: i128,
     /// Largest displacement in one tick, in steps of the position format.
     pub d: i128,

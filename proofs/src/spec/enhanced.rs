@@ -7,21 +7,21 @@ use super::{GAIN, HIGHEST, Int, SIGNAL, cut, over, signal, spring, times, toward
 /// The enhanced law's coefficients, as integers in steps of their number formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Enhanced {
-    /// Desired stiffness of the wall, in the format of gains.
+    /// Desired stiffness of the wall, in the number format of stiffnesses.
     pub desired: Int,
-    /// Stiffness that the law reaches by changing the offset, in the format of gains.
+    /// Stiffness that the law reaches by changing the offset, in the number format of stiffnesses.
     pub target: Int,
-    /// Damping over the control period of the damper whose force is added to the wall's, in the format of gains.
+    /// Damping over the control period of the damper whose force is added to the wall's, in the number format of stiffnesses.
     pub damper: Int,
-    /// Stiffness of the soft virtual spring, in the format of gains.
+    /// Stiffness of the soft virtual spring, in the number format of stiffnesses.
     pub soft: Int,
-    /// Compliance of the soft virtual spring, in the format of ratios.
+    /// Compliance of the soft virtual spring, in the number format of ratios.
     pub compliance: Int,
-    /// Gain of the offset's ideal step from the error of the force (thesis 3.7, 3.8), in the format of ratios.
+    /// Gain of the offset's ideal step from the error of the force (thesis 3.7, 3.8), in the number format of ratios.
     pub of_ideal: Int,
-    /// Largest step of the offset for each unit of force (thesis 3.9), in the format of ratios.
+    /// Largest step of the offset for each unit of force (thesis 3.9), in the number format of ratios.
     pub of_force: Int,
-    /// Largest step of the offset for each unit of penetration (thesis 3.11), in the format of ratios.
+    /// Largest step of the offset for each unit of penetration (thesis 3.11), in the number format of ratios.
     pub of_penetration: Int,
     /// Whether the law regulates the stiffness at the hand's point (HIP) instead of that at the virtual mass.
     pub at_hip: bool,
@@ -30,18 +30,19 @@ pub struct Enhanced {
     /// Whether the stored energy counts the next displacement of the virtual mass (exact observer) instead of its last one
     /// (thesis).
     pub exact: bool,
-    /// Whether the force is kept where the first contact phase ends (thesis 2.16, 2.17).
+    /// Whether the force is kept where the first phase of the contact ends (thesis 2.16, 2.17); otherwise the offset starts at
+    /// zero.
     pub keep_force: bool,
-    /// Inertia of the virtual mass over the control period squared, in the format of gains.
+    /// Inertia of the virtual mass over the control period squared, in the number format of stiffnesses.
     pub inertia: Int,
-    /// Stiffness of the coupling between hand's point (HIP) and virtual mass, in the format of gains.
+    /// Stiffness of the coupling between hand's point (HIP) and virtual mass, in the number format of stiffnesses.
     pub coupling: Int,
-    /// Damping of the coupling over the control period, in the format of gains.
+    /// Damping of the coupling over the control period, in the number format of stiffnesses.
     pub damping: Int,
-    /// Sum of the virtual mass' inertia, coupling stiffness, coupling damping and ground damping per tick, in the format of gains.
-    /// The driving force divided by it is the mass' displacement.
+    /// Sum of the virtual mass' inertia, coupling stiffness, coupling damping and ground damping per tick, in the number format of
+    /// stiffnesses. The driving force divided by it is the mass' displacement.
     pub total: Int,
-    /// Sum of coupling stiffness and soft stiffness, in the format of gains.
+    /// Sum of coupling stiffness and soft stiffness, in the number format of stiffnesses.
     pub series: Int,
     /// Energy lent to each contact, in steps of the energy format.
     pub credit: Int,

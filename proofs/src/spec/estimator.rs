@@ -151,7 +151,7 @@ impl Estimator {
         (after, shown(x), shown(d))
     }
 
-    /// The memory after a force was commanded.
+    /// The estimator's memory after a force was commanded.
     #[must_use]
     pub fn commanded(&self, memory: &Memory, force: Int) -> Memory {
         let [last, before, _] = memory.commands;

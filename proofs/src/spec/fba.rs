@@ -5,11 +5,11 @@ use super::{BITS, GAIN, HIGHEST, Int, cut, damping_loss, spring, times};
 /// The coefficients of force bounding, as integers in steps of their number formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fba {
-    /// Desired stiffness of the wall, in the format of gains.
+    /// Desired stiffness of the wall, in the number format of stiffnesses.
     pub desired: Int,
-    /// Damping of the device over the control period, in the format of gains.
+    /// Damping of the device over the control period, in the number format of stiffnesses.
     pub device_damping: Int,
-    /// Factor of the bound on the force: root of four times the device's damping per tick, in the format of gains.
+    /// Factor of the bound on the force: root of four times the device's damping per tick, in the number format of stiffnesses.
     pub bound: Int,
     /// Largest force, in steps of the force format.
     pub limit: Int,

@@ -7,7 +7,7 @@ use super::settings::{ONE, between, gain_fits, gain_of, over, signal_fits, signa
 /// Settings of the friction as integers, in units of 2^-32 of their SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// Stiffness, N/m.
+    /// Stiffness of the friction's spring, N/m.
     pub stiffness: Int,
     /// Coefficient of static friction.
     pub fixed: Int,
@@ -19,11 +19,11 @@ pub struct Settings {
 /// while it slides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Friction {
-    /// Stiffness of the friction's spring, in the format of gains.
+    /// Stiffness of the friction's spring, in the number format of stiffnesses.
     pub stiffness: Int,
-    /// Static friction: largest stretch per newton of normal force (coefficient over stiffness), in the format of ratios.
+    /// Static friction: largest stretch per newton of normal force (coefficient over stiffness), in the number format of ratios.
     pub fixed: Int,
-    /// Kinetic friction: stretch per newton of normal force (coefficient over stiffness), in the format of ratios.
+    /// Kinetic friction: stretch per newton of normal force (coefficient over stiffness), in the number format of ratios.
     pub kinetic: Int,
 }
 

@@ -10,23 +10,24 @@ pub struct Guard {
     pub capacity: Int,
     /// Energy that the refill power adds to the account per tick.
     pub refill: Int,
-    /// Trusted damping over the control period, in the format of gains.
+    /// Trusted damping over the control period, in the number format of stiffnesses.
     pub damping: Int,
     /// The largest measured displacement in a tick that is not overspeed.
     pub furthest: Int,
     /// Twice the largest error of a measured position (one encoder count).
     pub count: Int,
-    /// Fraction of a tick after which a force begins to act, in the format of ratios.
+    /// Fraction of a tick after which a force begins to act, in the number format of ratios.
     pub late: Int,
-    /// Energy charged per squared change of force, in the format of ratios.
+    /// Energy charged per squared change of force, in the number format of ratios.
     pub stray: Int,
     /// Distance charged per change of force: half an encoder count plus a bound of the rounding errors.
     pub slack: Int,
-    /// Largest force for each unit of free energy, in the format of gains: the inverse of the largest displacement plus a count.
+    /// Largest force for each unit of free energy, in the number format of stiffnesses: the inverse of the largest displacement
+    /// plus a count.
     pub per_reach: Int,
     /// Largest displacement under a force after the sample that ends it, plus half an encoder count.
     pub in_flight: Int,
-    /// Energy charged at overspeed per squared force, in the format of ratios.
+    /// Energy charged at overspeed per squared force, in the number format of ratios.
     pub overrun: Int,
 }
 
@@ -58,7 +59,7 @@ impl Guard {
         times(force.abs(), self.in_flight)
     }
 
-    /// The largest force that a free energy covers for every allowed displacement.
+    /// The largest force that the free energy in the account covers for every allowed displacement.
     #[must_use]
     pub fn largest_force(&self, free: Int) -> Int {
         times(self.per_reach, free >> SIGNAL) >> GAIN

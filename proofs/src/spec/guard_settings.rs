@@ -23,7 +23,7 @@ pub struct Settings {
     pub overspeed: Int,
     /// Delay from a sample until its force begins to act, s.
     pub delay: Int,
-    /// Lag of the current loop, s.
+    /// Mean lag of the current loop after that delay, s.
     pub lag: Int,
     /// Whether the position is also read when the force changes.
     pub measured: bool,

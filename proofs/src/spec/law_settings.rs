@@ -11,7 +11,7 @@ use super::sfa::{Sfa, Update};
 use super::tdpa::Tdpa;
 use super::{BITS, Int};
 
-/// Most energy that a law stores: half of the format's largest magnitude.
+/// Most energy that a law stores: half of the largest energy of the format.
 pub const ENERGY_CAP: Int = 1 << (2 * BITS - 2);
 
 /// The stiffness that the enhanced law regulates by changing its offset.
@@ -42,7 +42,8 @@ pub struct Settings {
     pub exact: bool,
     /// Whether the law TDPA counts the energy that the device's damping dissipates (thesis 2.6).
     pub counts_damping: bool,
-    /// Whether the force is kept where the first contact phase ends (thesis 2.16, 2.17).
+    /// Whether the force is kept where the first phase of the contact ends (thesis 2.16, 2.17); otherwise the offset starts at
+    /// zero.
     pub keep_force: bool,
     /// The stiffness that the law reaches by changing the offset.
     pub regulated: Regulated,
@@ -73,9 +74,9 @@ pub struct Settings {
 /// Coefficients of a spring with damping: stiffness, damping per tick, and the largest force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Spring {
-    /// Stiffness of the wall, in the format of gains.
+    /// Stiffness of the wall, in the number format of stiffnesses.
     pub desired: Int,
-    /// Damping over the control period, in the format of gains.
+    /// Damping over the control period, in the number format of stiffnesses.
     pub damping: Int,
     /// Largest force, in steps of the force format.
     pub limit: Int,

@@ -36,7 +36,7 @@ pub type Int = i128;
 pub const BITS: u32 = 32;
 /// Number of fractional bits of a signal (position or force).
 pub const SIGNAL: u32 = 24;
-/// Number of fractional bits of a gain.
+/// Number of fractional bits of a gain (stiffness).
 pub const GAIN: u32 = 12;
 /// The highest signal (position or force), in steps of the number format.
 pub const HIGHEST: Int = (1 << 31) - 1;

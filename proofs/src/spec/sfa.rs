@@ -28,17 +28,18 @@ pub enum Update {
 /// The coefficients of successive force augmentation, as integers in steps of their number formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sfa {
-    /// Desired stiffness of the wall, in the format of gains.
+    /// Desired stiffness of the wall, in the number format of stiffnesses.
     pub desired: Int,
-    /// Stiffness of the soft virtual spring, in the format of gains.
+    /// Stiffness of the soft virtual spring, in the number format of stiffnesses.
     pub soft: Int,
-    /// Step of the offset per displacement, critical over soft stiffness less 1 (thesis 2.14a), in the format of ratios.
+    /// Step of the offset per displacement, critical over soft stiffness less 1 (thesis 2.14a), in the number format of ratios.
     pub gain: Int,
-    /// Compliance of the soft virtual spring, in the format of ratios.
+    /// Compliance of the soft virtual spring, in the number format of ratios.
     pub compliance: Int,
     /// The ticks in which the offset of the soft spring changes.
     pub update: Update,
-    /// Whether the force is kept where the first contact phase ends (thesis 2.16, 2.17).
+    /// Whether the force is kept where the first phase of the contact ends (thesis 2.16, 2.17); otherwise the offset starts at
+    /// zero.
     pub keep_force: bool,
     /// Largest force, in steps of the force format.
     pub limit: Int,

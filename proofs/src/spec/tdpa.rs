@@ -5,11 +5,11 @@ use super::{HIGHEST, Int, LOWEST, LOWEST_ENERGY, damping_loss, over, spring, tim
 /// The coefficients of time-domain passivity control, as integers in steps of their number formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tdpa {
-    /// Desired stiffness of the wall, in the format of gains.
+    /// Desired stiffness of the wall, in the number format of stiffnesses.
     pub desired: Int,
     /// Whether the law counts the true energy, last force times displacement, instead of new force times displacement (thesis 2.1).
     pub exact: bool,
-    /// Damping of the device over the control period (thesis 2.6), in the format of gains.
+    /// Damping of the device over the control period (thesis 2.6), in the number format of stiffnesses.
     pub device_damping: Int,
     /// Largest force, in steps of the force format.
     pub limit: Int,

@@ -109,8 +109,8 @@ pub struct FigureBeside {
     pub desktop: Option<f64>,
     /// Value on the board; absent if it is infinite.
     pub board: Option<f64>,
-    /// Lowest and highest value in the simulator, for positions of the wall's surface within one encoder count; absent if the wall
-    /// is lost at one of them.
+    /// Lowest and highest value in the simulator, for positions of the wall's surface within one encoder count. Absent if the wall
+    /// does not hold the device at one of the positions.
     pub scatter: Option<(f64, f64)>,
     /// Lowest and highest value on the board, if it was recorded with several positions of the wall's surface.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -98,7 +98,7 @@ pub fn cells(base: &Scene) -> Result<Vec<Cell>> {
     Ok(cells)
 }
 
-/// Name of the shipped wall in tables and figures.
+/// Name of the wall with the shipped law and settings, in tables and figures.
 pub const SHIPPED: &str = "Shipped";
 
 /// Cells of the wall with the shipped law and settings: `base` with its own law, at every stiffness, grip and encoder of [`cells`].

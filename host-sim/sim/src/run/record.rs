@@ -37,7 +37,8 @@ pub struct Summary {
     pub k_displayed: Option<f64>,
     /// Rate-hardness of the first contact (thesis, equation 1.5), computed from true force and true motion, N·m/rad.
     pub rate_hardness: Option<f64>,
-    /// Extended rate-hardness of the first contact (Han and Choi 2010), N·m/rad.
+    /// Extended rate-hardness of the first contact (Han and Choi 2010), N·m/rad: largest rate of change of the force, divided by
+    /// the largest speed.
     pub extended_rate_hardness: Option<f64>,
     /// Largest torque of the motor in the first five milliseconds of the first contact, N·m.
     pub touch_torque_n_m: Option<f64>,

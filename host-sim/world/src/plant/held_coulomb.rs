@@ -37,12 +37,12 @@ pub struct HeldCoulomb {
     kinetic: f64,
     breakaway: f64,
     /// Factors that bound `h²/8 · |d²v/dt²|` while the device slides, for the interval `h` and the device's velocity `v`. There is
-    /// one factor for the magnitude of each entry of [`Drive`] (velocities, strains, torque).
+    /// one factor for the magnitude of each entry of `held::Drive` (velocities, strains, torque).
     slide_guard: [f64; 5],
     /// Factors for a finer bound of `h²/8 · |d²v/dt²|` while the device slides, for the interval `h` and the velocity `v`. There is
-    /// one factor for the rate of change of each entry of [`Drive`].
+    /// one factor for the rate of change of each entry of `held::Drive`.
     slide_rate_guard: [f64; 5],
-    /// Matrix `M` that gives the rate of change `M y` of the vector `y` ([`Drive`]) while the device slides, by columns.
+    /// Matrix `M` that gives the rate of change `M y` of the vector `y` (`held::Drive`) while the device slides, by columns.
     rates: [[f64; 5]; 5],
     /// Increment of the hand's angle and velocity in an interval while the device is stuck. One column for each of pad strain, hand
     /// velocity and strain of the hand's spring.

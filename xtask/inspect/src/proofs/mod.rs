@@ -29,14 +29,14 @@ const PROCESSOR_S: f64 = 120.0;
 
 /// Result files of a run of the model checker, and the limit of memory.
 pub struct Run<'r> {
-    /// Text of the checker's report in JSON.
+    /// Text of the model checker's report, in JSON.
     pub report: &'r str,
     /// Memory and processor time of each harness (proof), as text. A line has the name of the harness's file, kibibytes and
     /// seconds.
     pub usage: &'r str,
     /// Most memory that a harness (proof) may use, in KiB.
     pub memory_kib: u64,
-    /// File with the results of earlier runs, to which this run's are added.
+    /// File with the results of earlier runs, to which the results of this run are added.
     pub memo: &'r Path,
 }
 

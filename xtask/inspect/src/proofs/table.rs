@@ -18,7 +18,8 @@ pub fn write(path: &Path, found: &BTreeMap<String, Verdict>, about: &str) -> Res
     std::fs::write(path, table).map_err(|why| format!("{}: {why}", path.display()))
 }
 
-/// Table with one row per property; a property proved at several widths has one line per width in the last columns.
+/// Table with one row per property (statement to prove). A property that is proved at several widths has one line per width in the
+/// last columns.
 fn table(
     found: &BTreeMap<String, Verdict>,
     properties: &[Property],

@@ -6,7 +6,7 @@ use touchstone_world::plant::{Kinematics, Stepper};
 /// Energies exchanged in one tick (control period): work of the motor, losses and storage in the device.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Flow {
-    /// Mean torque of the motor along `+x` over the tick, N·m.
+    /// Mean torque of the motor in the direction of positive angles over the tick, N·m.
     pub torque_n_m: f64,
     /// Work of the motor on the device, J: the sum of torque times displacement over the parts of the tick. It is exact, because
     /// the torque is constant over each part.
