@@ -211,7 +211,7 @@ impl Bench {
     /// The device does not answer within half a second.
     pub fn boot(&mut self) -> Result<Reply, String> {
         self.run(20 * MS)?;
-        // What noise there was while the port was not set up.
+        // The zero byte ends a frame that noise may have begun while the port was not yet set up.
         self.send(&[0]);
         self.demand(Request::Hello)
     }
@@ -306,7 +306,7 @@ impl Bench {
         let turn = std::f64::consts::TAU / counts;
         let world = &mut self.machine.chip_mut().world;
         let here = world.angle_rad();
-        // The shaft's angle at the surface, by what the device says of where it is.
+        // The shaft's true angle at the wall's surface, from the true angle now and the position that the device reports.
         let surface = here - f64::from(record.count) * turn + surface_rad;
         let give = 1.0 / hand.pad_stiffness + 1.0 / hand.stiffness;
         let inside = surface + torque_n_m * (give + 1.0 / stiffness);

@@ -218,14 +218,15 @@ impl Board {
                 (1, 8, Source::Temperature),
             ],
             gates: GateDriver::L6398,
-            // 680 ohm from the shunt and 6.8 kohm from 3.3 V, then 1 + 4.7 kohm/1 kohm.
+            // The shunt is connected through 680 ohm and the 3.3 V through 6.8 kohm. An amplifier with the gain 1 + 4.7 kohm/1 kohm
+            // follows.
             current: (REFERENCE_V * 0.68 / 7.48 * 5.7, -0.01 * 6.8 / 7.48 * 5.7),
             bus_divider: 9.31 / (169.0 + 9.31),
             driver_line: None,
             break_a: 20.0,
             shunts: &[],
             supply_v: 24.0,
-            // 0.5 us at both ends of 50 us.
+            // The dead time is 0.5 µs at both edges of a PWM period of 50 µs.
             dead_share: 0.01,
             parts: Parts::default(),
             field_turns_per_s: Si::lit("16"),
@@ -252,7 +253,7 @@ impl Board {
                 (1, 5, Source::Temperature),
             ],
             gates: GateDriver::Stspin830,
-            // 680 ohm from the shunt and 2.2 kohm from 3.3 V, then a gain of 2.
+            // The shunt is connected through 680 ohm and the 3.3 V through 2.2 kohm. An amplifier with a gain of 2 follows.
             current: (REFERENCE_V * 0.68 / 2.88 * 2.0, -0.33 * 2.2 / 2.88 * 2.0),
             bus_divider: 1.0 / 16.0,
             driver_line: Some(match link {
@@ -266,7 +267,7 @@ impl Board {
             walls: [Si::lit("1"), Si::lit("2")],
             press_n_m: 0.03,
             lean_n_m: 0.06,
-            // The rest is the NUCLEO's.
+            // All other fields are those of the NUCLEO.
             ..Self::nucleo_g474re(encoder)
         }
     }
@@ -283,7 +284,7 @@ impl Board {
             flash_bytes: same_chip.flash_bytes,
             ram_bytes: same_chip.ram_bytes,
             ccm_bytes: same_chip.ccm_bytes,
-            // The rest is the shield's, or the other NUCLEO's.
+            // All other fields are those of the same shield on the other NUCLEO.
             ..Self::nucleo_g474re_ihm16m1(encoder, link)
         }
     }
@@ -298,16 +299,16 @@ impl Board {
             // ADC1_IN1 is PA0.
             pins: &[(0, 1, Source::Bus)],
             gates: GateDriver::Drv8313,
-            // 100 kohm over 10 kohm.
+            // The supply voltage is divided by 100 kohm above and 10 kohm below.
             bus_divider: 1.0 / 11.0,
             driver_line: Some(BREAK_PIN),
-            // The least of IOCP.
+            // The smallest value of IOCP, the driver's over-current threshold, in the data sheet.
             break_a: 3.0,
-            // 90 ns in 50 us.
+            // The dead time is 90 ns in a PWM period of 50 µs.
             dead_share: 0.0018,
             parts: Parts::gimbal_on_mini(),
             told: Some(ToldMotor::GIMBAL),
-            // The rest is that of the board with the same motor.
+            // All other fields are those of the board with the same motor.
             ..Self::nucleo_g474re_ihm16m1(encoder, FaultLink::R37)
         }
     }
@@ -327,7 +328,7 @@ impl Board {
             flash_bytes: 128 * 1024,
             ram_bytes: 32 * 1024,
             ccm_bytes: 0,
-            // The amplifiers' outputs inside the chip, PA0, PB14.
+            // The three amplifier outputs are inside the chip. The other two inputs are PA0 and PB14.
             pins: &[
                 (0, 13, Source::Current(0)),
                 (1, 16, Source::Current(1)),
@@ -339,12 +340,12 @@ impl Board {
             current: (16.0 * 0.9 / 7.0, -0.003 * 64.0 / 7.0),
             bus_divider: 1.0 / 10.39,
             driver_line: None,
-            // The chip's comparators are all that there is.
+            // The board has no over-current protection of its own besides the chip's comparators.
             break_a: f64::INFINITY,
-            // PA1, PA7, PB0.
+            // The shunts of the phases are on PA1, PA7 and PB0.
             shunts: &[((0, 1), 0), ((0, 7), 1), ((1, 0), 2)],
             supply_v: 24.0,
-            // 0.5 us at both ends of 50 us.
+            // The dead time is 0.5 µs at both edges of a PWM period of 50 µs.
             dead_share: 0.01,
             parts: Parts::default(),
             field_turns_per_s: Si::lit("16"),
@@ -409,9 +410,9 @@ impl Board {
     pub fn driver_pulls(&mut self, world: &World) -> bool {
         let over = world.hardware_over_current();
         if self.gates == GateDriver::Drv8313 {
-            // Kept until the supply was off: its line for a reset is not wired.
+            // The driver keeps this error until its supply is switched off, because its reset line is not connected.
             self.wiring.break_pulled |= over;
-            // TTSD, 150 degrees at the least: over when it is cooler.
+            // The thermal shutdown threshold TTSD is at least 150 °C. This error ends when the driver is cooler.
             return self.wiring.break_pulled || world.temperature_c >= 150.0;
         }
         self.wiring.break_pulled || over

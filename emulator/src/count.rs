@@ -224,7 +224,8 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
         bench.machine.chip_mut().core.by_place = vec![0; board.flash_bytes / 8];
         let booted = bench.boot().map(|_| ());
         table.row("start", booted, &mut bench, top);
-        // The workloads' walls are too stiff for a small knob, whose program is that of the NUCLEO.
+        // The walls of the other workloads are too stiff for a board with a small motor. Its program is the same as that of the
+        // NUCLEO.
         let (cases, faults) = match index {
             0 if board.has_small_motor() => (&CASES[..1], FAULTS),
             0 => (CASES, FAULTS),
@@ -382,7 +383,7 @@ fn calibrate(bench: &mut Bench, case: &Case, encoder: Encoder) -> Result<(), Str
 }
 
 fn play(bench: &mut Bench, case: &Case) -> Result<(), String> {
-    // The workloads are made for the press of the thesis with 0.1 N·m.
+    // The torques of the workloads assume the press of the thesis, which is 0.1 N·m. They are scaled to the press of this board.
     let share = bench.machine.chip().board.press_n_m / 0.1;
     bench.press(&case.hand, share * case.torque_n_m, case.ramp_s, 0.3)?;
     let time = (2.0 * case.ramp_s + 0.4) * 1e3;

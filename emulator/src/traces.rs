@@ -132,7 +132,7 @@ fn pwm(bench: &mut Bench) -> Result<String, String> {
             let (upper, lower) = pins.ok_or("a phase is not driven")?;
             let _ = write!(text, ",{},{}", u8::from(upper), u8::from(lower));
         }
-        // A sample stands in the row that follows its moment.
+        // A sample is written to the first row after the time of the sample.
         let samples = chip.samplings().into_iter().flatten();
         let new: Vec<_> = samples
             .filter(|(_, at)| (begin..=now).contains(at))

@@ -103,7 +103,8 @@ impl Chip {
             self.written.insert(address & !3);
             let shift = 8 * (address & 3);
             if block == Block::Tim1 {
-                // What changes the bridge changes it from now on.
+                // A write to this timer may change the inverter's output. So the model first advances to the present time with the
+                // old output.
                 self.drive_world();
             }
             if clocked {

@@ -201,7 +201,7 @@ impl Core {
         let at = address.wrapping_sub(cache.base) as usize / 2;
         match cache.infos.get(at) {
             Some(info) => *info,
-            // Code elsewhere is not met.
+            // The program executes no code outside the cached range.
             None => Some(Info::SIMPLE),
         }
     }
@@ -260,8 +260,8 @@ impl Core {
         }
         if let Some(end) = self.end.take() {
             if address < end && address >= self.block_start {
-                // In an IT block, which counts as one instruction and cannot be stopped in. Its head was charged with a cycle
-                // for each of its instructions, executed or not.
+                // This instruction is inside an IT block. A block counts as one instruction and cannot be interrupted inside. Its
+                // IT instruction was already charged with one cycle for each instruction of the block, executed or not.
                 self.spend(0, u64::from(info.cycles) - 1);
                 self.end = Some(end);
                 return false;

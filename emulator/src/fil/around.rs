@@ -69,7 +69,7 @@ fn all(setup: &Setup) -> Surround {
             strength_n_m: Decimal(strength),
             centre_rad: si("0.01"),
         }),
-        // A slope up, a step down, and a level part.
+        // The torque of this profile rises, falls steeply from one limit to the other, and ends with a level part.
         profile: Shape::new(&[-3_000, WHOLE, -WHOLE, 500, 500]).ok().map(|shape| {
             ProfileBeside {
                 per_rev: 5,
@@ -115,7 +115,7 @@ fn played(program: &Program, setup: &Setup) -> Result<String, String> {
     bench.wait_for(Phase::Armed, 100 * MS)?;
     bench.run(250 * MS)?;
     let here = bench.machine.chip().world.angle_rad();
-    // Plus the deflection of the hand itself under a press of this board.
+    // The hand moves farther than `REACH_RAD` by its own deflection under this board's press.
     let give = 1.0 / MEDIUM.pad_stiffness + 1.0 / MEDIUM.stiffness;
     let reach = REACH_RAD + give * bench.machine.chip().board.press_n_m;
     let world = &mut bench.machine.chip_mut().world;
@@ -178,7 +178,7 @@ fn compared(
     let mut next = left.next();
     let (mut changes, mut pushed) = (Vec::new(), [0_u32; 2]);
     let mut most = 0.0_f64;
-    // Before each of the last ticks.
+    // The environments as they were before each of the last control ticks.
     let mut before: Vec<Environment<Fixed32>> = Vec::new();
     let tick = |environment: &mut Environment<Fixed32>, record: &Telemetry| {
         let count = i64::from(record.count);
@@ -197,7 +197,8 @@ fn compared(
         if force.0 != record.force_n_m {
             let new = next.ok_or_else(|| differs(record, force))?;
             let fresh = built(new)?;
-            // The one that was taken over from last, with forces that were the same in the ticks since.
+            // The device took the new environment over in one of the last `SAME_FORCES` ticks, since when the forces were the same.
+            // The latest of these ticks that explains the forces is searched for.
             let found = (0..SAME_FORCES.min(index + 1)).find_map(|back| {
                 let mut taken = fresh;
                 taken.take_over(before.get(index - back)?, new.change_per_tick(settings));
@@ -214,7 +215,8 @@ fn compared(
         let torque: f64 = record.force_n_m.to_num();
         pushed[usize::from(torque < 0.0)] += u32::from(torque != 0.0);
         most = most.max(torque.abs());
-        // What held the torque back is told to the guard, and in no record of the law's.
+        // The fade-in reduces the torque after the law. The records do not contain the law's torque before it, so there is nothing
+        // to compare.
         if Limits::from_wire(record.limits).has(Limit::FadeIn) && record.force_n_m != 0 {
             return Err("a force while the torque fades in: nothing to compare with".into());
         }
@@ -253,7 +255,8 @@ fn differs(record: &Telemetry, here: Force<Fixed32>) -> String {
 /// restart.
 fn kept(program: &Program, setup: &Setup) -> Result<String, String> {
     let mut bench = configured(program, setup)?;
-    // The largest possible environment, because the watchdog already runs while the device builds it.
+    // The largest possible environment takes longest to build. The watchdog already runs while the device builds it after the
+    // restart.
     let [softer, stiffer] = setup.board.walls;
     let far = |k: Si, at| WallBeside {
         at_rad: si(at),
@@ -282,7 +285,7 @@ fn kept(program: &Program, setup: &Setup) -> Result<String, String> {
         Err(Refusal::Invalid(invalid)) if &*invalid.path == "environment.endstops.upper_rad" => {}
         other => return Err(format!("ends the wrong way round: {other:?}")),
     }
-    // Settings with which the environment would be invalid.
+    // With this force limit the present environment would be invalid, so the device must refuse these settings.
     let mut settings = bench.settings()?;
     settings.law.force_limit_n_m = Si::lit("0.002");
     match bench.ask(Request::SetAll(settings))? {

@@ -199,7 +199,7 @@ pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
                 work,
             });
         };
-        // The checks run once per board; the check of the emulator runs once.
+        // The checks of a board run once per board. The check of the emulator itself runs once, with the first board.
         if !checked.contains(&board) {
             let of_all = checked.is_empty().then_some(&OF_THE_EMULATOR);
             let wanted = |name| is_named(name) && asked.has_check(board, name);

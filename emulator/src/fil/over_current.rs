@@ -74,7 +74,7 @@ fn armed(bench: &mut Bench) -> Result<(), String> {
         // The test calibrates every few seconds, so the motor must bear the calibration's current for ever.
         settings.motor.continuous_current_a = settings.calibration.current_a;
     })?;
-    // If a break is active, the device refuses the calibration; `no_break` reports the break next.
+    // The answer is ignored: if a break is active, the device refuses the calibration, and `no_break` below reports the break.
     let _ = bench.command(DeviceCommand::Calibrate)?;
     while no_break(bench)? == Phase::Calibrating {
         bench.run(20 * MS)?;
@@ -179,7 +179,7 @@ fn to_supply(bench: &mut Bench, phase: usize) -> Result<String, String> {
 fn just_below(bench: &mut Bench) -> Result<String, String> {
     let bus_v = bench.machine.chip().board.supply_v;
     let amps = SWITCHES_OFF_A - STEP_A;
-    // The resistance limits the current to this value, which it reaches within a microsecond.
+    // The resistance of the short circuit limits its current to `amps`. The current reaches this value within a microsecond.
     let found = short(bench, 1, Touched::Supply, bus_v / amps, 1e-7)?;
     match (found.seen, found.code) {
         (None, Some(FaultCode::OverCurrent)) if found.largest_a > 0.99 * amps => Ok(format!(

@@ -101,7 +101,7 @@ fn is_safe(
                 return Err("neither the saved settings nor the defaults".into());
             }
             bench.demand(Request::Command(DeviceCommand::Stop))?;
-            // A calibration with invalid settings ends in the same fault again.
+            // The answer is ignored: a calibration with invalid settings ends in the same fault again.
             let _ = bench.command(DeviceCommand::Calibrate)?;
             bench.run(50 * MS)?;
             if bench.command(DeviceCommand::Arm)? || bench.is_on() {

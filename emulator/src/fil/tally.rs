@@ -44,7 +44,7 @@ impl Tally {
                 format!("{what}: WRONG, {error}")
             }
         };
-        // It all takes minutes: who watches sees it work.
+        // All checks together take minutes, so each result is printed at once to show the progress.
         eprintln!("{}: {line}", self.device);
         self.lines.push(line);
     }

@@ -190,13 +190,13 @@ impl Peripheral for Spi {
 
     fn advance(&mut self, now: u64) {
         while let Some((time, frame)) = self.shifting.filter(|(time, _)| *time <= now) {
-            // Without a slave the line is pulled up by nobody and read as ones.
+            // Without a slave nothing drives the line. The model reads it as ones.
             let bits = self.bits();
             let answer = match &mut self.slave {
                 Some(slave) if self.selected && !self.rushed => slave.exchange(frame, bits),
                 _ => 0xffff,
             };
-            // Two frames fit; more are lost.
+            // The receive buffer holds two frames; further frames are lost.
             if self.receive.len() < 2 {
                 self.receive.push_back(answer);
             }
@@ -226,7 +226,7 @@ mod tests {
         spi.write(CR2, 15 << 8, 0);
         spi.write(CR1, SPE | 2 << 3, 0);
         spi.set_select(true, 0);
-        // Every frame answers the one before: the first asks for the angle, which is 0.
+        // The slave answers each frame in the next one. The first frame requests the angle, which is 0.
         let mut now = 1_000;
         for lead in [60, lead] {
             spi.set_select(false, now);

@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn bites_after_its_counts_unless_refreshed() {
-        // Started half a count after the last count of the divider.
+        // The watchdog was started half a count after the last count of its clock divider.
         let mut dog = started(0, 2_048);
         let time = 11 * 4_096;
         assert_eq!(dog.next_event(), time);

@@ -139,7 +139,7 @@ fn step<S: Stepper>(
 /// Rest point of the hand's spring in rad, as a function of the time in seconds since the hand took hold.
 type RestPoint = Box<dyn Fn(f64) -> f64>;
 
-// One of them exists, and it is never moved.
+// Only one value of this type exists and it is never moved, so its size costs nothing.
 #[allow(clippy::large_enum_variant)]
 enum Grip {
     Free(BareCoulomb, State<2>),

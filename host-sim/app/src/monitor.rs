@@ -311,7 +311,7 @@ mod tests {
             option: "--csv",
             replaces: true,
         };
-        // The period of 3 kHz has no short decimal form.
+        // The control period at 3 kHz has no short decimal form.
         let mut table = Table::new(place, 3000).unwrap();
         for tick in 0..30_000 {
             table.take(&Telemetry { tick, ..nothing }).unwrap();

@@ -112,7 +112,7 @@ impl Default for BridgeTimer {
             main_output: false,
             bottom: 0,
             done: 0,
-            // Pulled up: the break input is active low on the boards that use it.
+            // The break input's pin is high (pulled up), because the input is active low on the boards that use it.
             break_pin: true,
             comparators: 0,
             active_since: None,
@@ -168,7 +168,7 @@ impl BridgeTimer {
         if self.main_output {
             match outputs & 5 {
                 5 => Some((reference != inactive.0, reference == inactive.1)),
-                // Off by its enable bit, and held at its inactive level.
+                // Only one output of the pair is enabled. With OSSR the other one is held at its inactive level.
                 1 if bdtr & OSSR != 0 => Some((reference != inactive.0, inactive.1)),
                 4 if bdtr & OSSR != 0 => Some((inactive.0, reference != inactive.1)),
                 _ => None,
@@ -286,7 +286,7 @@ impl BridgeTimer {
 
     fn update(&mut self) {
         for (channel, compare) in self.compare.iter_mut().enumerate() {
-            // CCR5 and CCR6 are elsewhere and not used.
+            // CCR5 and CCR6 are at other addresses and are not used.
             *compare = self.registers.get(CCR1 + 4 * channel as u32) & 0xffff;
         }
         self.reload = u64::from(self.registers.get(ARR) & 0xffff);
@@ -321,7 +321,7 @@ impl BridgeTimer {
         let compare = u64::from(self.compare[channel as usize]);
         let top = self.reload.max(1);
         let count = match self.mode(channel) {
-            // PWM mode 1 rises on the way down, mode 2 on the way up.
+            // The reference signal rises while the counter counts down in PWM mode 1, and while it counts up in mode 2.
             6 if compare < top => 2 * top - compare,
             7 if compare < top => compare,
             _ => return None,

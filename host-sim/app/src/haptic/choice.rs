@@ -132,7 +132,7 @@ fn rest(hand: SimulatedHand, slide_mm_per_s: f64) -> (Rest, u32) {
 }
 
 fn delta(hand: SimulatedHand) -> Result<SimulatedDelta> {
-    // 80 mm of workspace instead of 160.
+    // The workspace of this device is 80 mm wide instead of 160 mm, so the hand slides at half the speed.
     let (rest, rate_hz) = rest(hand, 20.0);
     let at = hand.hand();
     SimulatedDelta::falcon(at.as_ref(), rate_hz, rest).map_err(|fault| fault.at("simulated-delta"))
@@ -141,7 +141,7 @@ fn delta(hand: SimulatedHand) -> Result<SimulatedDelta> {
 impl WhichDevice {
     /// The type of device that an option names; `None` if no option names one.
     pub fn model(&self) -> Option<HapticKind> {
-        // A survey can only be simulated, and only an Inverse3 has a service.
+        // `--twin` implies the simulated device, and `--haply` implies the Inverse3, the only device with such a service.
         let service = self.haply.as_ref().map(|_| HapticKind::Inverse3);
         let twin = self.twin.as_ref().map(|_| HapticKind::Simulated);
         self.device.or(twin).or(service)

@@ -171,7 +171,8 @@ impl PlayedOnDevice<'_> {
             })
             .collect();
         let rate_hz = self.settings.law.rate_hz;
-        // In none of the axes a depth is least sure; where a surface turns it is taken so.
+        // The depth is least certain in a direction that is equally far from all three axes. Where the normal turns, this direction
+        // is assumed.
         let least_sure = [1.0 / 3.0_f64.sqrt(); 3];
         let stiffness = self.turn.map_or_else(
             || stiffness(self.sheet, self.settings, least_sure),

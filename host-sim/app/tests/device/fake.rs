@@ -97,7 +97,7 @@ impl Fake {
         use serialport::{SerialPort, TTYPort};
         let (mut master, slave) = TTYPort::pair().unwrap();
         let address = slave.name().unwrap();
-        // A terminal that nobody has open is at its end; one that is open as a port cannot be opened again.
+        // A pseudo-terminal that no program has open reads as ended. One that is open as a serial port cannot be opened again.
         let held = std::fs::File::options()
             .read(true)
             .write(true)
@@ -197,7 +197,7 @@ pub fn listen<B: Served + Send + 'static>(both: &Arc<Mutex<(Session, B)>>) -> St
     let shared = Arc::clone(both);
     std::thread::spawn(move || {
         for stream in listener.incoming().flatten() {
-            // A connection that breaks is the other side's right.
+            // The other side may end the connection at any time, so errors are ignored.
             let _ = stream.set_read_timeout(Some(LOOK));
             let _ = serve(stream, &shared);
         }
@@ -265,7 +265,7 @@ impl Served for World {
         }
         let mut buffer = [0; FRAME_MAX];
         let mut frame = frame::encode(message, &mut buffer).unwrap().to_vec();
-        // Answers are counted from 0, and this one is counted already.
+        // Answers are numbered from 0. The counter already includes this answer.
         let this_one = self
             .trouble
             .damages
