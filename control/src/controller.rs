@@ -66,7 +66,7 @@ impl<N: Number> AnyLaw<N> {
 
     /// Runs one control period: takes the position and displacement of the hand's point (HIP), returns the force that pushes it
     /// out.
-    // A law called from two places, by itself and in an environment, would be a call in both, and another fifteen instructions and more.
+    // Inlined: the law is called from two places (alone and in an environment), and a call takes fifteen instructions and more.
     #[inline(always)]
     pub fn tick(&mut self, e: Sample<N>) -> Force<N> {
         match self {

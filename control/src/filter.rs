@@ -83,7 +83,7 @@ impl<N: Number> VirtualMass<N> {
         drive: Tension<N>,
         force: Force<N>,
     ) -> Position<N> {
-        // An eighth of the double word at most, and a word shifted up by less than half of its bits.
+        // The sum is at most an eighth of the double word; the force is a word that is shifted up by less than half of its bits.
         let step = drive.minus_fitting(force.lift()).per(&self.by_total);
         from + step - from
     }

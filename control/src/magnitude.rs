@@ -87,7 +87,7 @@ macro_rules! word {
             }
             #[inline(always)]
             fn divides_within(self, wide: $wide) -> Option<(Self, $wide)> {
-                // Known before the division: whether the quotient reaches 2^(BITS-1).
+                // Known before the division, by comparing: whether the quotient reaches 2^(BITS-1).
                 if wide >= <$wide>::from(self) << (Self::BITS - 1) {
                     return if self == 0 { Some((0, 0)) } else { None };
                 }
@@ -165,7 +165,7 @@ word!(
         )
     }
 );
-// Two or three divisions of the machine's own where it has none of 64 bits; its own one elsewhere.
+// A machine that has no 64-bit division makes two or three of 32 bits; other machines use their own.
 word!(
     u32,
     u64,
@@ -239,7 +239,7 @@ pub fn affordable<W: Word>(energy: W::Wide, force: W) -> Retreat<W> {
             rest: W::minus(energy, accounted),
         };
     }
-    // Further than the format reaches: to its end, which costs less than the division accounted for.
+    // The energy pays for more than the largest distance of the format: the distance is limited, and costs less than the energy.
     Retreat {
         moved: W::MAX_SIGNED,
         rest: W::minus(energy, force.times(W::MAX_SIGNED)),

@@ -63,7 +63,7 @@ macro_rules! fields {
             const { Si::const_from_int($max) },
         )?
     };
-    // A word or a flag has no other values.
+    // A choice or a flag has only allowed values, so it needs no check.
     (@check $place:tt $field:ident, $variant:ident: $kind:ident $range:tt) => {};
 }
 crate::law_settings!(fields);

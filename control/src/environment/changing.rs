@@ -107,7 +107,8 @@ impl<N: Number> Environment<N> {
         let Some(carried) = &mut self.carried else {
             return own;
         };
-        // The walls' force as it could be shown: what is beyond the limit is none that has to be let go of.
+        // The new walls' force within the force limit: a force beyond the limit is never commanded, so no difference to it has to
+        // fade.
         let own = own.within(self.limit);
         carried.left = match carried.before.take() {
             Some(before) => before - own,

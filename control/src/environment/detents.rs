@@ -90,7 +90,7 @@ impl DetentSettings {
                 if pitch < FINEST || pitch > COARSEST {
                     return Err(Refused::Pitch(pitch));
                 }
-                // To the nearest: 2^64 over the pitch with its 32 digits.
+                // Calculates 2^64 over the pitch, which has 32 fractional bits, rounded to the nearest.
                 let pitch = u128::from(pitch.to_bits().unsigned_abs());
                 let per_pitch = (1_u128 << 64)
                     .wrapping_add(pitch / 2)
@@ -129,7 +129,7 @@ impl<N: Number> Detents<N> {
         } else {
             QUARTER.wrapping_mul(2).wrapping_sub(size)
         };
-        // A quarter of a pitch as one.
+        // The distance as a fraction of a quarter of the pitch.
         let share = N::saturating_signal(Si::from_bits(i64::from(from_rest) << 2));
         let force = Force(N::scale(self.strength.0, share));
         if beyond < 0 { -force } else { force }

@@ -143,7 +143,8 @@ impl<N: Number> Environment<N> {
             environment.guard = Some(Guarded::new(guard.map_err(Refused::Law)?));
         }
         let slots = environment.walls.iter_mut();
-        // A law is long to compute on a board, and walls are often alike.
+        // A board takes long to compute a law's coefficients, and walls often have the same settings, so a wall's law is copied
+        // from the last one.
         let mut last: Option<Walled<N>> = None;
         for (place, (slot, wall)) in (0_u8..).zip(slots.zip(walls)) {
             let own = Settings {
@@ -250,13 +251,13 @@ impl<N: Number> Environment<N> {
         let Some(guard) = &mut self.guard else {
             return wanted;
         };
-        // In whole steps of the format, of which a turn has a whole number. So displacements add up to the way, are the same at every turn
-        // and never end. A turn is wrong by a part in 10^8 for that with 32 bits, as a torque is.
+        // Positions are whole steps of the number format, and a turn is a whole number of them. So displacements add up to the
+        // distance, are the same at every turn and never reach an end. For that a turn is wrong by 10^-8 of itself at 32 bits.
         let last = self.last.replace(now).unwrap_or(now);
         let moved = Position(N::saturating_signal(now.saturating_sub(last)));
         let before_change = since_change.map_or(Position::zero(), |since| moved - since);
         guard.tripped |= wanted != Force::zero() && now.saturating_abs() >= EDGE;
-        // By the force that acted, so that the mirror image of a motion has the mirror image of its roundings.
+        // The axis is reversed or not by the sign of the force that acted, so that a mirrored motion has mirrored roundings.
         let (force, older) = (guard.state.force, guard.state.older);
         let other_end = force < Force::zero() || (force == Force::zero() && older < Force::zero());
         guard.moved_from(other_end, moved, before_change, wanted)

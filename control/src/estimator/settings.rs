@@ -70,8 +70,8 @@ impl EstimatorSettings {
         self.check_ranges()?;
         let rate = Si::saturating_from_num(rate_hz.max(1));
         check_bandwidth(Field::EstimatorBandwidth, self.bandwidth_hz, rate_hz)?;
-        // J/T² against what `q f` and `q (X(2) - X(1))`, that is 3/2 q, may be: 1 and 2. (Of T² alone a high rate would leave no
-        // digits.)
+        // The inertia over T² bounds `q f` to 1 and `q (X(2) - X(1))`, which is 3/2 q, to 2. (From T² alone, a high rate would
+        // leave no digits.)
         let (lightest, heaviest) = (
             force_limit.max(const { Si::lit("0.76") }),
             const { Si::lit("60000000") },

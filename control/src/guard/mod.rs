@@ -167,8 +167,9 @@ impl<N: Number> Guard<N> {
         let account = self
             .booked(state, moved, distance, before_change)
             .min(self.capacity);
-        // The last force was chosen so that the reserve is left after any displacement that is not overspeed: where the books,
-        // which take the worst of each part by itself, say less, this says more, and both are true.
+        // The last force was chosen so that the account keeps the reserve after any displacement that is not overspeed. The sum
+        // takes the worst case of each of its terms, so it can be lower than the reserve. Both are lower bounds of the true energy,
+        // and the larger one counts.
         let free = account.minus_fitting(reserve).max(Energy::zero());
         let limit = self.largest_force(free);
         let force = wanted.min(limit).max(Force::zero() - limit);
@@ -193,8 +194,9 @@ impl<N: Number> Guard<N> {
         before_change: Position<N>,
     ) -> Energy<N> {
         let (grown, shrunk) = (state.force - state.older, state.older - state.force);
-        // Each force over its own part of the way, and a change over as much more as pays best for who strays from it: the sign
-        // of the second part is that of the change, so that its product is never gained.
+        // Each force counts over its own part of the displacement. The true part under the older force may differ from the assumed
+        // one, and the change of force is charged for the worst difference. That difference has the sign of the change, so the
+        // product never adds energy.
         let on = moved - before_change;
         let under_older = before_change + self.late.of_and_fitting(on, self.stray, grown);
         state

@@ -154,7 +154,7 @@ impl<N: Number> EnhancedSfa<N> {
         let (position, offset) = match self.first_contact {
             FirstContact::ZeroOffset => (self.mass.rest(e, &self.series), Position::zero()),
             FirstContact::KeepForce => {
-                // The stretch of the coupling and of the soft spring that hold the force of the last tick.
+                // The stretches of coupling and soft spring at which both hold the force of the last tick.
                 let position = e - state.force.lift().per(&self.by_coupling);
                 (
                     position,
@@ -162,7 +162,8 @@ impl<N: Number> EnhancedSfa<N> {
                 )
             }
         };
-        // Where the energy absorbed so far does not cover the stretch of the coupling, the mass starts at the HIP instead.
+        // If the energy absorbed so far does not cover the stretch of the coupling, the mass starts at the hand's point (HIP)
+        // instead.
         let stored = self.mass.stored(e - position);
         let left = stored
             .map(|stored| state.energy - stored)
@@ -197,8 +198,8 @@ impl<N: Number> EnhancedSfa<N> {
             Regulate::Hip => (state.force, e),
             Regulate::Mass | Regulate::MassCompensated => (held.at_mass, held.mass.position),
         };
-        // What the limit will take away again is no reason for an offset: it would grow for as long as a hand leans on a wall at its
-        // limit, and push the mass out at the energy's cost.
+        // The requested force is limited first, so that the limit gives no reason for a larger offset. Otherwise the offset would
+        // grow for as long as a hand leans on a wall at its force limit, and push the mass out at the cost of energy.
         let wanted = (self.target * at).towards_zero().min(self.limit);
         let step = self.augmentation.step(wanted, shown, at);
         let changed = if shown < wanted {
@@ -225,7 +226,7 @@ impl<N: Number> EnhancedSfa<N> {
                 self.affordable_move(mass.position, drive, wanted, &mut state.energy)
             }
             ObserverForm::Thesis => {
-                // Fig. 3.18: the last displacement stands for the next one.
+                // As in Fig. 3.18 of the thesis, the last displacement of the mass stands for the next one.
                 let (after, force) = N::passivity_step(state.energy.0, wanted.0, mass.moved.0);
                 state.energy = Energy(after).min(self.energy_cap);
                 let step = self.mass.displacement(mass.position, drive, Force(force));
@@ -249,7 +250,7 @@ impl<N: Number> EnhancedSfa<N> {
         let held = &state.augmented;
         let wanted = (self.soft * (held.mass.position + held.offset)).outward();
         if wanted == Force::zero() {
-            // The mass is outside the shifted surface.
+            // The mass has left the wall, including the deformation by the offset.
             return None;
         }
         let (mass, energy) = (held.mass, state.energy);
@@ -260,7 +261,7 @@ impl<N: Number> EnhancedSfa<N> {
             return Some(shown);
         }
         if e <= Position::zero() {
-            // Outside the undeformed wall it may still push (2.15), but it must not pull the HIP back in.
+            // Outside the wall's surface the offset may still push the hand out (thesis 2.15), but nothing may pull it back in.
             return None;
         }
         self.leave_behind(state, &mass, energy, wanted);
@@ -280,7 +281,7 @@ impl<N: Number> EnhancedSfa<N> {
     ) {
         let exact = self.observer == ObserverForm::Exact;
         let held = &mut state.augmented;
-        // The thesis' sum counts the last displacement and not this one: it stays.
+        // The thesis' energy sum counts the last displacement of the mass and not this one, so the force stays as it is.
         let force = if exact { wanted } else { held.at_mass };
         let coast = self.mass.coast(mass);
         let mut step = self.mass.displacement(mass.position, coast, force);
@@ -317,16 +318,17 @@ impl<N: Number> EnhancedSfa<N> {
             *energy = after.min(self.energy_cap);
             return (wanted, step);
         }
-        // `wanted > 0` and `step < 0` here. At full force the energy pays for a retreat of `E/f`, less than the step.
+        // Here `wanted > 0` and `step < 0`. At full force the energy pays for an outward motion of `E/f`, which is less than the
+        // step.
         let (retreat, rest) = energy.affordable(wanted);
         let force = self.mass.force_for_retreat(drive, retreat).min(wanted);
         if force <= Force::zero() {
-            // The mass is pulled out faster than that without any help of the wall: no force, no work.
+            // The mass is pulled out faster than that even without the wall's force: no force, no work.
             let step = self.mass.displacement(from, drive, Force::zero());
             return (Force::zero(), step);
         }
-        // E - f·retreat, as a sum of what is not negative: the rest of the division, and what the smaller force saves.
-        // (The cap never binds here; it keeps that a matter of comparisons.)
+        // The energy less the work, written as a sum of non-negative terms: the remainder of the division, and what the smaller
+        // force saves. (The cap never binds here; it lets a solver see the bound by a comparison.)
         *energy = (rest + (wanted - force) * retreat).min(self.energy_cap);
         (force, -retreat)
     }
@@ -363,7 +365,7 @@ impl<N: Number> Law<N> for EnhancedSfa<N> {
         match force {
             Some(force) => {
                 state.last = e;
-                // It never pulls.
+                // The force is not negative, so only the upper limit is needed.
                 state.force = force.min(self.limit);
                 self.damped(state.force, sample)
             }
@@ -381,7 +383,7 @@ impl<N: Number> Law<N> for EnhancedSfa<N> {
         let augmenting = state.contact == Contact::Augmenting;
         View {
             contact: state.contact,
-            // The credit is a loan, not energy of the wall.
+            // The lent energy is not shown as energy that the wall took.
             energy: Some(if state.contact == Contact::Free {
                 Energy::zero()
             } else {

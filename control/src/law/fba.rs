@@ -39,7 +39,7 @@ impl<N: Number> Fba<N> {
     /// Largest force that the energy allows, equation (2.7a) of the thesis.
     #[inline]
     pub fn largest_force(&self, energy: Energy<N>) -> Force<N> {
-        // sqrt(E) has the digits of a signal; as a position it takes the bound as a gain.
+        // The root has the number format of a signal. It is used as a position, so that the bound can multiply it as a stiffness.
         let root = Position(N::root(energy.0));
         (self.bound * root).towards_zero()
     }

@@ -27,7 +27,7 @@ impl<N: Number> Law<N> for Spring<N> {
 
     #[inline]
     fn tick(&self, state: &mut SpringState, sample: Sample<N>) -> Force<N> {
-        // The damper works on the penetration only.
+        // The damper acts only on the part of the displacement inside the wall.
         let (e, moved) = (sample.e, sample.moved_inside());
         if e <= Position::zero() {
             *state = SpringState::default();

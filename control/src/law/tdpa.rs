@@ -71,8 +71,8 @@ impl<N: Number> Tdpa<N> {
             return wanted;
         }
         let enough = energy.per_displacement(moved);
-        // A deficit is worked off against the motion: more push inward, a pull outward. A surplus that does not suffice
-        // outward is spent to the last quantum.
+        // A deficit is paid back against the motion: by more push inward, or by a pull outward. A surplus that does not suffice for
+        // the outward motion is spent to the last step of the energy format.
         let pulls = energy < Energy::zero() && moved < Position::zero();
         if pulls { -enough } else { enough }
     }

@@ -102,7 +102,7 @@ impl Wide for Wide64 {
     }
     #[inline(always)]
     fn product(weight: i32, part: i32) -> Self {
-        // Two words in a double word: cannot overflow.
+        // A product of two 32-bit words fits 64 bits.
         Self(i64::from(weight).wrapping_mul(i64::from(part)))
     }
     #[inline(always)]

@@ -45,7 +45,7 @@ impl<N: Spatial> Bounding<N> {
             (self.energy, self.force) = (Energy::zero(), Vector::default());
             return self.force;
         }
-        // The force pushes: what the hand does against it is taken in.
+        // The force pushes the hand, so a motion of the hand against the force puts energy in.
         let absorbed = (-self.force).work(moved);
         self.energy = (self.energy + absorbed + damped(&self.law, moved)).min(self.law.energy_cap);
         let wanted = (self.law.desired * touch.depth).towards_zero();

@@ -83,7 +83,8 @@ impl<N: Spatial> Friction<N> {
                 stretch = stretch.shortened(stretch.length_up(), reach);
                 anchor = touch.at - stretch;
             } else {
-                // It holds again when it is pushed back: with room for a press that is not quite even.
+                // The spring sticks again at three quarters of the sliding stretch, so that a slightly uneven press does not make
+                // it slide at once.
                 sliding = stretch.is_longer(Position(N::three_quarters(reach.0)));
             }
         }
@@ -108,7 +109,7 @@ impl<N: Spatial> Friction<N> {
         if hold.normal == touch.normal {
             return hold.anchor;
         }
-        // Never longer than it was.
+        // Projecting the stretch into the tangent plane never makes it longer.
         hold.last - touch.normal.across(state.stretch)
     }
 }

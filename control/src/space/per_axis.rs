@@ -88,7 +88,7 @@ impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
     fn displacements(&self, touch: &Touch<N>, e: Vector<Position<N>>) -> Vector<Position<N>> {
         let normal = self.track.normal().unwrap_or(touch.normal);
         let Sample { moved, .. } = self.track.sample(touch);
-        // The cheapest question first: on a surface that turns it is the one that says no.
+        // The cheapest comparison comes first: on a surface that turns it is usually the one that fails.
         let straight = moved == touch.depth - self.track.depth();
         if straight && touch.moved.is_none() && normal == touch.normal {
             return e - self.last;
@@ -118,7 +118,7 @@ impl Leaving {
             Self::Decoupled => false,
             Self::AnyAxis => reach.0.iter().any(|reach| *reach < Position::zero()),
             Self::Projection => {
-                // e_i (e_i + O_i) = e_i² - |e_i| O_i, exact but for what a format cannot hold.
+                // e_i (e_i + O_i) = e_i² - |e_i| O_i, exact unless it saturates.
                 let [x, y, z] = e.zip(reach, |e, reach| Force::<N>(e.0) * reach).0;
                 x + y + z > Energy::zero()
             }

@@ -104,7 +104,7 @@ impl<N: Spatial, S: Surface<N>, L: Along<N>> SpaceWall<N, S, L> {
             force = force + friction.tick(state, &touch, pressed);
         }
         let force = force.within(self.limit);
-        // The guard sums the energy at the port, so it gets the measured position.
+        // The guard sums the energy at the hand, so it gets the measured position and not the estimated one.
         let moved = self.last.map_or(Vector::default(), |last| at - last);
         self.last = Some(at);
         let guarded = match &mut self.guard {

@@ -43,7 +43,7 @@ impl<N: Number> FirstOrderAdaptiveWindow<N> {
         let slopes = self.slopes.iter().take(usize::from(self.longest));
         for (before, slope) in past.iter().zip(slopes) {
             let way = at - *before;
-            // As products, without a quotient: `way/n` against `bound/m`.
+            // Compares the slopes `way/n` and `bound/m` as products, without a division.
             let above =
                 |(bound, ticks): (Position<N>, Stiffness<N>)| ticks * way > slope.times * bound;
             let below =
