@@ -132,7 +132,7 @@ fn rest(hand: SimulatedHand, slide_mm_per_s: f64) -> (Rest, u32) {
 }
 
 fn delta(hand: SimulatedHand) -> Result<SimulatedDelta> {
-    // The workspace of this device is 80 mm wide instead of 160 mm, so the hand slides at half the speed.
+    // The workspace of this device is 80 mm wide instead of 160 mm, so the hand slides more slowly.
     let (rest, rate_hz) = rest(hand, 20.0);
     let at = hand.hand();
     SimulatedDelta::falcon(at.as_ref(), rate_hz, rest).map_err(|fault| fault.at("simulated-delta"))

@@ -215,7 +215,7 @@ mod tests {
                 }
             }
         }
-        // Both ends are met: of the seeds a sixth loses every frame one way.
+        // Both results must occur often: about one seed in six loses all frames in one direction.
         assert!(confirmed > 500 && unsure > 100, "{confirmed}, {unsure}");
     }
 

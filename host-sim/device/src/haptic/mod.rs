@@ -170,7 +170,7 @@ mod tests {
             half_height_m: 0.055,
         };
         assert_eq!(space.outside_m([0.048, 0.064, -0.055]), 0.0);
-        // 3 mm across and 4 mm along are 5 mm.
+        // 3 mm beyond the radius and 4 mm beyond the height are a distance of 5 mm.
         assert!((space.outside_m([0.083, 0.0, -0.059]) - 0.005).abs() < 1e-12);
     }
 }

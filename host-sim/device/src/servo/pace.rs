@@ -146,11 +146,11 @@ mod tests {
         pace.start();
         pace.wait();
         std::thread::sleep(Duration::from_micros(5500));
-        // Due 1 ms after the first: 4.5 ms late at least, so four or more were missed.
+        // This tick was due 1 ms after the first. So it is at least 4.5 ms late, and at least four ticks were missed.
         assert!(pace.late_s() >= 4.4e-3);
         let late = pace.wait();
         assert!(late.late_s >= 4.4e-3 && late.missed_ticks >= 4, "{late:?}");
-        // No burst: the next one is due within an interval.
+        // The missed ticks are not made up for: the next tick is due within one interval.
         let begun = Instant::now();
         let next = pace.wait();
         let waited_s = begun.elapsed().as_secs_f64();
