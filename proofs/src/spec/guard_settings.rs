@@ -63,7 +63,7 @@ fn rate(told: &Told) -> Int {
 }
 
 /// The settings with the sum of delay and lag limited to one tick, rounded down. Settings within their ranges can exceed a tick by
-/// at most one last digit.
+/// at most 2^-32 s.
 fn within_a_tick(set: &Settings, told: &Told) -> Settings {
     let tick = over(ONE, rate(told));
     let delay = set.delay.min(tick);
