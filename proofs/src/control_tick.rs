@@ -208,7 +208,7 @@ fn any_config<S: Source>(s: &mut S) -> Option<Config> {
 }
 fn any_memory<S: Source>(s: &mut S) -> Memory {
     let last = any_position(s);
-    // On samples mostly a short displacement, at which the law's force varies more.
+    // In tests on random samples the displacement is mostly short, since there the law's force varies more.
     let way = |s: &mut S| {
         if s.shortcut() {
             position(s.i16().into())

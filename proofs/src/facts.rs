@@ -159,7 +159,7 @@ impl Number for Facts32 {
     fn sub_product(a: i64, b: i64) -> i64 {
         Fixed32::sub_product(a, b)
     }
-    // The model checker and every sampled test check that these two fit.
+    // The model checker and every test on random samples check that the sum and the difference fit.
     fn add_fitting(a: i64, b: i64) -> i64 {
         Fixed32::add_fitting(a, b)
     }
@@ -207,7 +207,7 @@ impl Number for Facts32 {
     fn sub_energy(a: Energy, b: Energy) -> Energy {
         Fixed32::sub_energy(a, b)
     }
-    // On samples mostly a short displacement, at which the law's force varies more.
+    // The model checker and every test on random samples check that the sum and the difference fit.
     fn add_energy_fitting(a: Energy, b: Energy) -> Energy {
         Fixed32::add_energy_fitting(a, b)
     }

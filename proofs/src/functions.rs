@@ -205,7 +205,7 @@ impl Number for Functions32 {
     fn sub_energy(a: Energy, b: Energy) -> Energy {
         Facts32::sub_energy(a, b)
     }
-    // The model checker and every sampled test check that these two fit.
+    // The model checker and every test on random samples check that the sum and the difference fit.
     fn add_energy_fitting(a: Energy, b: Energy) -> Energy {
         Facts32::add_energy_fitting(a, b)
     }

@@ -222,7 +222,7 @@ macro_rules! guard {
                     let charged = change_bits * N::exact(N::of_signal(under.0));
                     let quantum = change_bits.max(-change_bits);
                     assert!(charged >= -quantum);
-                    // Rounded down by less than the quantum that `slack` contains.
+                    // Rounding down loses less than one step of the format times the change of force, which `slack` contains.
                     let exact = N::exact(N::of_signal_ratio(law.stray.0)) * (change_bits * change_bits);
                     assert!((charged + quantum) << N::SIGNAL_BITS >= exact);
                     cover!(s, charged > none && change < Force::zero(), "a fall of the force");

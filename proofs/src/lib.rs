@@ -1,8 +1,8 @@
 //! Properties that are proved about the control laws. Each has a body that the model checker Kani runs for all inputs, and that the
-//! tests run on seeded samples.
+//! tests run on random samples with a fixed seed.
 //!
-//! `cargo xtask prove` runs all of them and writes their table below `target/`; `cargo test -p touchstone-proofs` runs the sampled
-//! form and the exhaustive 8-bit form on stable Rust.
+//! `cargo xtask prove` runs all of them and writes their table below `target/`; `cargo test -p touchstone-proofs` runs the random
+//! tests, and the 8-bit tests of all inputs, on stable Rust.
 //!
 //! To read the proofs from the bottom, begin with [`heart`] (unsigned absolute values) and [`edges`] (signed numbers built on
 //! them). One file per law follows, then filter, settings, encoder, fault machine and the drive's arithmetic.

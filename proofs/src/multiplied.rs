@@ -153,18 +153,23 @@ mod by_one_product {
     use core::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering::Relaxed};
     use touchstone_control::{Fixed32, Number};
 
-    /// First row of the memory's products in the record. The next constants are the first row of the code's, and the end, which no
-    /// property reaches.
+    /// First row of the memory's products in the record.
     const MEMORY: usize = 5;
+    /// First row of the code's products in the record.
     const CODE: usize = 6;
+    /// Number of rows in the record, which no property reaches.
     const END: usize = 13;
-    /// Row of the next product in the record. The next variable is 1 while the specification multiplies.
+    /// Row of the next product in the record.
     static AT: AtomicUsize = AtomicUsize::new(0);
+    /// 1 while the specification multiplies, otherwise 0.
     static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
     /// Row of the record that follows the code's last product.
     static ASKED: AtomicUsize = AtomicUsize::new(CODE);
+    /// First factor of the product in each row.
     static LEFT: [AtomicU32; END] = [const { AtomicU32::new(0) }; END];
+    /// Second factor of the product in each row.
     static RIGHT: [AtomicU32; END] = [const { AtomicU32::new(0) }; END];
+    /// The product in each row.
     static FOUND: [AtomicU64; END] = [const { AtomicU64::new(0) }; END];
 
     pub fn of_memory() {

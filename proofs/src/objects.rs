@@ -187,7 +187,7 @@ property! {
         let way = bits(way);
         let room = |i: usize, way: i64| {
             let u = parts(&u)[i];
-            // A direction's largest component is a quantum less than 1.
+            // A direction's largest component is one step of the format less than 1.
             way * u.abs() <= (half[i] - x[i] * u.signum()) * (ONE - 1)
         };
         assert!(way >= 0 && (0..3).all(|i| parts(&u)[i] == 0 || room(i, way)));
@@ -243,7 +243,8 @@ property! {
         if wall < 0 && cap < 0 {
             let square = wall * wall + cap * cap;
             assert!(depth <= 0 && depth * depth <= square && (3 - depth) * (3 - depth) >= square);
-            // The normal is compared with the way from the rim, whose parts along the axes were shortened by up to two quanta.
+            // The normal is compared with the way from the rim, whose parts along the axes were shortened by up to two steps of the
+            // format.
             let mut way = across.map(|x| x as f64 * -wall as f64 / (squares(across) as f64).sqrt());
             way[axis] = (along.signum() * -cap) as f64;
             let size = way.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -343,7 +344,7 @@ property! {
         };
         let way = plate.exit(vector(at), &u, &side).map(bits);
         let seen = plate.nearest(vector(at), &side);
-        // The axis' direction is a quantum shorter than 1; the cosine is rounded down.
+        // The axis' direction is one step of the format shorter than 1; the cosine is rounded down.
         let cosine = (parts(&u)[axis] * parts(&side)[axis]).div_euclid(ONE);
         if !is_over(&plate, x) || cosine <= 0 {
             assert_reached!(way.is_none());

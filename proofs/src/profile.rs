@@ -1,7 +1,8 @@
 //! Properties of a torque profile (a torque drawn over the angle) at 32 bits. The force lies between the two points beside the
 //! position, and never exceeds the largest force.
 //!
-//! `f` is the force, `A` the largest force, `i` a point's index, `x` the position, from `x_0` to `x_1`.
+//! `f` is the force, `A` the largest force, `i` a point's index, `x` the position, from `x_0` to `x_1`. A point above 0 pushes
+//! towards larger angles, a force above 0 towards smaller ones.
 //!
 //! ```text
 //! |f| <= A                                       p4_profile_force

@@ -2,8 +2,8 @@
 //! invariants.
 //!
 //! Settings are 32.32 fixed-point numbers, and a controller multiplies and divides them in 128 bits, which no solver follows. So
-//! the property is split. Conversions to the format are proved for every value (`p8_conversions32`). In every test run, whole
-//! controllers are built from sampled settings on both sides of every bound, and each is checked against the assumptions.
+//! the property is split. Conversions to the format are proved for every value (`p8_conversions32`). Every test run builds
+//! whole controllers from random settings on both sides of every bound, and checks each against the assumptions.
 
 use crate::facts::Facts32;
 use crate::format::Format;

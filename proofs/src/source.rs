@@ -256,7 +256,8 @@ macro_rules! cover {
 /// proof covers.
 #[macro_export]
 macro_rules! property {
-    // No solver finishes at this width, or it follows over the integers, or all inputs are tried: sampled only here.
+    // Only tested on random samples here: no solver finishes at this width, or the statement follows over the integers, or another
+    // test tries all inputs.
     ($(#[doc = $doc:literal])* equation $equation:literal over $over:literal by sampled fn $name:ident($s:ident) $body:block) => {
         $(#[doc = $doc])*
         pub mod $name {

@@ -300,7 +300,7 @@ macro_rules! space {
 }
 space!(
     /// The properties of this file at 8 bits. All inputs are tried (`PROPERTIES` of `examples/every.rs`), or a solver proves the
-    /// property; `across` and `friction` are sampled.
+    /// property; `across` and `friction` are only tested on random samples.
     w8, Fixed8, unit sampled, across sampled, longer kissat, polar sampled, within sampled, work kissat, leaving sampled, friction sampled
 );
 space!(

@@ -136,7 +136,7 @@ fn is_as_said<N: Format + Spatial>(
     assert!(smaller);
     let long = root_up(sum_of_squares(wanted));
     assert!(long > limit || force == tick.wanted);
-    // If the force was shortened, each axis is right to three quanta.
+    // If the force was shortened, each axis is right to three steps of the format.
     assert!(long <= limit || sum_of_squares(shown) >= (limit - 6).max(0).pow(2));
     for (i, j) in [(0, 1), (1, 2), (2, 0)] {
         let turned = wide(shown[i]) * wide(wanted[j]) - wide(shown[j]) * wide(wanted[i]);

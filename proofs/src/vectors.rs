@@ -170,7 +170,7 @@ property! {
         let [a, b, c] = u.0.map(N::of_signal);
         let inner = a * was[0] + b * was[1] + c * was[2];
         for (axis, u) in [a, b, c].into_iter().enumerate() {
-            // In quanta with 14 fractional bits (128 times 128).
+            // Both sides are 128² times as large as the numbers that they stand for: directions are stored in steps of 1/128.
             let exact = was[axis] * 128 * 128 - inner * u;
             assert_reached!((across[axis] * 128 * 128 - exact).abs() < 2 * 128 * 128);
         }

@@ -132,13 +132,17 @@ mod by_one_product {
 
     /// Largest number of products in the record, which no property reaches.
     const END: usize = 10;
-    /// Row of the next product in the record. The next variables say whether the specification multiplies, and how many products
-    /// the code has made.
+    /// Row of the next product in the record.
     static AT: AtomicUsize = AtomicUsize::new(0);
+    /// 1 while the specification multiplies, otherwise 0.
     static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
+    /// Number of products that the code has made.
     static ASKED: AtomicUsize = AtomicUsize::new(0);
+    /// The weight in each row.
     static WEIGHT: [AtomicI32; END] = [const { AtomicI32::new(0) }; END];
+    /// The part of a motion or torque by which the weight is multiplied, in each row.
     static PART: [AtomicI32; END] = [const { AtomicI32::new(0) }; END];
+    /// The product in each row.
     static FOUND: [AtomicI64; END] = [const { AtomicI64::new(0) }; END];
 
     pub fn of_specification() {

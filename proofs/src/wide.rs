@@ -37,7 +37,7 @@ property! {
     equation "part = floor(w 2^-26), torque part = floor(w 2^-30)"
     over "a state within ±8, within ±128"
     by cadical fn p3_wide_parts(s) {
-        // On samples the first number is mostly within ±8.
+        // In tests on random samples the first number is mostly within ±8.
         let any = s.i64();
         let state = Wide64(if s.shortcut() { any >> 6 } else { any });
         let whole = i128::from(state.0);
@@ -75,7 +75,7 @@ property! {
     over "state, k from 0 to 8"
     by cadical fn p3_wide_within(s) {
         let bits = u32::from(s.u8() % 9);
-        // On samples mostly at one of the two ends, as otherwise none would be.
+        // In tests on random samples the state is mostly near one of the two ends, as otherwise none would be.
         let any = s.i64();
         let state = Wide64(if s.shortcut() {
             let (end, near) = (1_i64 << (54 + bits), any >> 61);

@@ -112,7 +112,7 @@ fn tdpa_counts_the_device_s_damping_only_where_it_is_told_to() {
         Ok(AnyLaw::Tdpa(law, _)) => i64::from(law.device_damping.0.to_bits()),
         other => panic!("{other:?}"),
     };
-    // 0.001 in 32 bits is a little less than 0.001; times 1 kHz it is one quantum of a gain below 1.
+    // 0.001 in 32 bits is a little less than 0.001; times 1 kHz it is one step of the gain's format below 1.
     assert_eq!((damping(true), damping(false)), (4095, 0));
 }
 
@@ -147,7 +147,7 @@ fn a_coupling_that_a_format_rounds_to_nothing_is_refused() {
         settings.k_soft = "0.0148".parse().expect("a number");
         settings
     };
-    // One quantum of a gain in 16 bits is 1/64; a smaller stiffness is refused.
+    // One step of a gain's format in 16 bits is 1/64; a smaller stiffness is refused.
     let soft = of("0.015");
     let of_32 = AnyLaw::<Fixed32>::new(&soft);
     assert!(of_32.is_ok(), "{of_32:?}");

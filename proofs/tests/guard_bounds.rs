@@ -81,7 +81,8 @@ fn step_of<T: PartialEq>([mut low, mut high]: [i64; 2], of: &dyn Fn(Si) -> T) ->
 #[test]
 fn where_a_coefficient_steps_it_is_the_specification_s() {
     type With = fn(Si) -> (GuardSettings, GuardedDevice);
-    // A large displacement per tick, so that a step of the capacity changes the largest change of force by few quanta.
+    // A large displacement per tick, so that a step of the capacity changes the largest change of force by a few steps of its
+    // format.
     fn slow() -> (GuardSettings, GuardedDevice) {
         let (settings, device) = usual();
         (

@@ -122,7 +122,7 @@ fn described(settings: &GuardSettings, device: &GuardedDevice, rounded: i128) ->
     };
     Some(Device {
         s: s.min(one),
-        // From SI units with 32 fractional bits to quanta with [`FINE`] fractional bits.
+        // From SI units with 32 fractional bits to steps of the signal's format with [`FINE`] fractional bits.
         d: (bits(settings.overspeed) << (24 + FINE - 32)) / rate + 1,
         delta: (bits(device.count) << (24 + FINE - 32)) + 2 * rounded * one,
         kappa,
@@ -154,7 +154,7 @@ fn accepted_guards_cover_the_device_that_they_are_told() {
         };
         accepted += 1;
         for (index, (name, room)) in specified.room(&told).into_iter().enumerate() {
-            // In quanta; for `reach`, in quanta of its reciprocal.
+            // The room in steps of the signal's format; for `reach`, in steps of its reciprocal.
             let scale = if name == "reach" {
                 specified.per_reach.max(1) << FINE
             } else {

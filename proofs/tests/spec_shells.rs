@@ -109,7 +109,8 @@ fn a_contact_of_three_axes_ends_where_its_rule_says() {
             assert_eq!(ends(leaving, -16, [2, 2], contacts), left);
         }
     }
-    // A quantum outside counts as outside. Per axis that is half a quantum, which is rounded to 0.
+    // A single step of the format outside counts as outside. In the rule that looks at each axis, half of that step is compared,
+    // which is rounded to 0.
     assert!(!ends(Leaving::AnyAxis, -1, [0, 0], touching));
     assert!(ends(Leaving::AnyAxis, -2, [0, 0], touching));
     // One axis has left: 8² + 8² against 8 (20 + 2).
@@ -288,7 +289,7 @@ fn the_flattest_way_out_leads_out() {
     };
     let side = Direction::along(0, false);
     let out = |at, u| wall.exit(vector(at), &direction(u), &side);
-    // A quantum of the direction leads out: as far as the format says, or from the surface at once.
+    // A direction that leads out very flatly: the way out is the longest that the format holds, or 0 from the surface.
     assert_eq!(out([-5, 0, 0], [2, 127, 0]), Some(position(127)));
     assert_eq!(out([0, 0, 0], [2, 127, 0]), Some(position(0)));
     assert_eq!(out([-5, 0, 0], [0, 127, 0]), None);

@@ -36,8 +36,8 @@ struct Derived {
 }
 
 impl GuardSettings {
-    /// Limits the sum of delay and lag to one tick, rounded down. Accepted settings can exceed the tick by the last digit of the
-    /// format.
+    /// Limits the sum of delay and lag to one tick, rounded down. Accepted settings can exceed the tick by 2^-32 s, the
+    /// smallest step of [`Si`].
     #[inline]
     fn within_a_tick(&self, device: &GuardedDevice) -> Self {
         let tick = over(Si::ONE, Si::saturating_from_num(device.rate_hz));

@@ -59,8 +59,8 @@ pub trait Spatial: Number {
     fn polar(v: Axes<Self::Signal>) -> (Self::Signal, Option<Axes<Self::Signal>>);
     /// The direction of `v`; `None` for the zero vector.
     ///
-    /// A quantum is a step of the number format. Every component lies at most `1 + g` quanta from `v/|v|`, towards zero, with `g`
-    /// 2^-6 at 32 bits, 1 at 16 and 2 at 8. So the direction's length is at most 1. At 32 bits it is at least 1 less 1.8 quanta
+    /// Every component is rounded towards zero and lies at most `1 + g` steps of the number format from that of `v/|v|`; `g` is
+    /// 2^-6 at 32 bits, 1 at 16 and 2 at 8. So the direction's length is at most 1. At 32 bits it is at least 1 less 1.8 steps
     /// (1.1e-7), however short `v` is.
     fn unit(v: Axes<Self::Signal>) -> Option<Axes<Self::Signal>>;
 }

@@ -63,7 +63,7 @@ fn rate(told: &Told) -> Int {
 }
 
 /// The settings with the sum of delay and lag limited to one tick, rounded down. Settings within their ranges can exceed a tick by
-/// at most one last digit.
+/// at most 2^-32 s.
 fn within_a_tick(set: &Settings, told: &Told) -> Settings {
     let tick = over(ONE, rate(told));
     let delay = set.delay.min(tick);
@@ -121,8 +121,8 @@ pub fn made(set: &Settings, told: &Told) -> Option<Guard> {
     let reach = plus(distance, told.count);
     let late = times(plus(set.delay, set.lag), rate);
 
-    // The reserve in flight is rounded up by one quantum and a little. Each position that it is measured with is rounded up by one
-    // more.
+    // The energy in flight is rounded up by one step of the number format and a little. Each position that it is measured with is
+    // rounded up by one more step.
     let rounded = plus(plus(plus(STEP, STEP), STEP), UP);
     let per_reach = over(ONE, plus(reach, rounded)).min(over(ROOM, set.capacity));
     let largest_change = (plus(times(set.capacity, per_reach), UP) * 2).min(MOST);
@@ -147,9 +147,9 @@ pub fn made(set: &Settings, told: &Told) -> Option<Guard> {
 
     let half_count = told.count >> 1;
     let left_out = plus(plus(largest_change, distance), set.overspeed >> 8);
-    // Half a count plus what rounding leaves out: its whole quanta and the rest, one quantum each.
+    // Half a count, plus what rounding leaves out: one step of the format for every whole unit of `left_out`, and one for the rest.
     let half_count_up = plus(half_count, STEP * ((left_out >> 32).min(0xffff) + 1));
-    // The position and the part under the old force are each rounded by one quantum.
+    // The position and the part under the old force are each rounded by one step of the format.
     let slack = signal_plus(signal_plus(signal_up(half_count_up), 1), 1);
     let in_flight = if set.delay > 0 || set.lag > 0 {
         plus(plus(times(late, distance), UP), half_count)

@@ -372,13 +372,14 @@ fn why(error: &Refused, placed: &[Option<WallSettings>; MOST_WALLS]) -> Settings
         Refused::Strength { strength, .. } => limit(STRENGTH, *strength),
         Refused::ProfileStrength { strength, .. } => limit(PROFILE_STRENGTH, *strength),
         Refused::Length(length) => limit(PROFILE_END, *length),
-        // Those of detents have been looked at.
+        // Only the profile's number per turn can be refused here; that of the detents was checked above.
         Refused::PerTurn(per_turn) => limit(
             "environment.profile.per_rev",
             Si::saturating_from_num(*per_turn),
         ),
         Refused::Pitch(pitch) => limit("environment.detents.per_rev", *pitch),
-        // There is no place for a seventh wall, and points are looked at when they are read.
+        // An environment has no place for a seventh wall, and points are checked when they are read, so neither can be refused
+        // here.
         Refused::TooManyWalls | Refused::Points(_) | Refused::Point(_) => {
             limit("environment", Si::ZERO)
         }
