@@ -44,7 +44,8 @@ struct Answer {
     step: i64,
     /// Current error at the sample before the last, on which the loop acts in the first half of a PWM period.
     before: i64,
-    /// Current error at the last sample. The sample at the start of the control period did not see the step yet.
+    /// Current error at the last sample. It is zero at first, because the sample at the start of the control period was taken
+    /// before the step of the command.
     last: i64,
     /// Fraction of the commanded change of force that is still missing; the module's text calls it `H`.
     missing: i64,
@@ -77,7 +78,7 @@ impl Answer {
 
     /// Fraction of the missing current that the winding gains in a quarter of a PWM period: `s/(1 + s)` with `s = R/4L T`, for
     /// resistance `R`, inductance `L` and PWM period `T`. This backward Euler step leaves at least as much current missing as the
-    /// exact exponential does. 0 for a motor whose values are not set, as it is never driven.
+    /// exact exponential does. 1 for a motor whose values are not set, which is never driven.
     #[cfg(feature = "voltage")]
     #[inline]
     fn winding(motor: &MotorSettings, is_untold: bool, quarters_per_s: Si) -> i64 {

@@ -52,7 +52,7 @@ impl Word {
         }
     }
 
-    /// The counter's value, shifted back to the lower end.
+    /// The encoder's counter as an ordinary number, with its lowest bit at bit 0 again.
     #[must_use]
     pub const fn value(self) -> u32 {
         self.aligned >> self.shift

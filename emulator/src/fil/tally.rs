@@ -26,7 +26,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// An empty tally for this device.
+    /// A list of test results for this device, still empty.
     #[must_use]
     pub fn on(device: &str) -> Self {
         Self {
