@@ -62,8 +62,9 @@ crate::choice! {
         TurnInward = "turn-inward",
         /// The offset changes at every tick of inward motion, equation (3.2) and Algorithm 3.1 of the thesis.
         Inward = "inward",
-        /// The offset changes at every tick of contact, up or down, by the error of the stiffness. With the other two choices it can
-        /// only grow: while the hand rests, it grows only because the measured position jitters. If it grows too far, it stays so.
+        /// The offset changes at every tick of contact, up or down, by the error of the stiffness. With the other two choices it
+        /// can only grow: while the hand rests, it grows only because the measured position jitters. If it grows too far, it stays
+        /// so.
         #[default]
         EveryTick = "every-tick",
     }
