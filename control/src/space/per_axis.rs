@@ -3,10 +3,10 @@
 //! The penetration `e` is a vector here. Each law gets the absolute value of its coordinate of `e`, negative outside, and pushes to
 //! the side of the surface. Where that side changes, the law's offset changes its side too, and the force jumps.
 //!
-//! **Equation (4.8) of the thesis has a wrong sign.** It ends a contact by comparing `e` with the projection of `O`, the vector of the laws'
-//! offsets, on `e`. As printed, a contact would never end. This code follows the thesis' Fig. 4.9: the object is left where `e` is
-//! longer than that projection and opposed to it. With the absolute values of §4.4 that is `Σ e_i² > Σ |e_i| O_i`, without a
-//! division.
+//! **Equation (4.8) of the thesis has a wrong sign.** It ends a contact by comparing `e` with the projection of `O`, the vector of
+//! the laws' offsets, on `e`. As printed, a contact would never end. This code follows the thesis' Fig. 4.9: the object is left
+//! where `e` is longer than that projection and opposed to it. With the absolute values of §4.4 that is `Σ e_i² > Σ |e_i| O_i`,
+//! without a division.
 
 use super::number::Spatial;
 use super::scalar::Along;
