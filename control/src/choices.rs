@@ -62,8 +62,9 @@ crate::choice! {
         TurnInward = "turn-inward",
         /// The offset changes at every tick of inward motion, equation (3.2) and Algorithm 3.1 of the thesis.
         Inward = "inward",
-        /// The offset changes at every tick of contact, up or down, by the error of the stiffness. With the inward-only choices it
-        /// can only grow: it advances only while the position jitters, and an overshoot stays.
+        /// The offset changes at every tick of contact, up or down, by the error of the stiffness. With the other two choices it
+        /// can only grow: while the hand rests, it grows only because the measured position jitters. If it grows too far, it stays
+        /// so.
         #[default]
         EveryTick = "every-tick",
     }
@@ -79,9 +80,9 @@ crate::choice! {
         /// A soft hand gives way by as much as the offset grows. So this step is too long by the factor `k_de/k_v`, and the
         /// fraction `c` of it that the law goes per tick must be chosen anew for every `k_de`.
         Position = "position",
-        /// The hand's force `f` stays constant and the penetration `e` follows the offset. The step is `|e - |f|/k_de|` for a
-        /// desired stiffness `k_de`: the distance that the hand still has to go. One fraction `c` of this step per tick then serves
-        /// all stiffnesses.
+        /// The hand's force `f` stays constant and the penetration `e` follows the offset. With a desired stiffness `k_de` the
+        /// step is `|e - |f|/k_de|`, the distance that the hand still has to go. The same fraction `c` of this step per tick then
+        /// suits all stiffnesses.
         #[default]
         Force = "force",
     }

@@ -56,8 +56,8 @@ macro_rules! law_settings {
                 // The only choice with which the hand feels k_de whatever the coupling k_f is.
                 Regulate regulate, regulate: choice(Regulate) = Hip, "",
                     "which stiffness the offset regulates";
-                // With the inward-only choices the offset can only grow: it advances only while the position jitters, and an
-                // overshoot stays.
+                // With the other two choices the offset can only grow: while the hand rests, it grows only because the measured
+                // position jitters. If it grows too far, it stays so.
                 OffsetUpdate offset_update, offset_update: choice(OffsetUpdate) = EveryTick, "",
                     "when the enhanced law changes the offset";
                 // With this choice one value of step_of_ideal serves all stiffnesses.
