@@ -6,9 +6,9 @@
 //! other settings wait for a calibration -> prepare waits for it as well
 //! ```
 //!
-//! If only the single wall of the settings is requested, the device's own control law renders it, as on boards without environments,
-//! and takes the same time. Only if the user changes the scene while the device is armed does an environment replace that wall. The
-//! replacement lasts until the next arming.
+//! If only the single wall of the settings is requested, the device's own control law renders it, as on boards without
+//! environments, and takes the same time. Only if the user changes the scene while the device is armed does an environment replace
+//! that wall. The replacement lasts until the next arming.
 
 use crate::change::ChangeConfig;
 use crate::cogging::Played;

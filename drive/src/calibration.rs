@@ -6,14 +6,15 @@
 //! ```
 //!
 //! 1. With the bridge off, it takes the mean of 1,024 readings of each current sensor. The mean must be near the schematic's value.
-//! 2. A current along a field that stands still is raised slowly. The rotor turns into the field, by at most half an electrical turn. A rotor
-//!    that stood against the field comes loose late and swings about it. The field waits as long as the rotor swings, up to three seconds.
+//! 2. A current along a field that stands still is raised slowly. The rotor turns into the field, by at most half an electrical
+//!    turn. A rotor that stood against the field comes loose late and swings about it. The field waits as long as the rotor swings,
+//!    up to three seconds.
 //! 3. The field turns one electrical turn and then one mechanical turn forward (`pole pairs` electrical turns), and all of it back;
-//!    the rotor follows. In the first electrical turn of each direction no samples are taken: it frees a rotor that happened to stand
-//!    against the field, and takes up friction. The counts moved in the mechanical turn give direction and pole pairs.
-//! 4. In both directions, at each eighth of an electrical turn, the angle between field and rotor is sampled. Friction makes the rotor lag
-//!    behind the field, in opposite directions on the way forward and back, so the mean of both is right. As the mean is over a whole turn,
-//!    an eccentric magnet does not change it.
+//!    the rotor follows. In the first electrical turn of each direction no samples are taken: it frees a rotor that happened to
+//!    stand against the field, and takes up friction. The counts moved in the mechanical turn give direction and pole pairs.
+//! 4. In both directions, at each eighth of an electrical turn, the angle between field and rotor is sampled. Friction makes the
+//!    rotor lag behind the field, in opposite directions on the way forward and back, so the mean of both is right. As the mean is
+//!    over a whole turn, an eccentric magnet does not change it.
 //!
 //! The result is used only if all of it is plausible. Every stage ends after a limited number of control periods.
 //!

@@ -1,19 +1,19 @@
-//! When the encoder is read a second time in a control period (tick), and how the displacement in that period is divided between the
-//! old and the new force.
+//! When the encoder is read a second time in a control period (tick), and how the displacement in that period is divided between
+//! the old and the new force.
 //!
-//! The current loop gets the command of a control period one PWM period later, and the command acts from half a PWM period after that
-//! on. Then the current follows with the loop's own lag. Let `H(t)` be the fraction of a change of force that is still missing a time
-//! `t` after the encoder was read. When the force changes by `g` from `f₁`, the hand receives the energy `f₁ Δx - g ∫ H dx` in a
-//! control period with displacement `Δx`. A second reading after `q` PWM periods divides the displacement into two known parts,
-//! `Δx = u + w`. For all motions of the hand within these parts
+//! The current loop gets the command of a control period one PWM period later, and the command acts from half a PWM period after
+//! that on. Then the current follows with the loop's own lag. Let `H(t)` be the fraction of a change of force that is still missing
+//! a time `t` after the encoder was read. When the force changes by `g` from `f₁`, the hand receives the energy `f₁ Δx - g ∫ H dx`
+//! in a control period with displacement `Δx`. A second reading after `q` PWM periods divides the displacement into two known
+//! parts, `Δx = u + w`. For all motions of the hand within these parts
 //!
 //! ```text
 //! g ∫ H dx <= g (H₁ u + H₂ w) + g² V/4b,      H₁, H₂ the means of H over the parts,  V = ∫ (H - its mean in the part)² dt
 //! ```
 //!
-//! The device's damping `b` dissipates further energy in `u` and `w` themselves (Cauchy and Schwarz, as in `docs/energy-guard.md`). So
-//! the energy guard gets the position at which a sudden change of force would have the same effect, and charges `V` as the lag that
-//! remains.
+//! The device's damping `b` dissipates further energy in `u` and `w` themselves (Cauchy and Schwarz, as in `docs/energy-guard.md`).
+//! So the energy guard gets the position at which a sudden change of force would have the same effect, and charges `V` as the lag
+//! that remains.
 
 use crate::hardware::Hardware;
 use crate::settings::periods_per_tick;

@@ -4,10 +4,10 @@
 //! reading -> supervisor -> fault machine -> penetration -> law -> torque -> drive
 //! ```
 //!
-//! The law is [`touchstone_control::Controller`] over [`Fixed32`] numbers, as in the simulator. Its force depends only on three things:
-//! the encoder counts since the device was armed, the guard's energy account at that time, and the forces that were really commanded.
-//! Stages after the law reduce its force (fading in, current limit, temperature). They report the result to the law's estimator and its
-//! energy guard.
+//! The law is [`touchstone_control::Controller`] over [`Fixed32`] numbers, as in the simulator. Its force depends only on three
+//! things: the encoder counts since the device was armed, the guard's energy account at that time, and the forces that were really
+//! commanded. Stages after the law reduce its force (fading in, current limit, temperature). They report the result to the law's
+//! estimator and its energy guard.
 
 use crate::angle::Angle;
 #[cfg(feature = "large")]

@@ -1,7 +1,7 @@
 //! The two current controllers, for the d and q axes: proportional and integral, with an integrator that cannot wind up.
 //!
-//! A winding obeys `L di/dt = v - R i - e`, with inductance `L`, resistance `R`, voltage `v` and back-EMF `e`. With the gains `k_p = ω
-//! L` and `k_i = ω R` the controller's zero cancels the winding's pole, and the loop is a first-order lag of bandwidth `ω`. The
+//! A winding obeys `L di/dt = v - R i - e`, with inductance `L`, resistance `R`, voltage `v` and back-EMF `e`. With the gains `k_p
+//! = ω L` and `k_i = ω R` the controller's zero cancels the winding's pole, and the loop is a first-order lag of bandwidth `ω`. The
 //! integrator contains the voltage limit; `i*` is the requested current, `s` the integral, `T` the PWM period:
 //!
 //! ```text

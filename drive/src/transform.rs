@@ -6,8 +6,8 @@
 //! back     α = d cos θ - q sin θ       β = d sin θ + q cos θ
 //! ```
 //!
-//! Values are currents or voltages in `I16F16` (16 integer and 16 fractional bits). Sums saturate; values within ±20,000 never reach
-//! saturation.
+//! Values are currents or voltages in `I16F16` (16 integer and 16 fractional bits). Sums saturate; values within ±20,000 never
+//! reach saturation.
 
 use crate::angle::Angle;
 use crate::units::clamp_i32;

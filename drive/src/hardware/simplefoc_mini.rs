@@ -1,4 +1,5 @@
-//! Power stage of the board SimpleFOC Mini (DRV8313), on the NUCLEO-G474RE. **It measures no current**: neither shunts nor amplifiers are on it.
+//! Power stage of the board SimpleFOC Mini (DRV8313), on the NUCLEO-G474RE. **It measures no current**: neither shunts nor
+//! amplifiers are on it.
 //!
 //! | number | source |
 //! |---|---|

@@ -1,7 +1,7 @@
 //! Temperature limit of the motor's windings, from a model of their heat: the windings have no sensor.
 //!
-//! The model has one thermal mass and one thermal resistance `R_th`. The windings' rise above the room's temperature follows `s`, the
-//! mean of the squared current `i²` with one time constant `τ`; `R` is the windings' resistance:
+//! The model has one thermal mass and one thermal resistance `R_th`. The windings' rise above the room's temperature follows `s`,
+//! the mean of the squared current `i²` with one time constant `τ`; `R` is the windings' resistance:
 //!
 //! ```text
 //! τ ds/dt = i² - s        rise = s R_th 3/2 R        at rest: s = i²

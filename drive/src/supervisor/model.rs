@@ -5,8 +5,8 @@
 //! r_q = v_q - R i_q - ψ ω              a_q = 1 V + R |i|/2 + ψ |ω|/2              ψ = k_t/(3/2)
 //! ```
 //!
-//! Here `v` is the voltage and `i` the current on the axes d and q, `R` the windings' resistance, `L` their inductance, `ω` the shaft's
-//! speed, `ω_e` the electrical speed, `k_t` the torque constant.
+//! Here `v` is the voltage and `i` the current on the axes d and q, `R` the windings' resistance, `L` their inductance, `ω` the
+//! shaft's speed, `ω_e` the electrical speed, `k_t` the torque constant.
 //!
 //! `r` is the part of the voltage that the motor's equations do not explain, and `a` the largest such part of a good motor. Times
 //! the current, `r` is the balance of power: `3/2 (v·i - R i²)` less the commanded torque times the speed, separately for each
@@ -20,8 +20,8 @@
 //! - on the `d` axis an alignment 14 electrical degrees off, and gains of the sensors that differ by 6 %;
 //! - as constants: dead time (0.3 V at 24 V and 500 ns), rounding, and `L di/dt` (0.5 V for a step of 2 A in the small motor).
 //!
-//! Both `r` and `a` go through the same running mean of 10 to 20 ms. The mean is linear and positive: a device that keeps `|r| <= a` in
-//! each control period keeps it in the mean, so there is no alarm.
+//! Both `r` and `a` go through the same running mean of 10 to 20 ms. The mean is linear and positive: a device that keeps `|r| <=
+//! a` in each control period keeps it in the mean, so there is no alarm.
 //!
 //! The check does not detect an error while the shaft hardly turns and the current is the commanded one, since no power is missing
 //! then. A board that measures no current calculates it by the same equations, so there the check is left out.

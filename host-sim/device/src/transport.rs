@@ -149,7 +149,8 @@ impl<S: Read + Write> Transport for Stream<S> {
                 },
             }
         }
-        // Not flushed: nothing is kept on this side, and a serial port's flush waits without an end for a device that takes nothing.
+        // Not flushed: nothing is kept on this side, and a serial port's flush waits without an end for a device that takes
+        // nothing.
         Ok(())
     }
 }

@@ -71,7 +71,8 @@ impl FromStr for Scenery {
 /// Options of `device run`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// plane (a floor through the centre), inclined (a slope in none of the axes), sphere (30 mm around the centre), or a mesh: a file of STL, OBJ or PLY.
+    /// plane (a floor through the centre), inclined (a slope in none of the axes), sphere (30 mm around the centre), or a mesh: a
+    /// file of STL, OBJ or PLY.
     #[arg(value_name = "OBJECT")]
     object: Scenery,
     /// Unit of the coordinates in the mesh's file, m; the file itself does not state it.
