@@ -1,6 +1,9 @@
 //! The controller around its law. A tick is the law, the pulse at the touch and then the guard, for any law. The controller keeps the force that later
 //! stages report to it.
 //!
+//! `f` is the force, `e` the penetration, `B` the energy in the guard's account and `C` the most that it holds; `'` marks the new
+//! value.
+//!
 //! ```text
 //! f = guard(pulse(law(e, e - e(n-1))))         p11_controller_tick
 //! reported f: f(n-1) = f, in the guard too     p11_controller_told
@@ -25,7 +28,7 @@ use touchstone_control::{
 
 type N = Fixed8;
 
-/// A controller of a spring with zero stiffness.
+/// A controller with a spring of zero stiffness, measured positions and no guard.
 pub(crate) fn plain<N: Number>() -> Controller<N> {
     let none = Stiffness::zero();
     let spring = Spring {
@@ -37,7 +40,7 @@ pub(crate) fn plain<N: Number>() -> Controller<N> {
     Controller::of_parts(law, States::default(), None)
 }
 
-/// Defines a property of a spring's controller that holds for any guard and any result of products.
+/// Defines a property of a controller with a spring that holds whatever the guard and the products return.
 macro_rules! controller_property {
     ($($property:tt)*) => {
         $crate::replaced_property! {
@@ -49,14 +52,14 @@ macro_rules! controller_property {
     };
 }
 
-/// Replaces the product of `Fixed8`. The result depends on every digit of both factors, lies above the rounding by a gain's
-/// fractional bits, and leaves room for a sum of two.
+/// Replaces the product of a gain and a signal of `Fixed8`. The result depends on every digit of both factors, lies above the
+/// rounding by a gain's fractional bits, and leaves room for a sum of two.
 #[cfg(kani)]
 pub fn product(k: <Fixed8 as Number>::Gain, x: <Fixed8 as Number>::Signal) -> i16 {
     (i16::from(k.to_bits()) ^ i16::from(x.to_bits())) << 3
 }
 
-/// Replaces `Guarded::tick`: it records its arguments, and returns a force that differs from them.
+/// Replaces `Guarded::tick`: records the arguments in the guard's memory, and returns a force that differs from all of them.
 #[cfg(kani)]
 pub fn kept<N: Number>(
     guarded: &mut Guarded<N>,
@@ -72,7 +75,7 @@ pub fn kept<N: Number>(
     -wanted
 }
 
-/// Replaces `Guard::switched_off`: it changes the guard's memory recognisably.
+/// Replaces `Guard::switched_off`: changes the guard's memory so that the call can be recognised.
 #[cfg(kani)]
 pub fn ended<N: Number>(_: &Guard<N>, state: &mut touchstone_control::GuardState<N>) {
     core::mem::swap(&mut state.force, &mut state.older);
@@ -146,8 +149,8 @@ controller_property! {
     }
 }
 controller_property! {
-    /// P11 (refinement): a reported force that a later stage commanded reaches the guard, and is the controller's last force from
-    /// then on.
+    /// P11 (refinement): a force that a later stage commanded and reported reaches the guard, and is the controller's last force
+    /// from then on.
     equation "told f: f(n-1) = f, guard(f)"
     over "guard or none, memories, force told"
     by cadical fn p11_controller_told(s) {
@@ -165,8 +168,8 @@ controller_property! {
     }
 }
 controller_property! {
-    /// P11 (refinement): when the controller is switched off, its guard is switched off and the last force is 0; the law's memory
-    /// is not touched.
+    /// P11 (refinement): when the controller is told that the force is switched off, so is its guard, and the last force is 0. The
+    /// law's memory stays.
     equation "guard = switched_off(guard), f = 0"
     over "guard or none, memories"
     by cadical fn p11_controller_switched_off(s) {
@@ -183,7 +186,8 @@ controller_property! {
     }
 }
 controller_property! {
-    /// P7 (end of contact): a resumed controller is as new, except for the energy that is left in its guard's account.
+    /// P7 (end of contact): a controller that is resumed at arming is as new, except for the energy that is left in its guard's
+    /// account.
     equation "memory = new; B' = min(B, C'), f = 0"
     over "guard or none before and after, memories"
     by cadical fn p7_controller_resumes(s) {
@@ -207,7 +211,7 @@ controller_property! {
     }
 }
 
-/// Replaces `AnyLaw::new`: a spring with zero stiffness and the given limit; an error for a negative stiffness.
+/// Replaces `AnyLaw::new`: returns a spring with zero stiffness and the given force limit, or an error for a negative stiffness.
 #[cfg(kani)]
 pub fn law_made<N: Number>(settings: &Settings) -> Result<AnyLaw<N>, SettingsError> {
     let (count, coarsest) = (settings.k_desired, Si::ZERO);
@@ -223,7 +227,7 @@ pub fn law_made<N: Number>(settings: &Settings) -> Result<AnyLaw<N>, SettingsErr
     Ok(AnyLaw::Spring(spring, SpringState::default()))
 }
 
-/// Replaces `Guard::new`: a guard that holds its arguments, with a full account; an error for a negative capacity.
+/// Replaces `Guard::new`: returns a guard that holds the arguments, with a full account, or an error for a negative capacity.
 #[cfg(kani)]
 pub fn guard_made<N: Number>(
     settings: &GuardSettings,
