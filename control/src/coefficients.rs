@@ -168,7 +168,7 @@ pub(crate) fn largest_force<N: Number>(settings: &Settings) -> Result<Force<N>, 
         })
 }
 
-/// Virtual damping per tick, `B/T`, in N·m/rad.
+/// Virtual damping per tick in N·m/rad: the damping `B` over the control period `T`.
 fn damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>, SettingsError> {
     let per_tick = settings.derived().virtual_damping_per_tick;
     stiffness(Field::VirtualDamping, per_tick)
@@ -213,7 +213,7 @@ impl<N: Number> Impact<N> {
     }
 }
 
-/// A fraction divided by the soft stiffness `k_v`, as a compliance.
+/// A fraction divided by the soft stiffness `k_v`, as a compliance in rad/(N·m).
 fn compliance<N: Number>(
     settings: &Settings,
     field: Field,

@@ -1,5 +1,5 @@
-//! The controller around its law. A tick is the law, the pulse at the touch and then the guard, for any law. The controller keeps the force that later
-//! stages report to it.
+//! The controller around a law: a tick is the law, the pulse at the touch and then the energy guard, for any law. The controller
+//! keeps the force that later stages report to it.
 //!
 //! `f` is the force, `e` the penetration, `B` the energy in the guard's account and `C` the most that it holds; `'` marks the new
 //! value.

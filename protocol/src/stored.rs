@@ -28,7 +28,7 @@ pub const LAYOUT_VERSION: u16 = if cfg!(feature = "large") {
     WALL_ALONE
 };
 
-/// Layout version without an environment (further walls, end stops, detents): that of boards without room for one.
+/// Layout version without an environment (further walls, end stops, detents), which boards without room for one write.
 const WALL_ALONE: u16 = 9;
 
 /// Longest image of the settings in flash, in bytes.

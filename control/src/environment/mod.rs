@@ -141,7 +141,8 @@ impl<N: Number> Environment<N> {
         }
         let slots = environment.walls.iter_mut();
         let pulse = Impact::pulse_of(settings).map_err(Refused::Law)?;
-        // A law is long to compute on a board, and walls are often alike.
+        // A board takes long to compute a law's coefficients, and walls often have the same settings, so a wall's law is copied
+        // from the last one.
         let mut last: Option<Walled<N>> = None;
         for (place, (slot, wall)) in (0_u8..).zip(slots.zip(walls)) {
             let own = Settings {

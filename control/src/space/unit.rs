@@ -116,7 +116,7 @@ impl LengthUnit {
         })
     }
 
-    /// Makes an estimator for each axis, from settings in SI units.
+    /// Makes a state estimator for each axis, from settings in SI units.
     ///
     /// # Errors
     /// Same as [`EstimatorSettings::estimator`]; an error gives ranges in this unit of length.

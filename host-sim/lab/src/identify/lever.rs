@@ -95,7 +95,7 @@ impl Lever {
         text
     }
 
-    /// Converts a knob's law settings to the axis. The guard is not converted.
+    /// Converts a knob's law settings to the axis. The energy guard is not converted.
     #[must_use]
     pub fn settings(&self, knob: &Settings) -> Settings {
         let filter = &knob.filter;
