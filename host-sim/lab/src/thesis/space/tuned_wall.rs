@@ -5,6 +5,7 @@
 //! range of rates. The scorecard's measures at these rates are in `docs/devices.md`.
 
 use super::Mechanism;
+use crate::tune::parameters::PULSE;
 use touchstone_control::settings::{FilterSettings, ImpactSettings};
 use touchstone_control::{EstimatorSettings, Settings, Si, StatesKind};
 use touchstone_world::plant::{Device, OMEGA3_AXIS};
@@ -173,7 +174,7 @@ impl TunedWall {
             estimator: self.estimator(),
             // The estimator's mass is tuned; the pulse is to take the axis' own momentum.
             impact: ImpactSettings {
-                momentum: si(self.axis_kg / self.estimator_kg),
+                momentum: si(PULSE * self.axis_kg / self.estimator_kg),
             },
             ..Settings::default()
         }
