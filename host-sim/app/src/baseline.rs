@@ -71,6 +71,7 @@ pub fn on(run: &Summary, before: &[Value], margin: f64) -> Vec<Check> {
         wanted: format!("{what} {wanted}").trim_end().to_owned(),
         came,
         met,
+        not_judged: run.not_judged.clone(),
     };
     let Some(before) = before.iter().find(|before| {
         let same = |field: &str| before[field] == now[field];

@@ -1,13 +1,14 @@
 //! `touchstone run` for a scene with three axes.
 
-use super::expect::Expectations;
+use super::check::Subject;
+use super::expect::{self, Expectations};
 use super::out::{self, json, note, say};
 use super::report_options::{ReportOptions, program};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use touchstone_lab::report::{self, space as page};
 use touchstone_lab::thesis::space::scene::SpaceScene;
-use touchstone_lab::thesis::space::{self};
+use touchstone_lab::thesis::space::{self, Record};
 use touchstone_sim::error::{Error, Result};
 
 /// Name, description and TOML text of the three-axis scene that comes with the program.
@@ -63,7 +64,7 @@ pub struct RunOfSpace<'a> {
 
 /// Runs `touchstone run` for a three-axis scene.
 pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
-    if let Some(option) = asked.lost.or(asked.expectations.first_given()) {
+    if let Some(option) = asked.lost.or(asked.expectations.first_of_one_axis()) {
         return Err(Error::Option {
             option: option.to_owned(),
             problem: "has no meaning in a scene of three axes".to_owned(),
@@ -83,6 +84,7 @@ pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
         )
         .map(|()| ExitCode::SUCCESS);
     }
+    asked.expectations.validate(false)?;
     let command = super::command_line();
     let files = asked.report.files();
     if let Some(folder) = asked.out {
@@ -110,8 +112,11 @@ pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
         .out
         .map(|folder| page::write(&input, folder))
         .transpose()?;
+    let (verdict, why) = runs[0].judged();
+    let subject = subject(scene, &runs[0]);
+    let checked = asked.expectations.check(false, std::iter::once(subject));
     out::result(
-        || page::results(&input),
+        || expect::with_demands(page::results(&input), &checked),
         || {
             let cell = scene.cell();
             say!(
@@ -122,8 +127,15 @@ pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
                 cell.k_desired_n_per_mm,
                 cell.mechanism.about()
             );
+            say!("{:<38}{:>14}", "verdict", verdict.name());
+            if let Some(why) = why {
+                say!("not judged: {why}");
+            }
             for (name, number) in page::numbers(&runs[0]) {
-                say!("{name:<38}{number:>14.6}");
+                match number.is_finite() {
+                    true => say!("{name:<38}{number:>14.6}"),
+                    false => say!("{name:<38}{:>14}", "none"),
+                }
             }
             Ok(())
         },
@@ -133,12 +145,33 @@ pub fn main(scene: &SpaceScene, asked: &RunOfSpace) -> Result<ExitCode> {
     {
         note!("report  {}", written.page.display());
     }
+    let code = checked.conclude()?;
     match runs[0].stopped {
-        false => Ok(ExitCode::SUCCESS),
+        false => Ok(code),
         true => Err(Error::device(
             scene.mechanism.kind.about(),
             "came to a place that its arms do not have",
             "ask for a softer wall, or another object",
         )),
+    }
+}
+
+/// The run, as demands are made on it.
+fn subject(scene: &SpaceScene, run: &Record) -> Subject {
+    let (cell, (verdict, why)) = (scene.cell(), run.judged());
+    Subject {
+        name: format!(
+            "{}: {}, {}, {} N/mm, {}",
+            scene.name,
+            cell.object.name(),
+            cell.approach.name(),
+            cell.k_desired_n_per_mm,
+            cell.mechanism.word()
+        ),
+        verdict: verdict.name(),
+        not_judged: why.map(|why| why.to_string()),
+        penetration_max: None,
+        k_displayed: None,
+        energy_out: run.energy.out_j(),
     }
 }

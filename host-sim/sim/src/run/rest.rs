@@ -5,10 +5,8 @@
 
 use super::terms::Terms;
 use super::tick::Tick;
-use super::verdict::NotJudged;
+use super::verdict::{LEAST_REST_S, NotJudged};
 
-/// Least time for which the device is examined, s: one period of 50 Hz. Most limit cycles are faster.
-const LEAST_S: f64 = 0.02;
 /// Shortest span that counts as rest of a recorded hand, s. Earlier motion may die away in its first three quarters.
 const LEAST_STILL_S: f64 = 0.8;
 /// A span of rest is recorded in pieces of this length, s.
@@ -255,12 +253,12 @@ impl Rest {
             .last()
             .map_or(0.0, |window| window.ticks as f64 * terms.period_s);
         // A tick's share of slack: times are rounded to ticks.
-        if seen_s + terms.period_s < LEAST_S {
+        if seen_s + terms.period_s < LEAST_REST_S {
             // What moves so shortly need not go on.
             rested.oscillates = false;
             rested.not_judged = Some(NotJudged::TooShort {
                 seen_s,
-                least_s: LEAST_S,
+                least_s: LEAST_REST_S,
             });
         }
         rested
