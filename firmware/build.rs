@@ -1,5 +1,5 @@
-//! Build script. Gives the linker the memory map of the board, which lies at the repository's top level, and the linker scripts
-//! that use it. Gives the program a hash of its sources.
+//! Build script. Gives the linker the board's memory map, a file at the repository's top level, and the linker scripts that use
+//! that map. Gives the program a hash of its sources.
 
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,6 @@
 //! Calculates the coefficients of each control law from the settings.
 //!
-//! The code builds one law at a time and avoids returning the enum of all laws: that enum is large, and each return path would copy
+//! A function here builds one law. None returns the enum of all laws, because that enum is large and each return path would copy
 //! it.
 
 use crate::choices::{IdealStep, OffsetUpdate, Regulate};
@@ -42,7 +42,7 @@ impl<N: Number> Common<N> {
         })
     }
 
-    /// The spring law with this damping, given per tick in N·m/rad.
+    /// A spring of the desired stiffness with this damper. The damping is given per tick (damping over control period), in N·m/rad.
     pub const fn spring(&self, damping: Stiffness<N>) -> Spring<N> {
         Spring {
             desired: self.desired,
@@ -51,7 +51,8 @@ impl<N: Number> Common<N> {
         }
     }
 
-    /// A spring with virtual damping. It has a velocity filter of its own unless the settings choose plain differences.
+    /// A spring with virtual damping. Its velocity comes from a filter, unless the settings choose the plain difference of
+    /// positions.
     pub fn damped(
         &self,
         settings: &Settings,
@@ -140,7 +141,7 @@ impl<N: Number> Common<N> {
         })
     }
 
-    /// Energy in joules that the enhanced law lends at each contact, so that the wall may give more than it took.
+    /// Energy in joules that the enhanced law lends to each contact: the wall may give the hand this much more than it took.
     fn credit(&self, settings: &Settings) -> Result<Energy<N>, SettingsError> {
         // The published observer reports the sampling leak as a gain, and so lends what it needs by itself.
         let lent = match settings.observer {
@@ -159,14 +160,14 @@ impl<N: Number> Common<N> {
     }
 }
 
-/// Virtual damping per tick, `B/T`, in N·m/rad.
+/// Virtual damping per tick in N·m/rad: the damping `B` over the control period `T`.
 fn damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>, SettingsError> {
     let per_tick = settings.derived().virtual_damping_per_tick;
     stiffness(Field::VirtualDamping, per_tick)
 }
 
-/// Damping per tick of the enhanced law's spring, for stiffnesses `k_de` up to `k_v`. It is in proportion to `k_de`: with a
-/// constant damper a wall of half the stiffness would take twice as long to settle.
+/// Damping per tick, N·m/rad, of the damped spring that the enhanced law is for desired stiffnesses `k_de` up to the soft stiffness
+/// `k_v`. It is in proportion to `k_de`: with a constant damper a wall of half the stiffness would take twice as long to settle.
 pub(crate) fn soft_damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>, SettingsError> {
     let whole = settings.derived().virtual_damping_per_tick;
     let share = over(settings.k_desired, settings.k_soft);
@@ -182,7 +183,8 @@ fn compliance<N: Number>(
     ratio::<N>(field, over(share, settings.k_soft)).map(Compliance)
 }
 
-/// Converts a fraction per millisecond to a fraction per tick, at most 1, so that the offset is as fast at every control rate.
+/// Converts a fraction per millisecond to a fraction per tick (control period), at most 1. So the offset of the soft spring moves
+/// equally fast at every control rate.
 #[inline]
 fn share_of_tick(settings: &Settings, per_ms: Si) -> Si {
     let per_s = per_ms.saturating_mul(const { Si::const_from_int(1000) });
@@ -237,7 +239,8 @@ fn virtual_mass<N: Number>(settings: &Settings) -> Result<VirtualMass<N>, Settin
     })
 }
 
-/// The gain of the offset's ideal step: `c/k_v`, equation (3.7) of the thesis, or `c/k_de`, by [`crate::IdealStep`].
+/// Gain of the offset's ideal step, `c/k_v` (equation (3.7) of the thesis) or `c/k_de`, chosen by [`crate::IdealStep`]. `c` is the
+/// fraction of the step per tick, `k_v` the soft and `k_de` the desired stiffness.
 fn ideal_step<N: Number>(settings: &Settings) -> Result<Compliance<N>, SettingsError> {
     let stiffness = match settings.ideal_step {
         IdealStep::Position => settings.k_soft,
@@ -248,7 +251,7 @@ fn ideal_step<N: Number>(settings: &Settings) -> Result<Compliance<N>, SettingsE
     ratio::<N>(Field::StepOfIdeal, over(share, stiffness)).map(Compliance)
 }
 
-/// Largest energy that a law stores: a quarter of the format's range, so that adding one tick's work can never saturate.
+/// Largest energy that a law stores: a quarter of the number format's range, so that adding the work of one tick never saturates.
 fn energy_cap<N: Number>() -> Energy<N> {
     // 2^62 of 2^63 in the 32-bit format: 16384 J. Formats that cannot say so (16 bits: ±8 J) get a quarter of theirs.
     [16384, 4, 1]

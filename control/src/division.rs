@@ -1,8 +1,8 @@
-//! Division of a double word (64 bits) by a word (32 bits), on a machine that divides words only.
+//! Divides a double word (64 bits) by a word (32 bits) on a machine that can divide words only.
 //!
 //! A Cortex-M4 divides 32 bits by 32 bits. The routine that a compiler inserts for 64 bits takes some 300 instructions at worst.
-//! But the laws always divide *by* a word. Long division then needs three divisions of the machine, and two where the quotient is a
-//! word too. A machine that divides 64 bits uses its own division; the quotients are the same.
+//! The divisors of control laws are always words. So long division needs only three machine divisions, or two where the quotient is
+//! a word too. A machine that can divide 64 bits uses its own instruction, with the same quotients.
 
 /// `floor(dividend / divisor)`; `None` for a divisor of zero.
 #[inline]
@@ -14,8 +14,8 @@ pub fn quotient(dividend: u64, divisor: u32) -> Option<u64> {
     }
 }
 
-/// `floor(dividend / divisor)` for a quotient of one word, that is for `dividend < divisor · 2^32`. The second value is the
-/// quotient times the divisor. For any other dividend the result has no meaning.
+/// `floor(dividend / divisor)` where it fits a word, that is for `dividend < divisor · 2^32`, and as second value the quotient
+/// times the divisor. For a larger dividend the result has no meaning.
 #[inline(always)]
 pub fn short_quotient(dividend: u64, divisor: u32) -> (u32, u64) {
     if cfg!(target_pointer_width = "32") {
@@ -47,7 +47,7 @@ macro_rules! long_division {
         }
 
         $(#[$doc])*
-        /// Division of a double word by a word, for a quotient of one word.
+        /// Divides a double word by a word where the quotient fits a word; for a larger dividend the result has no meaning.
         #[inline(always)]
         fn $short(dividend: $wide, divisor: $word) -> $word {
             const WORD: u32 = <$word>::BITS;

@@ -1,11 +1,12 @@
-//! Converts the encoder count to the penetration into a wall: the first step of each tick, in integers on every machine.
+//! Converts the encoder count to the penetration into a wall: the first step of each tick (control period). Every machine
+//! calculates it in integers.
 
 use crate::number::Saturates as _;
 use crate::{Number, Position, Si};
 
 /// Fractional bits of the angle of one count. With 48 bits a turn of 40,000 counts is exact to 1.4e-10 rad.
 const STEP_BITS: u32 = 48;
-/// Fractional bits that the angle of one count has beyond those of [`Si`].
+/// How many fractional bits more the angle of one count has than [`Si`].
 const LOST: u32 = STEP_BITS - Si::FRAC_NBITS;
 /// A turn in rad with 48 fractional bits: `round(2 π · 2^48)`.
 const TURN: i64 = 1_768_559_438_007_110;
@@ -28,8 +29,8 @@ pub struct CountScale {
     half_turn: Si,
 }
 
-/// A count split into the nearest number of whole turns and the remaining counts. For a negative count the parts are those of its
-/// modulus.
+/// A count split into the nearest whole number of turns and the counts beyond them. A negative count is split by its absolute
+/// value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Turned {
     turns: i64,
@@ -39,8 +40,8 @@ struct Turned {
 }
 
 impl CountScale {
-    /// The scale of an encoder with this number of counts per turn (after quadrature decoding) and a wall's surface at an angle in
-    /// rad. `None` for 0 counts.
+    /// Makes the scale of an encoder from its counts per turn (after quadrature decoding) and the angle of a wall's surface in rad.
+    /// `None` for 0 counts.
     #[must_use]
     pub fn new(counts_per_rev: u32, surface: Si) -> Option<Self> {
         let counts = i64::from(counts_per_rev);
@@ -119,7 +120,7 @@ impl CountScale {
         Position(N::saturating_signal(way))
     }
 
-    /// The scale of the same encoder with another surface.
+    /// The scale of the same encoder for a wall whose surface is at another angle, rad.
     #[inline(always)]
     #[must_use]
     pub fn before(self, surface: Si) -> Self {
@@ -146,7 +147,7 @@ impl CountScale {
         if below { size.saturating_neg() } else { size }
     }
 
-    /// Same as [`CountScale::penetration`] for another surface, with counts whose origin lies `turns` whole turns further on.
+    /// Same as [`CountScale::penetration`] for a surface at another angle, where count 0 lies `turns` whole turns further on.
     #[inline(always)]
     #[must_use]
     pub fn penetration_from<N: Number>(&self, turns: i32, surface: Si, count: i64) -> Position<N> {
@@ -154,7 +155,8 @@ impl CountScale {
         self.behind(surface, count.saturating_sub(from))
     }
 
-    /// Penetration of a count, rounded down to a step of the number format: `e = 2π count / counts_per_rev - x_s`. It saturates.
+    /// Penetration of an encoder count into the wall, `2π count / counts_per_rev - surface` in rad. It is rounded down to a step of
+    /// the number format and saturates.
     ///
     /// Angles reach ±32,767 rad before the calculation itself saturates.
     #[inline]

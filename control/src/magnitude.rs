@@ -16,15 +16,15 @@ pub trait Word: Copy + Debug + Ord + 'static {
     type Wide: Copy + Debug + Ord + 'static;
     /// Number of bits of the word.
     const BITS: u32;
-    /// Zero as a word.
+    /// The number zero.
     const ZERO: Self;
-    /// The largest magnitude of the signed word of this width: `2^(BITS-1) - 1`.
+    /// The largest absolute value of a signed word of this width: `2^(BITS-1) - 1`.
     const MAX_SIGNED: Self;
     /// Zero in the double width.
     const WIDE_ZERO: Self::Wide;
     /// The integer 1 in the double width.
     const WIDE_ONE: Self::Wide;
-    /// The largest magnitude of the signed double-width word.
+    /// The largest absolute value of a signed word of twice the width.
     const WIDE_MAX_SIGNED: Self::Wide;
 
     /// The exact product of two words.
@@ -33,7 +33,7 @@ pub trait Word: Copy + Debug + Ord + 'static {
     fn divides(self, wide: Self::Wide) -> (Self::Wide, Self::Wide);
     /// [`Word::divides`] for a quotient of at most `MAX_SIGNED`: `None` where the quotient is larger.
     fn divides_within(self, wide: Self::Wide) -> Option<(Self, Self::Wide)>;
-    /// `wide` as a word, limited to `MAX_SIGNED`.
+    /// `wide` as a word of single width, limited to `MAX_SIGNED`.
     fn narrow(wide: Self::Wide) -> Self;
     /// The word, limited to `MAX_SIGNED`.
     fn at_most_signed(self) -> Self;
@@ -173,7 +173,7 @@ word!(
     division::short_quotient
 );
 
-/// Result of a passivity step: the stored energy that is left, and the largest force allowed.
+/// Result of a passivity step, which bounds a force by stored energy: the energy left, and the largest force allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Step<W: Word> {
     /// Stored energy after the step.
@@ -182,10 +182,12 @@ pub struct Step<W: Word> {
     pub force: W,
 }
 
-/// One passivity step for a displacement that is already known (equations 2.1–2.4 of the thesis, in magnitudes).
+/// Bounds a force so that its work over a known displacement never exceeds the stored energy (equations 2.1–2.4 of the thesis, on
+/// absolute values).
 ///
-/// `inward`: the displacement is against the force, so the wall absorbs energy. Otherwise the wall gives energy away. If the stored
-/// energy does not suffice, the force becomes the quotient of energy and displacement, rounded towards zero. The energy left is
+/// `inward` says that the displacement is against the force, so that the wall absorbs energy. Otherwise the wall gives energy away.
+/// If the stored energy does not suffice, the force becomes the quotient of energy and displacement, rounded towards zero. The
+/// energy left is
 /// **the remainder of that division**, `0 <= energy' < moved`, so nothing is multiplied a second time.
 ///
 /// For every input: `energy' <= energy + force'·moved` inward (equal below the cap), `energy' = energy - force'·moved` outward,
@@ -214,16 +216,17 @@ pub fn passivity_step<W: Word>(energy: W::Wide, force: W, moved: W, inward: bool
     }
 }
 
-/// Result of an outward motion that stored energy pays for: the distance, and the energy left.
+/// Result of [`affordable`]: how far a body moves out against a force until the stored energy is used up, and the energy left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Retreat<W: Word> {
-    /// Displacement: `floor(energy / force)`, saturating.
+    /// Distance that the energy pays for: `floor(energy / force)`, saturating.
     pub moved: W,
     /// Energy left: `energy - force · moved`, never negative.
     pub rest: W::Wide,
 }
 
-/// How far a body may move outward against the full force before the stored energy is used up, and the remainder of that division.
+/// How far a body may move outward against the full force before the stored energy is used up, and the energy left (the remainder
+/// of that division).
 ///
 /// For every input with a force: `force·moved + rest = energy`. With a force of 0 the displacement is 0.
 #[inline(always)]
@@ -251,7 +254,8 @@ pub struct Root<W: Word> {
     pub square: W::Wide,
 }
 
-/// Returns the candidate, a root with one more binary digit, if its square does not exceed the radicand; else the root so far.
+/// One step of a square root: returns the candidate (the root so far with one more binary digit) if its square does not exceed the
+/// radicand, else the root so far.
 #[inline(always)]
 pub fn root_digit<W: Word>(so_far: Root<W>, radicand: W::Wide, candidate: W) -> Root<W> {
     let square = candidate.times(candidate);
@@ -279,7 +283,7 @@ pub fn root<W: Word>(radicand: W::Wide) -> Root<W> {
     found
 }
 
-/// `floor(gain · x)` for a gain with `bits` fractional bits, saturating.
+/// `floor(gain · x)`, limited to the range of a word. `gain` is a fixed-point number with `bits` fractional bits.
 #[inline(always)]
 pub fn scale<W: Word>(gain: W, x: W, bits: u32) -> W {
     W::narrow(W::shift_down(gain.times(x), bits))

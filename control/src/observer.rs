@@ -1,6 +1,7 @@
 //! Energy observers: two ways to sum the energy that a wall takes from a hand, and what each sum guarantees.
 //!
-//! A force is held over a tick (zero-order hold), so the force that acted over the last displacement is the previous one:
+//! `E(n)`, `f(n)` and `e(n)` are energy, force and penetration at tick `n`. A force is held over a tick (zero-order hold), so the
+//! force that acted over the last displacement is the previous one:
 //! - [`ObserverForm::Exact`]: `E(n) = E(n-1) + f(n-1) (e(n) - e(n-1))`, the true energy of the port, without a velocity;
 //! - [`ObserverForm::Thesis`], equations (2.1) and (2.4): `E(n) = E(n-1) + f(n) (e(n) - e(n-1))`, which counts the energy leak of sampling with
 //!   the opposite sign. A controller that chooses `f(n)` can keep *this sum* from becoming negative. That says nothing about the true energy.
@@ -10,7 +11,8 @@ use crate::{Energy, Force, Number, Position, Stiffness};
 crate::choice! {
     /// The force that an energy observer multiplies with the last displacement.
     ObserverForm {
-        /// The previous force, which acted over the displacement: the sum is the true energy under a zero-order hold.
+        /// The previous force, which acted over the displacement. The sum is then the true energy of a force that is held over each
+        /// tick.
         #[default]
         Exact = "exact",
         /// The new force, as in equations (2.1) and (2.4) of the thesis.
@@ -18,7 +20,8 @@ crate::choice! {
     }
 }
 
-/// Energy in joules that a damper took over one displacement, `c/T · Δ²`, rounded down.
+/// Energy in joules that a damper dissipates over one displacement, rounded down: `damping` (damping over control period, N·m/rad)
+/// times the square of the displacement.
 #[inline(always)]
 pub fn damping_loss<N: Number>(damping: Stiffness<N>, moved: Position<N>) -> Energy<N> {
     (damping * moved).towards_zero() * moved
@@ -54,10 +57,11 @@ impl<N: Number> ExactObserver<N> {
     }
 }
 
-/// The thesis' energy observer on its own, without a control law.
+/// The energy observer in the form of the thesis, for use without a control law. It multiplies the new force with the last
+/// displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ThesisObserver<N: Number> {
-    /// Energy taken from the hand so far by the thesis' sum, J.
+    /// Energy that the thesis' formula counts as taken from the hand so far, J.
     pub energy: Energy<N>,
     position: Position<N>,
 }

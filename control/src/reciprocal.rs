@@ -1,7 +1,7 @@
-//! Quotients by a constant divisor, without a division.
+//! Divides by a constant without a division instruction.
 //!
-//! A law divides by the same few stiffnesses at every tick. So a constant inverse is calculated once. For the
-//! divisor shifted up until its highest bit is set, `2^(W-1) <= d < 2^W`, it is `m = floor((2^k - 1)/d)` with
+//! A control law divides by the same few stiffnesses at every tick. So an inverse of each is calculated once. `W` is the number of bits of
+//! a word. For the divisor shifted up until its highest bit is set, `2^(W-1) <= d < 2^W`, the inverse is `m = floor((2^k - 1)/d)` with
 //! `k = 3W - 1`. Then, for every `n < 2^(W-1) d`,
 //!
 //! ```text
@@ -53,7 +53,7 @@ macro_rules! reciprocal {
                 }
             }
 
-            /// `floor(dividend / divisor)`, at most `2^(W-1) - 1`; 0 for a divisor of 0.
+            /// `floor(dividend / divisor)`, limited to `2^(W-1) - 1` for words of `W` bits; 0 for a divisor of 0.
             #[inline(always)]
             pub fn quotient(&self, dividend: $wide) -> $word {
                 if dividend >= <$wide>::from(self.divisor) << (Self::WORD - 1) {
@@ -105,7 +105,7 @@ fn high_16(a: u16, b: u16) -> u16 {
 mod tests {
     use super::{Reciprocal8, Reciprocal16, Reciprocal32};
 
-    /// Checks every 16-bit dividend with every 8-bit divisor.
+    /// Checks the quotient by a prepared inverse for every 16-bit dividend with every 8-bit divisor.
     #[test]
     fn every_quotient_of_8_bits() {
         for divisor in 0..=u8::MAX {
@@ -121,8 +121,8 @@ mod tests {
         }
     }
 
-    /// Checks every 16-bit divisor where the quotient changes: at a multiple and just below, for small, large and saturated
-    /// quotients.
+    /// Checks every 16-bit divisor at dividends where the quotient changes: at a multiple of the divisor and just below, for small,
+    /// large and saturated quotients.
     #[test]
     fn every_divisor_of_16_bits() {
         for divisor in 0..=u16::MAX {
@@ -217,7 +217,8 @@ mod tests {
         random(100_000);
     }
 
-    /// Checks 2^32 random quotients, in about a minute: `cargo test --release -p touchstone-control -- --ignored`.
+    /// Compares 2^32 quotients of random words with the machine's division. It takes about a minute: `cargo test --release -p
+    /// touchstone-control -- --ignored`.
     #[test]
     #[ignore = "a minute in a release build"]
     fn four_thousand_million_random_words() {

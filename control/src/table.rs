@@ -1,6 +1,6 @@
-//! The one table of the control law's settings: path, type, range, default, unit, and a description for people.
+//! The one table of the control law's settings. Each row has path, type, range, default, unit, and a description for people.
 //!
-//! Everything else is generated from its rows: the fields of [`crate::Settings`] with their defaults, the variants of
+//! Code is generated from the rows: the fields of [`crate::Settings`] with their defaults, the variants of
 //! [`crate::Field`] with their range checks, the settings of a device, the fields of a scene file, and the output of `touchstone
 //! config schema`. A row has this form:
 //!
@@ -14,10 +14,10 @@
 //!   A scene may leave out a `choice_of_law`; the law then has its own value.
 //! - `words` is the description that messages show after "give" and before the unit.
 //!
-//! `timing`, `wall` and `law` are tables of a scene and of a device, and fields of [`crate::Settings`] itself. The sections after
-//! them are groups: a group is a struct, a field of [`crate::Settings`], and the table `law.GROUP`.
+//! `timing`, `wall` and `law` are tables of a scene and of a device, and their fields are fields of [`crate::Settings`] itself. The
+//! sections after them are groups: a group is a struct, a field of [`crate::Settings`], and the table `law.GROUP`.
 //!
-//! The texts stand in constants only, so a program contains only the texts that it uses.
+//! The texts are constants, so a program contains only the texts that it uses.
 
 /// Passes the table of settings to another macro, which generates code from it.
 #[macro_export]
@@ -77,8 +77,8 @@ macro_rules! law_settings {
                 States states, states: choice(StatesKind) = Estimated, "",
                     "what the law is told of position and velocity (estimated: predicted for when its force acts)";
             }
-            /// The virtual mass of the enhanced law between the hand's point (HIP) and the wall, by its physical parameters (thesis
-            /// §3.5, Fig. 3.11).
+            /// The virtual mass of the enhanced law between the hand's point (HIP) and the wall, given by physical parameters:
+            /// mass, stiffness and dampings (thesis §3.5).
             filter FilterSettings {
                 FilterMass mass, mass_kg_m2: number("0", "10000") = "0.000009", "kg·m²",
                     "the filter's virtual mass";
@@ -139,8 +139,8 @@ macro_rules! law_settings {
     };
 }
 
-/// Passes the thesis' settings that differ from the table's defaults to another macro, as `(table) field, name = value`. The thesis
-/// also uses measured states (`law.states`) and no guard (`law.guard.on`).
+/// Passes the settings of the thesis to another macro, as `(table) field, name = value`. Only those are listed that differ from the
+/// table's defaults. The thesis also uses measured states (`law.states`) and no guard (`law.guard.on`).
 #[macro_export]
 macro_rules! thesis_settings {
     ($with:ident $($more:tt)*) => {
@@ -168,7 +168,7 @@ macro_rules! thesis_settings {
     };
 }
 
-/// The Rust type of a setting, by the kind in its row of the table.
+/// Gives the Rust type of a setting from the kind in the setting's row of the table, such as `number` or `flag`.
 #[macro_export]
 macro_rules! setting_type {
     (number $range:tt) => {
@@ -188,7 +188,7 @@ macro_rules! setting_type {
     };
 }
 
-/// The default of a setting, as a value of its Rust type.
+/// Gives the default of a setting, from the row's text, as a value of the setting's Rust type.
 #[macro_export]
 macro_rules! setting_value {
     ($value:tt: number $range:tt) => {
@@ -214,7 +214,7 @@ macro_rules! setting_path {
     (($($table:ident)+) $name:ident) => { concat!($(stringify!($table), ".",)+ stringify!($name)) };
 }
 
-/// A setting that is one of a few words.
+/// A setting whose value is one word of a fixed list, such as a control law's name.
 pub trait Choice: Copy + PartialEq + 'static {
     /// All variants. The place in this list is the variant's number on the wire, so new variants go to the end.
     const ALL: &'static [Self];
@@ -267,7 +267,7 @@ macro_rules! choice {
     };
 }
 
-/// Each unit as the end of a setting's name, and as people read it.
+/// For each unit: the text that ends the names of settings in that unit, and the unit as people read it.
 const UNITS: &[(&str, &str)] = &[
     ("", ""),
     ("hz", "Hz"),
@@ -290,7 +290,7 @@ const UNITS: &[(&str, &str)] = &[
     ("per_rev", "counts/rev"),
 ];
 
-/// The end of a setting's name for a unit as people read it: `N·m/rad` gives `n_m_per_rad`. For constants only.
+/// Returns the end of a setting's name for a unit as people read it: `N·m/rad` gives `n_m_per_rad`. For constants only.
 ///
 /// # Panics
 /// No setting has this unit. Only constants call the function, so a panic stops the compiler and never a running program.

@@ -7,11 +7,11 @@ pub struct Angle(
     pub u16,
 );
 
-/// Steps of the sine table per turn.
+/// Number of steps of the sine table per turn.
 const STEPS: usize = 256;
-/// Bits of an angle below a step of the sine table, for interpolation.
+/// Number of low bits of a 16-bit angle that lie between two steps of the sine table and are interpolated.
 const STEP_BITS: u32 = 8;
-/// Sine table with one entry more than a turn needs, so that each entry has a next one.
+/// Sine table. It has one entry more than a turn needs, so that the interpolation always finds a next entry.
 const TABLE: [i16; STEPS + 1] = table();
 
 /// `2 π` with 60 fractional bits.
@@ -19,7 +19,8 @@ const TWO_PI: i128 = 7_244_019_458_077_122_842;
 /// Fractional bits with which the sine table is calculated.
 const BITS: u32 = 60;
 
-/// Calculates `sin(2π k / 256)` in 1/32,768, rounded to the nearest, with 1 as 32,767. The compiler evaluates the power series.
+/// Calculates the sine table in 1/32,768, rounded to the nearest, with 1 as 32,767: entry `k` is `sin(2π k / 256)`. The compiler
+/// evaluates the power series.
 const fn table() -> [i16; STEPS + 1] {
     let mut table = [0; STEPS + 1];
     let mut k = 0;
@@ -80,7 +81,7 @@ impl Angle {
         Self(self.0.wrapping_add(other.0))
     }
 
-    /// Signed angle from `other` to this angle, the short way, in 1/65,536 of a turn.
+    /// Signed angle from `other` to this angle, in 1/65,536 of a turn, by the shorter way: -32,768 to 32,767.
     #[inline]
     #[must_use]
     pub const fn since(self, other: Self) -> i16 {
@@ -91,7 +92,7 @@ impl Angle {
 /// Converts encoder counts to the electrical angle. It is exact to 2^-64 turns per count, so no error builds up over many turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ElectricalScale {
-    /// Electrical turns per count in units of 2^-64, `2^64 pole pairs/counts`, wrapping.
+    /// Electrical turns per encoder count in units of 2^-64 turn: `2^64 · pole pairs/counts per turn`, wrapping at 2^64.
     per_count: u64,
 }
 
@@ -112,7 +113,7 @@ impl ElectricalScale {
         }
     }
 
-    /// The electrical angle of a count, relative to that of count 0.
+    /// The electrical angle at an encoder count, relative to the angle at count 0.
     #[inline]
     #[must_use]
     pub const fn angle(&self, count: i64) -> Angle {

@@ -1,14 +1,14 @@
-//! The environments (walls and detents) of a board: one that runs, and room for the one that replaces it.
+//! The environments (several walls and detents) that a board renders: one that runs, and room for the one that replaces it.
 //!
 //! ```text
-//! armed:      prepare -> next tick:        takes over from what runs, no jump
+//! armed:      prepare -> next tick:        replaces what runs, without a jump of the force
 //! not armed:  prepare -> at once:          runs from the next arming on
 //! other settings wait for a calibration -> prepare waits for it as well
 //! ```
 //!
-//! If there is only the wall of the settings, the device's own law runs, as on boards without environments, and takes the same
-//! time. An environment takes the wall's place only if the user changes to another scene while the device is armed; that lasts
-//! until the next arming.
+//! If only the single wall of the settings is requested, the device's own control law renders it, as on boards without environments,
+//! and takes the same time. Only if the user changes the scene while the device is armed does an environment replace that wall. The
+//! replacement lasts until the next arming.
 
 use crate::change::ChangeConfig;
 use crate::cogging::Played;
@@ -23,7 +23,7 @@ use touchstone_protocol::settings::environment::{CountsFrom, Surround};
 
 type Law = Controller<Fixed32>;
 
-/// The coefficients that are computed from settings and an environment.
+/// An environment of walls and detents, with its coefficients computed from the settings.
 #[derive(Debug, Clone, Copy)]
 pub struct Surrounding {
     environment: Environment<Fixed32>,
@@ -37,7 +37,7 @@ impl Surrounding {
     /// Checks the environment and computes its coefficients.
     ///
     /// # Errors
-    /// The setting that is refused.
+    /// A setting is refused; the error names it.
     #[cold]
     #[inline(never)]
     pub fn new(
@@ -54,11 +54,11 @@ impl Surrounding {
     }
 }
 
-/// Makes an environment of settings. If the position is measured when the force changes, the board's own delay is added to the
-/// guard's settings.
+/// Computes the coefficients of an environment. If the settings require that the position is measured when the force changes, the
+/// board's own delay is added to the settings of the energy guard.
 ///
 /// # Errors
-/// The setting that is refused.
+/// A setting is refused; the error names it.
 pub fn built(
     settings: &DeviceSettings,
     hardware: &Hardware,
@@ -72,7 +72,7 @@ pub fn built(
     environment.built(&told)
 }
 
-/// What is prepared but does not run yet.
+/// The event for which the prepared environment waits before it runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Waits {
     Nothing,
@@ -88,11 +88,11 @@ pub struct Around {
     waits: Waits,
     /// Whether an environment runs, in the place of the single wall of the settings.
     runs: bool,
-    /// Whether there was a tick since the arming; the next fields hold its encoder count and its force.
+    /// Whether a control period has run since the arming. The next fields hold that period's encoder count and force.
     ticked: bool,
     count: i64,
     shown: Force<Fixed32>,
-    /// The cogging map in use, and whether it waits for a calibration.
+    /// The cogging map in use. The next field: whether the map waits for a calibration.
     map: Option<Played>,
     map_waits: bool,
 }
@@ -122,8 +122,8 @@ impl Around {
         self.map_waits = settings_wait;
     }
 
-    /// Prepares an environment and returns from when on it counts. `settings_wait` means that the settings with which it was
-    /// computed wait for a calibration.
+    /// Prepares an environment and returns from when on it is rendered. `settings_wait` means that its coefficients come from
+    /// settings that wait for a calibration.
     pub(crate) fn prepare(
         &mut self,
         surrounding: &Surrounding,
@@ -166,8 +166,8 @@ impl Around {
         }
     }
 
-    /// Ends the running environment. The energy in its guard's account goes back to the guard of the settings' wall, as the hand is
-    /// the same.
+    /// Ends the running environment. The energy left in its guard's energy account passes to the guard of the settings' wall,
+    /// because the same hand holds the knob.
     #[cold]
     #[inline(never)]
     fn end(&mut self, law: &mut Law) {
@@ -182,7 +182,7 @@ impl Around {
         self.runs = false;
     }
 
-    /// Starts the environment that was prepared last, at an arming.
+    /// Starts, when the device is armed, the environment that was prepared last.
     #[cold]
     #[inline(never)]
     fn begin(&mut self, law: &Law) {
@@ -326,7 +326,7 @@ impl Scenery for Around {
     }
 }
 
-/// Internal values of the wall that is touched; an environment of detents alone has none.
+/// Internal values of the wall that the device touches, for telemetry; an environment of detents alone has none.
 #[inline(never)]
 fn seen(environment: &Environment<Fixed32>) -> View<Fixed32> {
     environment.view().unwrap_or(View {
@@ -337,8 +337,7 @@ fn seen(environment: &Environment<Fixed32>) -> View<Fixed32> {
     })
 }
 
-/// Runs one tick of an environment. It is a separate function in every program, like the law's tick, so that its time can be
-/// counted.
+/// Runs one control period of an environment. The function is never inlined, so that every program can count its processor cycles.
 #[inline(never)]
 fn environment_tick(
     environment: &mut Environment<Fixed32>,

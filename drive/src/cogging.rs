@@ -1,9 +1,10 @@
-//! Compensation of cogging by a stored map: a current by the shaft's position, added to the current that the law requests.
+//! Compensation of cogging by a stored map: a current that depends on the shaft's position is added to the current that the control
+//! law requests.
 //!
-//! The map's harmonics are summed once, outside the ticks, into a table over a turn. The control tick interpolates linearly between
-//! the table's entries. Three properties bound the map's effect: no entry is more than a quarter of the current limit; the entries
-//! add up to zero, so the work over a turn is zero; and the table is read at the position that the shaft has when the current acts.
-//! `docs/energy-guard.md` has the energy that remains.
+//! The map's harmonics are summed once, outside the control interrupt, into a table over a turn. In each control period the device
+//! interpolates linearly between the table's entries. Three properties bound the map's effect. No entry is more than a quarter of
+//! the current limit. The entries add up to zero, so the work over a turn is zero. The table is read at the position that the shaft
+//! has when the current acts. `docs/energy-guard.md` states the energy that the map can still give to a hand.
 
 use crate::Amps;
 use crate::angle::{Angle, ElectricalScale};
@@ -14,12 +15,12 @@ use touchstone_control::Si;
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::settings::cogging::{CURRENT_BITS, CoggingMap};
 
-/// Table entries per turn, as a power of two: 24 for each of the usual 84 periods. Linear interpolation then errs by at most 0.9 %
-/// of the amplitude.
+/// Number of table entries per turn, as a power of two. With the usual 84 cogging periods per turn that is 24 entries per period,
+/// and linear interpolation errs by at most 0.9 % of the amplitude.
 const PLACES_LOG2: u32 = 11;
 /// Table entries per turn.
 pub const PLACES: usize = 1 << PLACES_LOG2;
-/// Bits of an angle below a step of the table, for interpolation.
+/// Number of low bits of a 16-bit angle that lie between two table entries and are interpolated.
 const REST_BITS: u32 = 16 - PLACES_LOG2;
 /// The map may use at most the current limit divided by this number. With more, too little current would be left for the wall's
 /// force.
@@ -27,16 +28,17 @@ pub const SHARE: i32 = 4;
 
 /// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
-/// Mean time in PWM periods from a tick's encoder reading until its command acts, without the current loop's own lag.
+/// Mean time in PWM periods from the encoder reading of a control period until the command computed from it acts. The current
+/// loop's own lag is not included.
 const ACTS_AFTER_PERIODS: i64 = 2;
 
-/// A cogging map prepared for the control tick, as a table of currents.
+/// A cogging map prepared for the control interrupt, as a table of currents.
 #[derive(Debug, Clone)]
 pub struct Played {
     /// Current by position within a turn, in 2^-13 A.
     table: [i16; PLACES],
     scale: ElectricalScale,
-    /// Distance ahead of the shaft at which the table is read, 2^-16 turns per rad/s.
+    /// How far ahead of the shaft the table is read, per speed: 2^-16 turns per rad/s.
     lead: I16F16,
 }
 
@@ -104,7 +106,7 @@ fn sum_at(map: &CoggingMap, place: u32) -> i64 {
     (sum + (1 << 14)) >> 15
 }
 
-/// Makes the entries add up to zero. Then linear interpolation between them takes as much work over a turn as it gives.
+/// Shifts the entries so that they add up to zero. Then the interpolated current does no net work over a turn.
 fn level(table: &mut [i16; PLACES], sum: i64) {
     let (each, mut rest) = (sum.div_euclid(PLACES as i64), sum.rem_euclid(PLACES as i64));
     for entry in table {
@@ -115,7 +117,7 @@ fn level(table: &mut [i16; PLACES], sum: i64) {
     }
 }
 
-/// Distance that the shaft moves until a current acts, in the middle of the tick in which it acts.
+/// Angle that the shaft turns, per speed, from the encoder reading to the middle of the time in which the current acts.
 fn lead(settings: &DeviceSettings, hardware: &Hardware) -> I16F16 {
     let of = |parts: i64, rate: Si| quotient(Si::const_from_int(parts), rate);
     let period = of(ACTS_AFTER_PERIODS, Si::saturating_from_num(hardware.pwm_hz));

@@ -34,26 +34,26 @@ pub enum DriveCommand {
     Analogue(DacCode),
 }
 
-/// Position and motion of the rotor, for the drives that need them.
+/// Position and motion of the rotor, for the drives that must know them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Rotor {
-    /// Number of the control tick.
+    /// Number of the control period.
     pub tick: u32,
     /// Electrical angle of the rotor.
     pub angle: Angle,
     /// Change of the electrical angle in a PWM period, 2^-32 turns.
     pub advance: i32,
-    /// Whether the electrical angle falls when the count rises.
+    /// Whether the electrical angle falls when the encoder count rises.
     pub against: bool,
     /// Fraction of the current limit that the temperature allows, in 1/65,536; at most 65,536.
     pub derating: u32,
-    /// Current that the cogging map adds, positive along `+x`.
+    /// Current that the cogging map adds, A; positive if its torque acts towards rising positions (`+x`).
     #[cfg(feature = "large")]
     pub map: Amps,
 }
 
 impl Rotor {
-    /// The cogging map's current, limited to the current that the law leaves; 0 without a map.
+    /// The cogging map's current, limited to `left`, the current that the control law's force leaves unused; 0 without a map.
     #[inline(always)]
     #[cfg(feature = "large")]
     fn added(&self, left: Amps) -> Amps {
@@ -67,7 +67,7 @@ impl Rotor {
         Amps::ZERO
     }
 
-    /// The command for a current whose torque acts along `+x`.
+    /// The current loop's command for a current whose torque acts towards rising positions (`+x`).
     #[inline(always)]
     pub(crate) const fn along(&self, current: Amps) -> CurrentCommand {
         CurrentCommand {
@@ -87,27 +87,27 @@ impl Rotor {
     }
 }
 
-/// The drive command for a torque, and which limits acted.
+/// The drive command for a torque, and the limits that made the torque smaller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Driven {
     /// The command to the drive.
     pub command: DriveCommand,
     /// The limits that made the torque smaller.
     pub limits: Limits,
-    /// The torque along `+x` that is left after the limits.
+    /// The torque that remains after the limits, N·m; positive towards rising positions (`+x`).
     pub torque: Force<Fixed32>,
 }
 
 /// Turns a torque into a command for the motor's drive.
 pub trait Drive {
-    /// The command for a torque along `+x`.
+    /// Returns the drive command for a torque that is positive towards rising positions (`+x`).
     fn command(&self, torque: Force<Fixed32>, rotor: &Rotor) -> Driven;
 }
 
 /// A three-phase motor on this board's bridge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ThreePhase {
-    /// `1/k_t`, A/(N·m).
+    /// Inverse of the torque constant, `1/k_t`, A/(N·m).
     amps_per_nm: Amps,
     /// Torque constant `k_t`, N·m/A.
     nm_per_amp: I8F24,
@@ -118,7 +118,7 @@ impl ThreePhase {
     /// Computes the coefficients from the motor's settings.
     ///
     /// # Errors
-    /// The inverse of the torque constant does not fit its format.
+    /// The inverse of the torque constant does not fit its fixed-point format.
     #[inline]
     pub fn new(motor: &MotorSettings) -> Result<Self, SettingsError> {
         let inverse = quotient(Si::ONE, motor.torque_constant_n_m_per_a);
@@ -172,7 +172,7 @@ impl Drive for ThreePhase {
 /// A servo amplifier connected to the analogue output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Analogue {
-    /// Codes per N·m with 16 fractional bits.
+    /// Codes of the analogue output per N·m, with 16 fractional bits.
     codes_per_nm: i32,
 }
 
@@ -180,7 +180,7 @@ impl Analogue {
     /// Computes the coefficient from the amplifier's settings.
     ///
     /// # Errors
-    /// The inverse of the full-scale torque does not fit its format.
+    /// The inverse of the full-scale torque does not fit its fixed-point format.
     #[inline]
     pub fn new(drive: &DriveSettings) -> Result<Self, SettingsError> {
         let codes = quotient(Si::const_from_int(2_047), drive.analogue_full_scale_n_m);
@@ -221,7 +221,7 @@ impl AnyDrive {
     /// Computes the drive's coefficients from the settings.
     ///
     /// # Errors
-    /// A coefficient does not fit its format.
+    /// A coefficient does not fit its fixed-point format.
     #[inline]
     pub fn new(settings: &DeviceSettings) -> Result<Self, SettingsError> {
         Ok(match settings.drive.kind {

@@ -1,8 +1,8 @@
-//! The coefficients that are computed once from settings, and how a calibration changes to those of other settings.
+//! The coefficients that are computed once from the settings, and how a calibration switches to the coefficients of other settings.
 //!
 //! The functions that compute the coefficients, here and in the crate `control`, are `#[inline]`. So each program compiles them
-//! itself, the firmware for size. The code of the ticks is compiled with its crate, for speed. On the STM32G431 that saves 6 KiB of
-//! flash.
+//! itself, the firmware for size. The code that runs in each control period is compiled with its crate, for speed. On the STM32G431
+//! that saves 6 KiB of flash.
 
 use crate::angle::ElectricalScale;
 use crate::calibration::CalibrationConfig;
@@ -32,18 +32,18 @@ pub struct Config {
     pub supervisor: SupervisorConfig,
     /// Coefficients of the calibration.
     pub calibration: CalibrationConfig,
-    /// Coefficients of a measurement that follows the calibration.
+    /// Coefficients of a motor measurement that follows the calibration.
     pub measurement: MeasurementConfig,
     /// Coefficients of a cogging sweep that follows the calibration.
     #[cfg(feature = "large")]
     pub sweep: crate::sweep::SweepConfig,
     /// Converts a torque to a current, or to a voltage for an external amplifier.
     pub drive: AnyDrive,
-    /// The control law in the state at power-up.
+    /// The control law, in the state that it has at power-up.
     pub law: Controller<Fixed32>,
-    /// Force from which on a tick is reported as being at the force limit, N·m.
+    /// A control period whose force reaches this value in N·m is reported as being at the force limit.
     pub force_limit: I8F24,
-    /// Converts encoder counts to the penetration.
+    /// Converts encoder counts to the penetration into the wall.
     pub scale: CountScale,
     /// Converts encoder counts to the electrical angle.
     pub electrical: ElectricalScale,
@@ -51,7 +51,7 @@ pub struct Config {
     pub thermistor: Thermistor,
     /// The second encoder reading at the change of force; `None` where it is not used.
     pub change: Option<ChangeConfig>,
-    /// Growth per tick of the torque's fraction while the torque fades in, 2^-32.
+    /// Growth per control period of the factor by which the torque is multiplied while it fades in, 2^-32.
     pub fade_step: u32,
 }
 
@@ -59,7 +59,7 @@ impl Config {
     /// Validates the settings and computes the coefficients.
     ///
     /// # Errors
-    /// Same as [`validate`]; also coefficients that do not fit their formats.
+    /// Same as [`validate`]; also coefficients that do not fit their fixed-point formats.
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Result<Self, SettingsError> {
         validate(settings, hardware)?;
@@ -104,7 +104,7 @@ impl CurrentConfig {
     /// Computes the current loop's coefficients.
     ///
     /// # Errors
-    /// Gains that do not fit their formats. For an analogue drive they are not used and never refused.
+    /// The controller gains do not fit their fixed-point formats. For an analogue drive the gains are not used and never refused.
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Result<Self, SettingsError> {
         let motor = &settings.motor;
@@ -134,8 +134,8 @@ impl CurrentConfig {
     }
 }
 
-/// The coefficients in use, and room for the next ones. A calibration switches between them with a flag, because copying all of
-/// them would be the longest operation of a control tick.
+/// The coefficients in use, and room for those of the next settings. A calibration switches between them with a flag, because
+/// copying all of them would be the longest operation of a control period.
 #[derive(Debug, Clone)]
 pub(crate) struct Configs {
     first: Config,

@@ -1,7 +1,7 @@
 //! Space-vector modulation: converts a voltage vector to three compare values.
 //!
 //! The three phase voltages are shifted by half the sum of the largest and the smallest. This gives the same switching times as the
-//! method of sectors and dwell times. Line voltages reach the whole bus voltage, and a vector `bus/√3`.
+//! method of sectors and dwell times. The voltage between two phases can reach the whole bus voltage, and a vector `bus/√3`.
 
 use crate::Volts;
 use crate::transform::AlphaBeta;
@@ -16,9 +16,9 @@ pub struct Modulator {
     pub longest: u16,
 }
 
-/// `2^16 √3/2`, rounded.
+/// The constant `2^16 · √3/2`, rounded.
 const HALF_ROOT_3: i32 = 56_756;
-/// `2^16/√3`, rounded down.
+/// The constant `2^16/√3`, rounded down.
 const ONE_OVER_ROOT_3: i64 = 37_837;
 
 impl Modulator {
@@ -40,7 +40,7 @@ impl Modulator {
         clamp_i32(span * ONE_OVER_ROOT_3 / self.top as i64 - 1)
     }
 
-    /// Compare values for a voltage vector at this bus voltage, each within `top - longest ..= longest`.
+    /// Compare values for a voltage vector at the bus voltage `bus`, each within `top - longest ..= longest`.
     ///
     /// A bus voltage of 1 V or less gives zero voltage.
     #[inline]

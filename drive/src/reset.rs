@@ -2,7 +2,7 @@
 
 use touchstone_protocol::FaultCode;
 
-/// The processor's reset flags, and what stayed in memory over the reset.
+/// The processor's reset flags, and the values that survived the reset in memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ResetFlags {
     /// The brown-out detector caused the reset; the flag is also set when power comes on.
@@ -19,9 +19,9 @@ pub struct ResetFlags {
     pub option_bytes: bool,
     /// A forbidden attempt to enter a low-power mode caused the reset.
     pub low_power: bool,
-    /// Whether the mark that the running program keeps in memory is still there: power was then not really off.
+    /// Whether the mark that the running program keeps in memory is still there. If so, the memory kept its power.
     pub memory_kept: bool,
-    /// The place of a panic, which the panic handler stored before the reset; `None` without a panic.
+    /// Where the program panicked, as the panic handler stored it before the reset; `None` without a panic.
     pub panic: Option<u32>,
 }
 
@@ -41,7 +41,7 @@ pub enum ResetReason {
     IndependentWatchdog,
     /// The window watchdog was fed too late or too early.
     WindowWatchdog,
-    /// The program panicked; the value gives the place, as the panic handler stored it.
+    /// The program panicked; the value is the place in the program that the panic handler stored.
     Panic(u32),
     /// Option bytes were loaded.
     OptionBytes,
@@ -50,7 +50,7 @@ pub enum ResetReason {
 }
 
 impl ResetReason {
-    /// The reason behind the flags. If several are set, the most specific counts.
+    /// The reason that the reset flags give. If several flags are set, the most specific one decides.
     #[must_use]
     pub const fn of(flags: &ResetFlags) -> Self {
         match flags {

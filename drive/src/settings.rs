@@ -9,7 +9,8 @@ use touchstone_protocol::{Decimal, DeviceSettings};
 
 pub use touchstone_protocol::settings::{DriveKind, EncoderKind, MotorSettings};
 
-/// Checks a number against a narrower range than its table's: `narrow!(settings, motor.current_limit_a, to: most)`.
+/// Checks a setting against a range narrower than that of the settings' table: `narrow!(settings, motor.current_limit_a, to:
+/// most)`.
 macro_rules! narrow {
     ($settings:ident, $table:ident.$name:ident, to: $most:expr) => {
         narrow!(
@@ -75,7 +76,7 @@ fn validate_motor(settings: &DeviceSettings, hardware: &Hardware) -> Result<(), 
     narrow!(settings, calibration.current_a, to: settings.motor.current_limit_a)
 }
 
-/// The error for a coefficient that is computed from this setting and does not fit its format.
+/// The error for the setting at `path`: a coefficient that is computed from it does not fit its fixed-point format.
 pub(crate) const fn out_of_format(path: &'static str, coefficient: Si) -> SettingsError {
     SettingsError {
         path,

@@ -2,14 +2,15 @@
 
 use crate::Celsius;
 
-/// A temperature sensor: pairs of the converter's code and the temperature, with rising codes.
+/// A temperature sensor: a table from the converter's code to the temperature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Thermistor {
     /// Pairs of the converter's code and degrees Celsius, both rising.
     pub points: [(u16, i16); 9],
 }
 
-/// A thermistor of 10 kΩ at 25 degrees Celsius, B = 3,455 K, from the supply, with 4.7 kΩ to ground and a 12-bit converter.
+/// A thermistor of 10 kΩ at 25 degrees Celsius, with the constant B = 3,455 K, between supply and converter, and 4.7 kΩ to ground.
+/// The converter has 12 bits.
 ///
 /// `R = 10 kΩ exp(B (1/T - 1/298.15 K))`, `code = 4,096 · 4.7 kΩ/(4.7 kΩ + R)`.
 pub const NTC_10K_3455_OVER_4K7: Thermistor = Thermistor {

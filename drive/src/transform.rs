@@ -6,13 +6,14 @@
 //! back     α = d cos θ - q sin θ       β = d sin θ + q cos θ
 //! ```
 //!
-//! Values are currents or voltages in `I16F16`. Sums saturate; values within ±20,000 never reach saturation.
+//! Values are currents or voltages in `I16F16` (16 integer and 16 fractional bits). Sums saturate; values within ±20,000 never reach
+//! saturation.
 
 use crate::angle::Angle;
 use crate::units::clamp_i32;
 use fixed::types::I16F16;
 
-/// `2^31/√3`, rounded.
+/// The constant `2^31/√3`, rounded.
 const ONE_OVER_ROOT_3: i64 = 1_239_850_262;
 
 /// A vector in the stationary frame: α along phase A, β at 90 electrical degrees to it.

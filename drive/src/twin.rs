@@ -1,7 +1,7 @@
-//! A model that runs beside a device: the same control law, fed tick by tick with the motion that the device measured.
+//! A model that runs beside a device: the same control law, fed in each control period with the motion that the device measured.
 //!
-//! A record holds penetration and force with all bits, so the model's force equals the device's force bit for bit. That holds as
-//! long as every tick's record arrives, and everything that influences the force is in the records.
+//! A telemetry record holds penetration and force with all bits, so the model's force equals the device's force bit for bit. That
+//! holds as long as every record arrives, and everything that influences the force is in the records.
 
 use crate::command::{Drive, Rotor};
 use crate::config::Config;
@@ -13,16 +13,17 @@ use touchstone_control::{Controller, Fixed32, Force, Position};
 use touchstone_protocol::settings::SettingsError;
 use touchstone_protocol::{Board, DeviceSettings, Limit, Limits, Phase, Telemetry};
 
-/// Ticks outside the wall after which the model's force is compared, if its records do not begin with the arming. The memory of its
-/// estimator fades within some periods of the estimator's bandwidth, so the estimate is right by then.
+/// Number of control periods outside the wall after which forces are compared, if the model's records do not begin with the arming.
+/// The memory of the law's speed estimator fades within some periods of the estimator's bandwidth, so the estimate is right by
+/// then.
 const FINDS_IN: u32 = 500;
 
-/// How much of the memory of the device's law the model knows.
+/// How much the model knows of the memory that the device's control law has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Knows {
-    /// All of it: the model has run since the tick that armed.
+    /// The whole memory: the model has run since the device was armed.
     All,
-    /// Too little to compare forces; holds the number of ticks outside the wall so far.
+    /// Too little to compare forces; holds the number of control periods outside the wall so far.
     Little(u32),
 }
 
@@ -31,12 +32,12 @@ enum Knows {
 pub struct Twin {
     config: Config,
     law: Controller<Fixed32>,
-    /// Values of the record before: its tick, its state, and whether the law ran in it.
+    /// Values of the previous record: its number, the device's state, and whether the control law ran.
     before: Option<(u32, Phase, bool)>,
     knows: Knows,
     /// Fraction of the torque while it fades in, 2^-32.
     fade: u32,
-    /// Whether the law's force was not zero in its last tick.
+    /// Whether the control law's force was not zero in its last period.
     pushes: bool,
 }
 
@@ -57,8 +58,8 @@ impl Twin {
         })
     }
 
-    /// The model's force in this record's tick. `None` where the device's law does not run, or where the model does not know the
-    /// law's memory.
+    /// The model's force in the control period of this record. `None` where the device's control law does not run, or where the
+    /// model does not know the law's memory.
     pub fn tick(&mut self, record: &Telemetry) -> Option<I8F24> {
         let limits = Limits::from_wire(record.limits);
         let has_reading = !limits.has(Limit::Encoder);
@@ -118,7 +119,7 @@ impl Twin {
             .tick_with_change(now, measures.then_some(at_change))
     }
 
-    /// Handles the tick in which the device switches its outputs off, as the device does.
+    /// Handles, as the device does, the control period in which the device switches its outputs off.
     fn leave(&mut self, record: &Telemetry, acted: bool) {
         if acted {
             let _ = self.law_tick(record);
@@ -127,7 +128,7 @@ impl Twin {
         self.law.switched_off();
     }
 
-    /// Reports to the law the force that was finally commanded, as the device does.
+    /// Reports to the control law, as the device does, the force that was finally commanded.
     fn becomes_of(&mut self, force: Force<Fixed32>, record: &Telemetry) {
         let limits = Limits::from_wire(record.limits);
         let fading = self.fade < u32::MAX;

@@ -1,4 +1,4 @@
-//! A test bench: an emulated device, the desktop's end of its serial port, and the actions of a person at the device.
+//! A test bench: an emulated device, the computer's end of its serial port, and the actions of a person at the device.
 
 use touchstone_control::Si;
 use touchstone_protocol::settings::DeviceSettings;
@@ -12,9 +12,9 @@ use crate::link::Link;
 use crate::machine::{Halt, Machine};
 use crate::world::{Parts, World};
 
-/// Processor cycles per microsecond.
+/// Processor cycles per microsecond at 170 MHz.
 pub const US: u64 = 170;
-/// Processor cycles per millisecond.
+/// Processor cycles per millisecond at 170 MHz.
 pub const MS: u64 = 1_000 * US;
 
 /// Properties of the emulated device on the bench.
@@ -22,7 +22,7 @@ pub const MS: u64 = 1_000 * US;
 pub struct Setup {
     /// The board, with its encoder.
     pub board: Board,
-    /// Frequency of the oscillator that clocks the watchdog, Hz.
+    /// Frequency of the oscillator that clocks the independent watchdog, Hz.
     pub lsi_hz: u64,
     /// Properties of the motor and the knob.
     pub parts: Parts,
@@ -46,18 +46,18 @@ impl Setup {
     }
 }
 
-/// An emulated device, the simulated world around it, and the desktop's end of its serial port.
+/// An emulated device, the simulated world around it, and the computer's end of its serial port.
 pub struct Bench {
     /// The emulated chip with its simulated world, into which faults can be injected.
     pub machine: Machine,
-    /// The desktop's end of the serial link.
+    /// The computer's end of the serial link.
     pub link: Link,
     /// Reason why the machine has halted; `None` while it runs.
     pub halted: Option<Halt>,
 }
 
 impl Bench {
-    /// Mounts a board and switches it on.
+    /// Builds the emulated device and switches its power on.
     ///
     /// # Errors
     /// The emulator refuses the program.
@@ -180,7 +180,8 @@ impl Bench {
         Ok(self.status()?.fault)
     }
 
-    /// Waits until the device is in a phase, and requests its state every 5 ms.
+    /// Waits until the device is in a phase (for example `Armed`), and requests its state every 5 ms. `within` is in processor
+    /// cycles.
     ///
     /// # Errors
     /// The device did not reach the phase within the time.
@@ -216,7 +217,7 @@ impl Bench {
     }
 
     /// Changes the settings of the device. The bench may send nothing for seconds. Therefore the device's time limit for a silent
-    /// desktop is off unless `change` sets it.
+    /// computer is off unless `change` sets it.
     ///
     /// # Errors
     /// The device refuses the settings.
@@ -241,7 +242,7 @@ impl Bench {
         }
     }
 
-    /// Calibrates from `Boot` or `Stopped`.
+    /// Calibrates the device, which must be in the phase `Boot` or `Stopped`.
     ///
     /// # Errors
     /// The calibration fails.
@@ -285,8 +286,8 @@ impl Bench {
         self.press_at(hand, torque_n_m, ramp_s, hold_s, surface, counts, stiffness)
     }
 
-    /// Same as [`Bench::press`] with given settings: the surface of the wall in rad, the encoder counts per turn, the stiffness in
-    /// N·m/rad.
+    /// Same as [`Bench::press`], without reading the device's settings: the caller gives the surface of the wall in rad, the
+    /// encoder counts per turn, and the stiffness in N·m/rad.
     ///
     /// # Errors
     /// No telemetry has arrived, so the position of the wall is unknown.
@@ -322,7 +323,7 @@ impl Bench {
     }
 }
 
-/// A setting as a floating-point number in the same unit.
+/// A setting of fixed-point format as a floating-point number, in the same unit.
 #[must_use]
 pub fn number(value: Si) -> f64 {
     value.to_num()

@@ -93,8 +93,8 @@ const CASES: &[Case] = &[
     },
 ];
 
-/// Faults that switch the outputs off, by name. The costs are counted with each, because a control tick with a fault executes other
-/// code than one without.
+/// Faults that switch the outputs off, by name. The costs are counted with each, because a control period with a fault executes
+/// other code than one without.
 const FAULTS: &[(&str, Fault)] = &[
     ("  bus at 33 V", Fault::Bus(33.0, 0)),
     ("  phase A reads +8 A", Fault::Sensor(0, 8.0)),
@@ -114,7 +114,7 @@ struct Counted {
     current: Handler,
 }
 
-/// The largest costs and the violated budgets, collected while the table is printed row by row.
+/// The largest costs and the exceeded limits, collected while the table is printed row by row.
 #[derive(Default)]
 struct Table {
     worst: Counted,
@@ -123,7 +123,7 @@ struct Table {
 }
 
 impl Table {
-    /// Prints one row of the table: the costs since the previous row.
+    /// Prints one row of the table: the costs that were counted since the previous row.
     fn row(&mut self, name: &str, result: Result<(), String>, bench: &mut Bench, stack_top: u32) {
         let counted = take(bench);
         let show = |cost: Cost| {
@@ -292,8 +292,8 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
     Ok((is_right, summary(worst, &over, table.stack_used, size)))
 }
 
-/// Prints which functions the current loop and the control tick fetched from flash most often. Boards without CCM RAM, the memory
-/// without wait states, are left out.
+/// Prints which functions of the current loop and the control interrupt were fetched from flash most often. Boards without CCM RAM,
+/// the memory without wait states, are left out.
 fn tell_places(program: &Program, bench: &Bench) {
     if bench.machine.chip().board.ccm_bytes == 0 {
         return;
@@ -351,7 +351,8 @@ fn take(bench: &mut Bench) -> Counted {
 
 /// Injects a fault while the device is armed, waits 20 ms, and removes the fault.
 ///
-/// Errors: the device is then not in the phase `Fault` (a flick of the knob may leave it armed).
+/// Errors: the device is then not in the phase `Fault`. A fault that turns the knob quickly may leave the device armed without an
+/// error.
 fn fail(bench: &mut Bench, fault: Fault) -> Result<(), String> {
     fault.inject(bench)?;
     bench.run(20 * MS)?;

@@ -1,4 +1,4 @@
-//! Serves the emulated device's serial port on a network socket in real time, so that desktop programs run without a board.
+//! Serves the emulated device's serial port on a network socket in real time, so that programs on the computer run without a board.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpListener;
@@ -11,13 +11,13 @@ use crate::bench::{Bench, MS, Setup};
 use crate::cpu::elf::Program;
 use crate::world::Parts;
 
-/// Options of serving the emulated device.
+/// Options of `touchstone-emulator serve`.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Wanted {
     /// True: a simulated hand presses into the wall every four seconds while the device is armed, and lets go when the device is no
     /// longer armed.
     pub hand: bool,
-    /// Seconds after which serving ends; `None` runs without an end.
+    /// Seconds after which serving ends; `None` for no limit.
     pub for_s: Option<u64>,
     /// Properties of the motor and the knob.
     pub parts: Parts,

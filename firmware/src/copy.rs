@@ -1,7 +1,7 @@
 //! The memory copy functions that the compiler calls, here for whole words, four at a time.
 //!
-//! The compiler's own copy takes five instructions per word where it was built for size. A control law is 114 words, and the
-//! control tick that arms copies one. The linker uses these functions because the compiler's symbols are weak.
+//! The compiler's own copy takes five instructions per word where it was built for size. A control law is 114 words long, and the
+//! control period in which the device is armed copies one. The linker uses these functions because the compiler's symbols are weak.
 
 use core::arch::global_asm;
 

@@ -1,5 +1,5 @@
 //! The critical section of embassy and defmt. It masks the interrupts of priorities 3 and below; the current loop, the timer's
-//! break and the control tick (priorities 0 to 2) still run.
+//! break and the control interrupt (priorities 0 to 2) still run.
 //!
 //! Priorities 0 to 2 share only atomics with the rest of the program and never enter a critical section; `cargo xtask firmware`
 //! checks it on the program. So a long critical section, such as a line of the log, does not delay them.

@@ -18,13 +18,13 @@ use crate::clock::CORE_HZ;
 /// Rate of the PWM and of the current loop, Hz.
 pub const PWM_HZ: u32 = 20_000;
 
-/// Compare value of full duty. In a PWM period the timer counts up to it and down again.
+/// Compare value of full duty, and the counter's top. In a PWM period the timer counts up to it and down again.
 pub const FULL_SCALE: u16 = (CORE_HZ / (2 * PWM_HZ)) as u16;
 
 /// Half a PWM period in processor cycles; the timer runs at the processor's clock.
 pub const HALF_PERIOD: u32 = FULL_SCALE as u32;
 
-/// Timer counts by which the injected conversions begin before the middle of the time in which all lower transistors conduct. So
+/// The injected conversions begin this many timer counts before the middle of the time in which all lower transistors conduct. So
 /// the middle lies within the sampling time.
 const SAMPLE_LEAD: u16 = 20;
 
@@ -56,8 +56,8 @@ pub enum Complement {
 pub enum BreakInput {
     /// The pin BKIN, active low, which comparators on the board pull.
     Pin,
-    /// Comparators inside the chip, as a bit mask: bit 0 is COMP1. They see the shunts' voltage without a filter, so also the
-    /// spikes of switching. The break therefore acts only after 1.5 us without a gap.
+    /// Comparators inside the chip, as a bit mask: bit 0 is COMP1. They get the shunts' voltage without a filter, including the
+    /// spikes of switching. So the break acts only after an over-current of 1.5 us without a gap.
     Comparators(u8),
 }
 
@@ -211,7 +211,8 @@ pub fn outputs_on() {
     TIM1.bdtr().modify(|w| w.set_moe(true));
 }
 
-/// Sets the compare values of the three phases, which apply from the counter's next turn on; at most [`FULL_SCALE`].
+/// Sets the compare values of the three phases, each at most [`FULL_SCALE`]. They apply from the counter's next turn at the bottom
+/// on.
 #[inline(always)]
 pub fn set_duty(duty: [u16; 3]) {
     TIM1.ccr(0).write(|w| w.set_ccr(duty[0]));
@@ -226,15 +227,15 @@ pub fn is_before_bottom() -> bool {
     TIM1.cr1().read().dir() == embassy_stm32::pac::timer::vals::Dir::DOWN
 }
 
-/// Whether a break has acted since breaks were last cleared: that of the input, or the system's (supply, lockup, flash error that
-/// cannot be corrected), which has a flag of its own.
+/// Whether a break has acted since breaks were last cleared: that of the break input, or the system break. The system break comes
+/// from low supply, a processor lockup or a flash error that cannot be corrected, and has a flag of its own.
 #[inline(always)]
 pub fn is_broken() -> bool {
     let status = TIM1.sr().read();
     status.bif(0) || status.sbif()
 }
 
-/// Whether the break input has acted since it was last cleared. The system's break does not count.
+/// Whether the break input has acted since it was last cleared. The system break (supply, lockup, flash error) does not count.
 #[inline(always)]
 pub fn is_input_broken() -> bool {
     TIM1.sr().read().bif(0)
@@ -246,8 +247,8 @@ pub fn silence_break() {
     TIM1.dier().write(|_| ());
 }
 
-/// Clears the flags of the input's and the system's break and enables the break's interrupt. A flag returns at once if its cause is
-/// still there. While the system's flag is set, the timer does not accept `MOE` (RM0440, TIM1_SR.SBIF).
+/// Clears the flags of input break and system break, and enables the break's interrupt. A flag returns at once if its cause is
+/// still there. While the system break's flag is set, the timer does not accept `MOE` (RM0440, TIM1_SR.SBIF).
 pub fn clear_break() {
     // Written and not modified: a zero clears a flag, a one has no effect.
     TIM1.sr().write(|w| {

@@ -36,7 +36,7 @@ pub fn start() {
     });
 }
 
-/// Clears the interrupt's flag.
+/// Clears the flag of the interrupt for low supply.
 #[inline]
 pub fn take() {
     EXTI.pr(0).write(|w| w.set_line(LINE, true));

@@ -1,9 +1,9 @@
-//! Replacements of a device's parts under the model checker. The code gets any answer, and the specification gets the same answer;
-//! it must ask the same question.
+//! Replacements of a device's parts (law, limits, drive) when the model checker runs. The code gets any answer, and the
+//! specification gets the same answer; it must call with the same arguments.
 //!
-//! A part is asked at most once in a tick. Some questions change law or supervisor, or read what may have changed in the law. They
-//! are also distinguished by the questions before them. The part itself and its coefficients are not recorded in a question: the
-//! harness's samples cover those.
+//! A part is called at most once in a tick. Some calls change law or supervisor, or read what may have changed in the law. Such
+//! calls are also distinguished by the calls before them. The part itself and its coefficients are not recorded with the arguments:
+//! the property's random tests cover those.
 
 use crate::control_tick::contact_of;
 use crate::controller::plain;
@@ -30,19 +30,19 @@ use touchstone_drive::{
 use touchstone_protocol::Limits;
 
 static SPECIFIES: AtomicUsize = AtomicUsize::new(0);
-/// Record of which calls changed law or supervisor in this tick, in order: one digit per call.
+/// Record of which calls changed law or supervisor in this tick, in order: one octal digit per call.
 static HISTORY: AtomicUsize = AtomicUsize::new(1);
-/// Set if the specification calls a part with other arguments than the code, or calls it twice.
+/// Set to 1 if the specification calls a part with other arguments than the code did, or calls it twice.
 static DIFFERS: AtomicUsize = AtomicUsize::new(0);
 static OF_CODE: AtomicUsize = AtomicUsize::new(0);
 
-/// Marks that the calls of parts from now on come from the specification, not from the code.
+/// Marks that the specification makes the calls of parts from now on, and no longer the code.
 pub fn of_specification() {
     OF_CODE.store(HISTORY.swap(1, Relaxed), Relaxed);
     SPECIFIES.store(1, Relaxed);
 }
-/// Whether the specification has called the parts with exactly the arguments of the code, and made the same changes in the same
-/// order.
+/// Whether the specification has called the parts with exactly the arguments of the code, and in the same order where a call
+/// changes law or supervisor.
 #[must_use]
 pub fn end() -> bool {
     let open = [
@@ -74,7 +74,7 @@ fn so_far() -> i64 {
     HISTORY.load(Relaxed) as i64
 }
 
-/// Defines the replacement of one part of a device: number of words in its arguments, and in its result.
+/// Defines the replacement of one part of a device. The two numbers are the words in its arguments and in its result.
 macro_rules! part {
     ($module:ident, $words:literal, $answers:literal) => {
         mod $module {
@@ -84,7 +84,7 @@ macro_rules! part {
             static QUESTION: [AtomicI64; $words] = [const { AtomicI64::new(0) }; $words];
             static ANSWER: [AtomicI64; $answers] = [const { AtomicI64::new(0) }; $answers];
 
-            /// The result of a replaced part: any for the code, and the same one for the specification.
+            /// The result of a replaced part: any words for the code, and the same words for the specification.
             pub fn ask(question: [i64; $words]) -> [i64; $answers] {
                 let mut answer = [0; $answers];
                 let (is_new, mut same) = (SPECIFIES.load(Relaxed) == 0, true);
@@ -138,18 +138,19 @@ part!(driven, 6, 10);
 pub fn accepted(_: &DeviceSettings, _: &Hardware) -> Result<(), SettingsError> {
     Ok(())
 }
-/// Replaces `quotient`: a coefficient that fits every format. Parts that are replaced do not use it.
+/// Replaces `quotient` when the model checker runs: returns a coefficient that fits every format. The parts that are replaced do
+/// not use it.
 pub fn some_quotient(_: Si, _: Si) -> Si {
     Si::from_bits(1 << 31)
 }
-/// Replaces `law_settings` under the model checker: settings that have no effect.
+/// Replaces `law_settings` when the model checker runs: returns settings that have no effect, as the law is replaced as well.
 pub fn law_settings(
     _: &DeviceSettings,
     _: &Hardware,
 ) -> Result<(Settings, Option<ChangeConfig>), SettingsError> {
     Ok((Settings::default(), None))
 }
-/// Replaces `Controller::new`: a law whose ticks are replaced.
+/// Replaces `Controller::new` when the model checker runs: returns a controller whose ticks are replaced.
 pub fn law_made<N: Number>(
     _: &Settings,
 ) -> Result<Controller<N>, touchstone_control::SettingsError> {
@@ -215,7 +216,7 @@ pub fn temperature(_: &Thermistor, report: &CurrentReport) -> Option<Celsius> {
 fn pair(a: u32, b: u32) -> i64 {
     (i64::from(a) << 32) | i64::from(b)
 }
-/// The fields of a current report that the harness varies under the model checker.
+/// The fields of a current report that the property varies under the model checker, as integers.
 fn words_of(report: &CurrentReport) -> [i64; 4] {
     let two = |dq: Dq| {
         pair(

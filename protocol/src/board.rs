@@ -50,13 +50,13 @@ impl Board {
         }
     }
 
-    /// Whether the bus (SPI) for a magnetic encoder is on the board's connectors.
+    /// Whether the board's connectors have the SPI bus for a magnetic encoder.
     #[must_use]
     pub const fn has_bus(self) -> bool {
         !matches!(self, Self::BG431bEsc1)
     }
 
-    /// Whether the board's flash has room for the program with more than one wall. The STM32G431's flash has not.
+    /// Whether the board's flash has room for the program that renders more than one wall. The STM32G431's flash has not.
     #[must_use]
     pub const fn is_large(self) -> bool {
         !matches!(self, Self::BG431bEsc1 | Self::NucleoG431rbIhm16m1)

@@ -13,7 +13,8 @@ use serde::{Deserialize, Serialize};
 pub const PAYLOAD_MAX: usize = 512;
 /// Bytes of the CRC-32 in a frame.
 const CRC_BYTES: usize = 4;
-/// Longest COBS-encoded frame without its ending zero byte, in bytes. COBS adds one byte, and one more for every 254.
+/// Longest COBS-encoded frame without its ending zero byte, in bytes. COBS adds one byte to a frame, and one more for every 254
+/// bytes.
 pub const ENCODED_MAX: usize = PAYLOAD_MAX + CRC_BYTES + 1 + (PAYLOAD_MAX + CRC_BYTES) / 254;
 /// Longest frame with its ending zero byte, in bytes.
 pub const FRAME_MAX: usize = ENCODED_MAX + 1;
@@ -57,9 +58,9 @@ pub enum FrameError {
 #[derive(Debug, Clone)]
 pub struct Decoder {
     buffer: Vec<u8, ENCODED_MAX>,
-    /// The buffer holds a finished frame: the next byte begins another one.
+    /// Whether the buffer holds a finished frame, so that the next byte begins another one.
     over: bool,
-    /// The frame is longer than the buffer, so the decoder ignores it up to its end.
+    /// Whether the frame is longer than the buffer, so that the decoder ignores the rest of the frame.
     too_long: bool,
     errors: u32,
 }

@@ -27,7 +27,7 @@ pub trait Backend {
     fn tick(&self) -> u32;
     /// All counters except that of decoding errors.
     fn counters(&self) -> Counters;
-    /// Records of the ring buffer from number `first` on; `None` while the buffer is still recording.
+    /// Records of the ring buffer (of the last second) from number `first` on; `None` while the buffer is still recording.
     fn ring(&self, first: u16) -> Option<RingChunk>;
     /// Checks whether the device accepts these settings.
     ///
@@ -41,8 +41,8 @@ pub trait Backend {
     /// # Errors
     /// The flash could not be written. The settings stored before are still there.
     fn save(&mut self, image: &[u8]) -> Result<(), FlashError>;
-    /// Carries out a command and returns whether it had an effect. `None`: the device calls [`Session::commanded`] with the result
-    /// later.
+    /// Carries out a command and returns whether it had an effect. `None` means that the result comes later: the device then calls
+    /// [`Session::commanded`] with it.
     fn command(&mut self, command: DeviceCommand) -> Option<bool>;
     /// Starts telemetry with one record every `decimation` control ticks; 0 stops it.
     fn telemetry(&mut self, decimation: u16);
@@ -66,7 +66,7 @@ pub trait Backend {
     fn alignment(&self) -> Option<(u16, bool)> {
         None
     }
-    /// Whether a stored encoder alignment is in use, and how the automatic start went.
+    /// Whether the encoder alignment in use is a stored one, and how the automatic start went.
     #[cfg(feature = "large")]
     fn started(&self) -> (bool, SelfStart) {
         (false, SelfStart::Off)
@@ -157,7 +157,7 @@ impl Session {
         self
     }
 
-    /// The stored cogging map, whether or not it fits the settings in use.
+    /// The stored cogging map, whether or not it was measured with the settings in use.
     #[cfg(feature = "large")]
     #[must_use]
     pub const fn kept_cogging(&self) -> Option<&KeptCogging> {
@@ -370,7 +370,7 @@ impl Session {
         self.change(&DeviceSettings::defaults(device.identity().board), device)
     }
 
-    /// Changes the settings, in the states in which no output depends on them: not while calibrating or armed.
+    /// Changes the settings. Refused while calibrating or armed, the states in which outputs depend on the settings.
     #[inline(never)]
     fn change(
         &mut self,
@@ -398,8 +398,8 @@ impl Session {
         Ok(())
     }
 
-    /// Writes the settings into flash. Not in `Ready`: erasing a page stalls the processor for longer than the command to arm
-    /// takes.
+    /// Writes the settings into flash. Refused in `Ready`, where a command to arm may come: erasing a page stalls the processor for
+    /// longer than that command takes.
     #[inline(never)]
     fn save(&mut self, device: &mut impl Backend) -> Result<(), Refusal> {
         match device.phase() {
@@ -425,8 +425,8 @@ impl Session {
         Ok(())
     }
 }
-/// Whether a command without an effect counts as done because the device already is in the requested state. Only for commands that
-/// switch off.
+/// Whether a command that changed nothing counts as done, because the device already is in the requested state. Only for commands
+/// that switch off.
 const fn is_so(command: DeviceCommand, phase: Phase) -> bool {
     match command {
         DeviceCommand::Stop => matches!(phase, Phase::Stopped),

@@ -1,4 +1,4 @@
-//! A step of the project's checks: one row in the table of `cargo xtask` commands.
+//! A step of the project's checks: one row in the table of all `cargo xtask` commands.
 
 use crate::outcome::Outcome;
 
@@ -22,7 +22,7 @@ pub enum Gate {
     Full,
 }
 
-/// The part of a step that each gate runs.
+/// For each gate (test run of one extent), the part of a step that the gate runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Gates {
     pub quick: Share,
@@ -30,7 +30,7 @@ pub struct Gates {
     pub full: Share,
 }
 
-/// The part of a step that a gate runs.
+/// The part of a step that a gate (test run of one extent) runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Share {
     /// The whole step.
@@ -42,24 +42,24 @@ pub enum Share {
 }
 
 impl Gates {
-    /// A command that no gate runs.
+    /// For a command that no gate (test run) runs.
     pub const NONE: Self = Self {
         quick: Share::LeftOut,
         test: Share::LeftOut,
         full: Share::LeftOut,
     };
-    /// A step that every gate runs whole.
+    /// For a step that every gate (test run) runs whole.
     pub const ALL: Self = Self {
         quick: Share::Whole,
         test: Share::Whole,
         full: Share::Whole,
     };
-    /// A step that only the full gate runs.
+    /// For a step that only the full gate (`cargo xtask test --full`) runs.
     pub const FULL_ONLY: Self = Self {
         full: Share::Whole,
         ..Self::NONE
     };
-    /// A step of which the quick gate and the middle gate run the same part.
+    /// For a step of which the quick gate and the middle gate run the same part, with these arguments. `left_out` names the rest.
     pub const fn part(args: &'static [&'static str], left_out: &'static str) -> Self {
         let part = Share::Part(args, left_out);
         Self {

@@ -7,14 +7,14 @@ use std::time::{Duration, Instant};
 use crate::outcome::Outcome;
 use crate::step::{Gate, Step};
 
-/// A step that was run, with its outcome and time.
+/// A step that was run, with its outcome and running time.
 struct Done {
     name: &'static str,
     outcome: Outcome,
     took: Duration,
 }
 
-/// The gates with the options that select them.
+/// Options of `cargo xtask test`, with the gate (test run of one extent) that each selects.
 const GATES: [(&[&str], Gate); 3] = [
     (&[], Gate::Test),
     (&["--quick"], Gate::Quick),
@@ -56,7 +56,7 @@ pub fn run(all: &[Step], args: &[String]) -> Outcome {
     verdict(&done, start.elapsed())
 }
 
-/// Text that names the command to run what a gate leaves out.
+/// Text that names the command which runs what a gate leaves out.
 fn whole(gate: Gate) -> &'static str {
     match gate {
         Gate::Quick => "`cargo xtask test` runs more, `cargo xtask test --full` nearly all",
@@ -135,7 +135,7 @@ mod tests {
             .collect()
     }
 
-    /// Checks that every gate names each part that it leaves out.
+    /// Checks that the list of what a gate (test run) leaves out names each left-out part.
     #[test]
     fn a_gate_names_what_it_leaves_out() {
         let step = |name, gates| Step {

@@ -44,17 +44,17 @@ use crate::{
 /// The most walls that an environment can have: two end stops and four walls between them.
 pub const MOST_WALLS: usize = 6;
 
-/// Angle in rad, to either side, from which on no force is commanded. At the end of [`Si`] a measured angle stands still while the
-/// device moves on. This limit lies before that end, by twice the largest displacement that any guard accepts per tick (1,000 rad/s
-/// at one tick per second) and some counts.
+/// Angle in rad, to either side, from which on no force is commanded. Beyond the largest [`Si`] number, a measured angle would
+/// stand still while the device moves on. This limit lies before that number by twice the largest displacement that any guard
+/// accepts per tick (1,000 rad/s at one tick per second) and some counts.
 const EDGE: Si = Si::lit("2147481600");
 
-/// Settings of a wall: where it is, and its stiffness.
+/// Settings of a wall: position and side of its surface, and its stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WallSettings {
     /// The wall's surface and its solid side.
     pub face: Face,
-    /// Desired stiffness `k_de`, N·m/rad.
+    /// Desired stiffness of the wall, N·m/rad.
     pub k_desired: Si,
 }
 
@@ -68,7 +68,7 @@ struct Walled<N: Number> {
 }
 
 impl<N: Number> Walled<N> {
-    /// Clears the memory of the wall's law and of its states.
+    /// Clears the memory of the wall's control law and of its source of position and velocity.
     #[cold]
     fn forget(&mut self) {
         self.states.forget();
@@ -76,7 +76,7 @@ impl<N: Number> Walled<N> {
     }
 }
 
-/// Walls and detents behind one guard.
+/// Walls, detents and a torque profile on one axis, behind one energy guard.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Environment<N: Number> {
     walls: [Option<Walled<N>>; MOST_WALLS],
@@ -94,14 +94,15 @@ pub struct Environment<N: Number> {
     /// Whether a wall was off at the last tick, because the device was deeper inside it than positions reach.
     beyond_reach: bool,
     commanded: Force<N>,
-    /// The force of the last tick, before any later stage changes it.
+    /// The force of the last tick, before any later stage (such as a current limit) changes it.
     shown: Force<N>,
-    /// The force left over from a replaced environment, while it fades; `None` without one.
+    /// What is left of the force difference to a replaced environment, while it fades; `None` if nothing fades.
     carried: Option<Carried<N>>,
 }
 
 impl<N: Number> Environment<N> {
-    /// Makes the environment in the state at power-up. All walls use the same settings of law and guard, except `k_desired`.
+    /// Makes the environment in the state at power-up. All walls use the same settings of law and guard, except for the desired
+    /// stiffness.
     ///
     /// # Errors
     /// The setting that is refused, and the wall to which it belongs.
@@ -172,8 +173,8 @@ impl<N: Number> Environment<N> {
         Ok(environment)
     }
 
-    /// This environment with a torque profile, whose force is added to those of walls and detents. `force_limit` is that of the
-    /// law's settings.
+    /// This environment with a torque profile, whose force is added to those of walls and detents. `force_limit` is the largest
+    /// force of the law's settings.
     ///
     /// # Errors
     /// The profile's setting that is refused.
@@ -187,8 +188,8 @@ impl<N: Number> Environment<N> {
         Ok(self)
     }
 
-    /// This environment in the place of one that ran before, for the next arming. All memory is cleared; only the energy in the
-    /// guard's account is taken over.
+    /// This environment in the place of an earlier one, when the force is switched on again (arming). All memory is cleared; only
+    /// the energy in the guard's account is taken over.
     #[must_use]
     pub fn resumed(self, before: &Self) -> Self {
         let guard = match (self.guard, &before.guard) {

@@ -10,7 +10,7 @@ pub enum Refused {
     TooManyWalls,
     /// A setting of the law or of the guard is refused.
     Law(SettingsError),
-    /// A setting of one wall is refused; the number counts the walls from 0.
+    /// A setting of one wall is refused. The number is the wall's index, counted from 0.
     Wall(u8, SettingsError),
     /// The distance between detents, rad (m), is out of its range.
     Pitch(Si),
@@ -33,7 +33,7 @@ pub enum Refused {
     ProfileStrength {
         /// The given strength, N·m (N).
         strength: Si,
-        /// The force limit.
+        /// The force limit, N·m (N).
         limit: Si,
     },
 }

@@ -32,42 +32,43 @@ use crate::{Compliance, Energy, Force, Number, Position, Ratio, Stiffness};
 /// The guard's coefficients. [`Guard::new`] ensures the conditions under which the energy bound holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guard<N: Number> {
-    /// `C`: the most energy that the account holds, and the energy at power-up.
+    /// The most energy that the guard's account holds, which is also the energy at power-up.
     pub capacity: Energy<N>,
-    /// `P T`: the energy that the refill adds to the account at every tick.
+    /// The energy that the refill power adds to the account at every tick.
     pub refill: Energy<N>,
-    /// `c`: the trusted damping divided by the tick, rounded down.
+    /// The trusted damping of the device divided by the control period, rounded down.
     pub damping: Stiffness<N>,
     /// The largest measured displacement per tick that is not overspeed.
     pub furthest: Position<N>,
-    /// `δ`: twice the largest error of a measured position, rounded up.
+    /// Twice the largest error of a measured position (one encoder count), rounded up.
     pub count: Position<N>,
-    /// `s`: fraction of a tick's displacement that passes under the old force, if the position at the change of force is not
+    /// Fraction of a tick's displacement that passes under the old force. It is used if the position at the change of force is not
     /// measured.
     pub late: Ratio<N>,
-    /// Compliance `κ`: times the square of a change of force it is the energy charged, because the displacement under the old force
-    /// can differ from the fraction `s`. Rounded up.
+    /// Compliance: times the square of a change of force, it is the energy charged for that change. The displacement under the old
+    /// force can differ from the assumed fraction `late`, which can cost this energy. Rounded up.
     pub stray: Compliance<N>,
-    /// Distance by which every change of force is multiplied and charged: half an encoder count and the errors of rounding.
+    /// Distance: times the size of a change of force, it is the energy charged for position errors. Half an encoder count and the
+    /// errors of rounding.
     pub slack: Position<N>,
-    /// `1/D`, rounded down: largest allowed force for each joule in the account. `D` is the largest displacement per tick plus a
-    /// count.
+    /// Largest allowed force for each joule in the account: 1 over the largest displacement per tick plus a count. Rounded down.
     pub per_reach: Stiffness<N>,
     /// Largest displacement under a force after the sample that ends it, plus half an encoder count, rounded up.
     pub in_flight: Position<N>,
-    /// Compliance `(1 + s)/4c`: times the square of a force it is the most energy that overspeed can cost, over any displacement,
-    /// until the force is off. Rounded up.
+    /// Compliance: times the square of a force, it is the most energy that overspeed can cost until the force is off, over any
+    /// displacement. Rounded up.
     pub overrun: Compliance<N>,
 }
 
-/// The guard's memory. Its account is full at power-up only: arming, a reset of the law or leaving the wall do not fill it.
+/// The guard's memory. Its energy account is full at power-up only: switching the force on, a reset of the law or leaving the wall
+/// does not fill it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct GuardState<N: Number> {
     /// Energy in the account, which the hand may still get out, J.
     pub account: Energy<N>,
     /// The force of the last tick.
     pub force: Force<N>,
-    /// The force of the tick before the last.
+    /// The force of the tick before the last one.
     pub older: Force<N>,
 }
 
@@ -77,7 +78,7 @@ pub struct GuardState<N: Number> {
 pub struct Overspeed;
 
 impl<N: Number> Guard<N> {
-    /// Memory at power-up: a full account, no force.
+    /// The guard's memory at power-up: a full energy account, no force.
     #[must_use]
     pub fn full(&self) -> GuardState<N> {
         GuardState {
@@ -212,17 +213,19 @@ impl<N: Number> Guard<N> {
         (self.damping * surely).down_fitting() * surely
     }
 
-    /// The most energy that a force may still cost after the next sample, before another force replaces it.
+    /// The most energy that a force may still cost after the next sample, until another force replaces it. The account keeps this
+    /// energy in reserve.
     #[inline(always)]
     #[must_use]
     pub fn reserve(&self, force: Force<N>) -> Energy<N> {
         force.modulus_fitting() * self.in_flight
     }
 
-    /// The largest force whose work over the largest displacement is covered by this energy, which must not be negative: `E/D`.
+    /// The largest force whose work over the largest displacement per tick is covered by this energy, which must not be negative.
     ///
-    /// No square root is needed, because the device's damping is not used up here. The largest force is in proportion to the energy
-    /// left. So the wall becomes softer as the account empties, and does not end suddenly.
+    /// It is the quotient of energy and displacement, without a square root, because the device's damping is not used up here. The
+    /// largest force is in proportion to the energy left. So the wall becomes softer as the account empties, and does not end
+    /// suddenly.
     #[inline(always)]
     #[must_use]
     pub fn largest_force(&self, free: Energy<N>) -> Force<N> {
@@ -240,7 +243,7 @@ impl<N: Number> Guard<N> {
         Force::zero()
     }
 
-    /// Charges overspeed to the account: the largest possible loss under the last two forces until the force is off.
+    /// Overspeed: takes from the account the largest possible loss under the last two forces until the force is off.
     #[cold]
     fn overrun(&self, state: &mut GuardState<N>) -> Result<Force<N>, Overspeed> {
         let size = state.force.modulus().max(state.older.modulus());

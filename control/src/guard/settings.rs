@@ -19,24 +19,25 @@ pub struct GuardedDevice {
     pub count: Si,
 }
 
-/// Added to a value that was rounded down to make it an upper bound: more than the last digits that a sum of products and quotients
-/// can lose.
+/// Added to a value that was rounded down, to make it an upper bound. It is larger than the rounding errors of a sum of products
+/// and quotients.
 const UP: Si = Si::from_bits(8);
 
 /// Quantities in SI units that follow from the guard's settings and the device.
 struct Derived {
-    /// Trusted damping over the tick, `c`, rounded down.
+    /// Trusted damping over the control period, rounded down.
     damping: Si,
-    /// Largest displacement in a tick, `d`, rounded up.
+    /// Largest displacement in a tick, rounded up.
     distance: Si,
-    /// Largest displacement and a count, `D = d + δ`, rounded up.
+    /// Largest displacement in a tick plus an encoder count, rounded up.
     reach: Si,
     /// Mean fraction of a tick after which a force begins to act. It is exact, as the control rate is a whole number.
     late: Si,
 }
 
 impl GuardSettings {
-    /// Limits delay plus lag to one tick, rounded down. Accepted settings can exceed the tick by one last digit.
+    /// Limits the sum of delay and lag to one tick, rounded down. Accepted settings can exceed the tick by the last digit of the
+    /// format.
     #[inline]
     fn within_a_tick(&self, device: &GuardedDevice) -> Self {
         let tick = over(Si::ONE, Si::saturating_from_num(device.rate_hz));
@@ -93,7 +94,7 @@ impl GuardSettings {
         within(Field::GuardLag, self.lag, tick.saturating_sub(self.delay))
     }
 
-    /// Warnings about settings with which the guard softens the wall or its account runs empty in normal use.
+    /// Warnings about settings with which the guard softens the wall, or with which its energy account runs empty in normal use.
     #[must_use]
     pub fn warnings(&self, device: &GuardedDevice) -> [Option<Warning>; 2] {
         let derived = self.within_a_tick(device).derived(device);
@@ -121,7 +122,7 @@ fn refused<N: Number>(field: Field, value: Si) -> SettingsError {
     }
 }
 
-/// The smallest step of a signal in the number format.
+/// The smallest position or force above 0 in the number format.
 pub(crate) fn quantum<N: Number>() -> Si {
     let step = |bit| Si::from_bits(1_i64.wrapping_shl(bit));
     let shows = |step: &Si| N::signal(*step).is_some_and(|signal| signal >= N::QUANTUM);

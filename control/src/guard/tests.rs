@@ -36,21 +36,22 @@ impl Random {
             .wrapping_add(1_442_695_040_888_963_407);
         self.0 ^ self.0 >> 31
     }
-    /// A random number in `-size..=size`.
+    /// A random integer in `-size..=size`.
     fn within(&mut self, size: i64) -> i64 {
         (self.next() >> 20) as i64 % (2 * size + 1) - size
     }
 }
 
-/// The true energy in whole quanta: the work of each force over its displacement, and what the trusted damping dissipated. The
-/// damping `c` comes from the settings and not from the guard's stored coefficient.
+/// The true energy that the guard's account is compared with: the work of each force over its displacement, and what the trusted
+/// damping dissipated. An exact integer in units of 2^-48 J. The damping comes from the settings and not from the guard's stored
+/// coefficient.
 struct Truth {
     joules: i128,
 }
 const JOULE: i128 = 1 << 48;
 
 impl Truth {
-    /// Adds the energy of a displacement in a part of a tick, given in thousandths of a tick, rounded down.
+    /// Adds the work and the dissipation of one displacement. It takes `thousandths` of a tick; the dissipation is rounded down.
     fn moved(&mut self, force: i64, moved: i64, thousandths: i128) {
         let (force, moved) = (i128::from(force), i128::from(moved));
         // 0.32 N·m/rad over a tick: 0.8 of 4e-4 N·m·s/rad.
@@ -64,7 +65,7 @@ impl Truth {
     }
 }
 
-/// Random and hostile hands, in whole quanta: at no instant has a hand got out more energy than the guard's account has lost.
+/// Checks with random and hostile motions of a hand that no hand ever gets out more energy than the guard's account has lost.
 ///
 /// The true position is anywhere within half an encoder count of the measured one. The force acts a tenth, a half or a whole tick
 /// late.
@@ -166,7 +167,8 @@ fn the_account_is_never_above_the_truth() {
     }
 }
 
-/// Without delay and position error the guard's account is exact: it never falls below zero, even without its lower limit.
+/// Checks the largest force for random energies in the account: its work over the largest displacement is never more than that
+/// energy, and no allowed force is wasted. There is no delay and no position error.
 #[test]
 fn every_displacement_up_to_overspeed_is_paid() {
     let exact = GuardedDevice {
@@ -363,7 +365,8 @@ fn settings_are_validated_from_both_sides() {
     assert!(Guard::<Fixed32>::new(&late, &device()).is_err());
 }
 
-/// A delay of one tick is accepted whether its text rounds up or down to the nearest digit.
+/// Checks that the guard accepts delay and lag of together one tick at every control rate, whether the value rounds up or down to
+/// the nearest digit, and refuses a longer delay.
 #[test]
 fn a_delay_of_a_whole_tick_is_taken_at_every_rate_and_a_longer_one_at_none() {
     let rates = (1..=200)

@@ -32,21 +32,25 @@ use crate::{
     Ratio, Regulate, Stiffness, Tension,
 };
 
-/// The rule that changes the offset: Algorithm 3.1 of the thesis, lines 7–13, with the moduli that are missing in its listing.
+/// The rule that changes the offset of the soft spring step by step: Algorithm 3.1 of the thesis, lines 7–13, with the absolute
+/// values that are missing there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Augmentation<N: Number> {
-    /// `c/k_v` or `c/k_de`: gain of the ideal step with the fraction `c` of it, equations (3.7) and (3.8) of the thesis; see
-    /// [`crate::IdealStep`].
+    /// Gain of the ideal step from the error of the force: a fraction `c` over the soft stiffness `k_v` or the desired stiffness
+    /// `k_de`, equations (3.7) and (3.8) of the thesis. See [`crate::IdealStep`].
     pub of_ideal: Compliance<N>,
-    /// `b/k_v`: limits the step in proportion to the force, equation (3.9) of the thesis.
+    /// Limits the step in proportion to the force: a fraction `b` over the soft stiffness `k_v`, equation (3.9) of the thesis.
     pub of_force: Compliance<N>,
-    /// `a`: limits the step in proportion to the penetration, equation (3.11) of the thesis.
+    /// Limits the step to this fraction `a` of the penetration, equation (3.11) of the thesis.
     pub of_penetration: Ratio<N>,
 }
 
 impl<N: Number> Augmentation<N> {
-    /// The step of the offset, `ΔO = min(c·|k_de e - |f||/k_v, b·|f|/k_v, a·|e|)`, never negative. A force of zero counts as one
-    /// quantum; otherwise the offset could never grow again from a force of exactly zero.
+    /// Step of the soft spring's offset in a tick, never negative: the smallest of the ideal step (by the error `wanted - shown` of
+    /// the force), a limit by the commanded force `shown`, and a limit by the penetration `e`.
+    ///
+    /// A force of zero counts as one step of the number format; otherwise the offset could never grow again from a force of exactly
+    /// zero.
     #[inline]
     pub fn step(&self, wanted: Force<N>, shown: Force<N>, e: Position<N>) -> Position<N> {
         let shown = shown.modulus();
@@ -56,22 +60,23 @@ impl<N: Number> Augmentation<N> {
         Self::least(ideal, weber, near)
     }
 
-    /// The smallest of the three limits of the step, the second limit being at least one quantum.
+    /// The smallest of the three limits of the offset's step. The second limit is at least one step of the number format.
     #[inline]
     pub fn least(ideal: Position<N>, weber: Position<N>, near: Position<N>) -> Position<N> {
         ideal.min(weber.max(Position::quantum())).min(near)
     }
 }
 
-/// The enhanced law for a desired stiffness above the soft stiffness. For a smaller one, `build` makes a plain spring (thesis
-/// §3.1).
+/// The enhanced law for a desired stiffness above the soft stiffness. For a smaller desired stiffness the law is a plain spring
+/// (thesis §3.1), which another type calculates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EnhancedSfa<N: Number> {
     /// Desired stiffness `k_de`.
     pub desired: Stiffness<N>,
-    /// The stiffness towards which the offset regulates: `k_de`, or that of equation (3.5) of the thesis for the mass.
+    /// The stiffness that the law reaches by changing the offset: the desired stiffness, or that of equation (3.5) of the thesis
+    /// for the virtual mass.
     pub target: Stiffness<N>,
-    /// Virtual damping per tick, `B/T`, of the damper beside the augmented wall; zero for the thesis' law.
+    /// Virtual damping over the control period, of the damper whose force is added to the wall's; zero for the thesis' law.
     pub damper: Stiffness<N>,
     /// Soft stiffness `k_v`.
     pub soft: Stiffness<N>,
@@ -79,9 +84,9 @@ pub struct EnhancedSfa<N: Number> {
     pub compliance: Compliance<N>,
     /// The rule that changes the offset.
     pub augmentation: Augmentation<N>,
-    /// The stiffness that the offset regulates: that at the mass or at the HIP.
+    /// The stiffness that the law regulates by the offset: that at the virtual mass or that at the hand's point (HIP).
     pub regulate: Regulate,
-    /// The ticks in which the offset changes.
+    /// The ticks (control periods) in which the offset of the soft spring changes.
     pub update: OffsetUpdate,
     /// The form of the energy observer: exact or the thesis'.
     pub observer: ObserverForm,
@@ -89,9 +94,9 @@ pub struct EnhancedSfa<N: Number> {
     pub first_contact: FirstContact,
     /// Coefficients of the virtual mass.
     pub mass: VirtualMass<N>,
-    /// Coupling stiffness `k_f`, prepared as a divisor.
+    /// Stiffness of the spring between hand's point and virtual mass, prepared as a divisor.
     pub by_coupling: Divisor<N>,
-    /// The sum `k_f + k_v`, prepared as a divisor.
+    /// The sum of coupling stiffness `k_f` and soft stiffness `k_v`, prepared as a divisor.
     pub series: Divisor<N>,
     /// Energy in joules lent to each contact.
     pub credit: Energy<N>,
@@ -101,7 +106,7 @@ pub struct EnhancedSfa<N: Number> {
     pub limit: Force<N>,
 }
 
-/// Memory of the enhanced law after the first reversal of motion, while the virtual mass is in use.
+/// Memory of the enhanced law after the first reversal of motion in a contact, while the virtual mass is in use.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Augmented<N: Number> {
     /// State of the virtual mass.
@@ -115,21 +120,21 @@ pub struct Augmented<N: Number> {
 /// Memory of [`EnhancedSfa`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EnhancedState<N: Number> {
-    /// Phase of the contact.
+    /// Phase of the contact: outside, first contact, or augmenting.
     pub contact: Contact,
     /// Penetration of the last tick.
     pub last: Position<N>,
-    /// Force of the augmented wall on the HIP in the last tick, without the damper beside it.
+    /// Force of the wall on the hand's point (HIP) in the last tick, without the force of the damper that is added to it.
     pub force: Force<N>,
-    /// Stored energy left, the loan included; never negative while augmenting.
+    /// Stored energy left, including the energy lent to the contact; never negative after the first reversal of motion.
     pub energy: Energy<N>,
-    /// Memory of the augmented phase.
+    /// Memory after the first reversal of motion: virtual mass and offset.
     pub augmented: Augmented<N>,
 }
 
 impl<N: Number> EnhancedSfa<N> {
-    /// The force of the augmented wall plus that of the damper beside it, never pulling. The damper acts on the displacement inside
-    /// the wall, as in [`super::Spring`].
+    /// Sum of the augmented wall's force and the damper's, never pulling. The damper acts on the displacement inside the wall, as
+    /// in [`super::Spring`].
     #[inline(always)]
     fn damped(&self, augmented: Force<N>, sample: Sample<N>) -> Force<N> {
         (augmented + (self.damper * sample.moved_inside()).towards_zero())
@@ -137,7 +142,8 @@ impl<N: Number> EnhancedSfa<N> {
             .min(self.limit)
     }
 
-    /// Ends the first contact: puts the virtual mass where the energy absorbed so far covers the stretch of its coupling.
+    /// Ends the first contact: places the virtual mass so that the energy absorbed so far covers the stretch of the spring between
+    /// mass and hand.
     #[inline]
     pub fn hand_over(&self, state: &mut EnhancedState<N>) {
         let e = state.last;
@@ -170,8 +176,8 @@ impl<N: Number> EnhancedSfa<N> {
         };
     }
 
-    /// The new offset, lines 3–13 of Algorithm 3.1. It is never negative: a negative offset would end the contact inside the wall
-    /// (thesis §3.1).
+    /// The soft spring's new offset in this tick, lines 3–13 of Algorithm 3.1 of the thesis. It is never negative: a negative
+    /// offset would end the contact inside the wall (§3.1).
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_pointer_width = "64"), inline)]
     pub fn offset(&self, state: &EnhancedState<N>, e: Position<N>) -> Position<N> {
@@ -199,7 +205,8 @@ impl<N: Number> EnhancedSfa<N> {
         changed.max(Position::zero())
     }
 
-    /// Chooses the wall's force on the mass and moves the mass, so that the stored energy stays non-negative. Returns the force.
+    /// Chooses the wall's force on the virtual mass and moves the mass, so that the stored energy does not become negative. Returns
+    /// the force.
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_pointer_width = "64"), inline)]
     pub fn move_mass(
@@ -225,7 +232,7 @@ impl<N: Number> EnhancedSfa<N> {
         force
     }
 
-    /// Force on the HIP after the first contact; `None` once the HIP has left the wall.
+    /// Force on the hand's point (HIP) after the first reversal of motion; `None` once the HIP has left the wall.
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_pointer_width = "64"), inline)]
     fn augmented_force(
@@ -256,9 +263,9 @@ impl<N: Number> EnhancedSfa<N> {
         Some(Force::zero())
     }
 
-    /// Moves the mass while the HIP leaves it behind. A wall does not pull, so nothing pulls the mass. It moves on as if it were
-    /// not coupled, if the stored energy pays for that, and otherwise stands still. (Coefficients beyond inertia and ground damping
-    /// act as one more damper to ground here.)
+    /// Moves the virtual mass while the hand's point (HIP) leaves it behind. A wall does not pull, so nothing pulls the mass. It
+    /// moves on as if it were not coupled, if the stored energy pays for that, and otherwise stands still. (Coefficients beyond
+    /// inertia and ground damping act as one more damper to ground here.)
     #[inline(never)]
     fn leave_behind(
         &self,
@@ -289,7 +296,8 @@ impl<N: Number> EnhancedSfa<N> {
         held.mass = mass.moved_by(step);
     }
 
-    /// The exact passivity controller: returns force and displacement of the mass such that `E' = E + f·d >= 0`.
+    /// The exact passivity controller: reduces the force on the virtual mass so that the stored energy plus the work of its next
+    /// displacement is not negative. Returns the force and that displacement.
     #[cfg_attr(target_pointer_width = "64", inline(always))]
     #[cfg_attr(not(target_pointer_width = "64"), inline)]
     pub fn affordable_move(

@@ -39,9 +39,9 @@ pub struct View<N: Number> {
     pub contact: Contact,
     /// Energy that the law's own observer has summed; `None` if the law has no observer.
     pub energy: Option<Energy<N>>,
-    /// Offset `O`: deformation of the virtual spring beyond the penetration of the wall.
+    /// Deformation of the virtual spring beyond the penetration of the wall (offset).
     pub offset: Position<N>,
-    /// Penetration of the virtual mass while it is in use; else `None`.
+    /// Penetration of the enhanced law's virtual mass while it is in use; else `None`.
     pub mass: Option<Position<N>>,
 }
 

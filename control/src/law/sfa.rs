@@ -1,24 +1,25 @@
 //! Successive force augmentation without passivity control. The original (thesis 2.11–2.17) changes its offset when the motion
 //! turns inwards; a variant changes it at every inward tick (3.2–3.3).
 //!
-//! Equation (3.2) as printed requires `k_di > k_de` *and* `k_di < 0` in its second line, which nothing satisfies. This code uses
-//! *or*, as in (2.14c). `k_di < k_de` is decided as `|f| < k_de·e`: without a division there is no singularity at `e = 0`.
+//! Equation (3.2) as printed requires, for the displayed stiffness `k_di` and the desired one `k_de`, `k_di > k_de` *and* `k_di <
+//! 0` in its second line, which nothing satisfies. This code uses *or*, as in (2.14c). `k_di < k_de` is decided as `|f| < k_de·e`
+//! for a force `f` at a penetration `e`: without a division there is no singularity at `e = 0`.
 
 use super::{Contact, Law, Sample, View};
 use crate::{Compliance, FirstContact, Force, Number, OffsetUpdate, Position, Ratio, Stiffness};
 
-/// Successive force augmentation around the soft spring `k_v`.
+/// Successive force augmentation: a soft spring whose offset grows until the force is that of the desired stiffness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sfa<N: Number> {
     /// Desired stiffness `k_de`.
     pub desired: Stiffness<N>,
     /// Soft stiffness `k_v`.
     pub soft: Stiffness<N>,
-    /// `k_c/k_v - 1`, the gain of equation (2.14a) of the thesis.
+    /// Critical over soft stiffness less 1, `k_c/k_v - 1`: the gain of equation (2.14a) of the thesis.
     pub gain: Ratio<N>,
     /// Compliance of the soft spring: `1/k_v`.
     pub compliance: Compliance<N>,
-    /// The ticks in which the offset changes.
+    /// The ticks (control periods) in which the offset of the soft spring changes.
     pub update: OffsetUpdate,
     /// What happens to the force when the first contact ends (the first reversal of motion).
     pub first_contact: FirstContact,
@@ -29,13 +30,13 @@ pub struct Sfa<N: Number> {
 /// Memory of [`Sfa`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SfaState<N: Number> {
-    /// Phase of the contact.
+    /// Phase of the contact: outside, first contact, or augmenting.
     pub contact: Contact,
     /// Penetration of the last tick.
     pub last: Position<N>,
     /// Penetration of the tick before the last.
     pub before_last: Position<N>,
-    /// Offset `O`, by which the soft spring is deformed beyond the penetration.
+    /// Offset: the deformation of the soft spring beyond the penetration.
     pub offset: Position<N>,
     /// Force of the last tick.
     pub force: Force<N>,

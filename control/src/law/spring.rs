@@ -3,7 +3,8 @@
 use super::{Contact, Law, Sample, View};
 use crate::{Force, Number, Position, Stiffness};
 
-/// Virtual spring and damper: the force is `k_de e + (b/T) Δe`, never pulling, and zero outside the wall.
+/// Virtual spring and damper. The force is stiffness times penetration plus damping per tick times displacement, never pulling, and
+/// zero outside the wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spring<N: Number> {
     /// Desired stiffness `k_de`.
@@ -17,7 +18,7 @@ pub struct Spring<N: Number> {
 /// Memory of [`Spring`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SpringState {
-    /// Whether the HIP was in the wall at the last tick.
+    /// Whether the hand's point (HIP) was in the wall at the last tick.
     pub inside: bool,
 }
 

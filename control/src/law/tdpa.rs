@@ -17,18 +17,20 @@ use super::{Contact, Law, Sample, View};
 use crate::observer::damping_loss;
 use crate::{Energy, Force, Number, ObserverForm, Position, Stiffness};
 
-/// Time-domain passivity control around a virtual spring `k_de`.
+/// Time-domain passivity control around a virtual spring: reduces the spring's force where the wall would give more energy than it
+/// took.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tdpa<N: Number> {
     /// Desired stiffness `k_de`.
     pub desired: Stiffness<N>,
-    /// The form of the energy observer: exact or the thesis'.
+    /// The form of the energy observer: the exact one or that of the thesis.
     pub observer: ObserverForm,
-    /// `c_i/T` if the device's own damping counts as dissipation, equation (2.6) of the thesis; else zero.
+    /// Device damping over the control period if that damping counts as dissipation, equation (2.6) of the thesis; else zero.
     pub device_damping: Stiffness<N>,
     /// Largest force that the law commands.
     pub limit: Force<N>,
-    /// Largest stored energy. The limit keeps the sum inside its format, and it can only make the law more careful.
+    /// Largest energy that the law stores. The limit keeps the energy sum inside its number format, and a smaller sum only limits
+    /// the force more.
     pub energy_cap: Energy<N>,
 }
 
@@ -39,12 +41,13 @@ pub struct TdpaState<N: Number> {
     pub force: Force<N>,
     /// Energy taken from the hand so far, as the observer sums it.
     pub energy: Energy<N>,
-    /// Whether the HIP was in the wall at the last tick.
+    /// Whether the hand's point (HIP) was in the wall at the last tick.
     pub inside: bool,
 }
 
 impl<N: Number> Tdpa<N> {
-    /// Returns the force with which the thesis' energy sum does not become negative after this displacement, and updates the sum.
+    /// Returns a force with which the thesis' energy sum does not become negative after the displacement `moved`, and updates the
+    /// sum.
     #[inline]
     pub fn thesis_force(
         &self,
@@ -59,7 +62,8 @@ impl<N: Number> Tdpa<N> {
         Force(force)
     }
 
-    /// Returns the force for the coming tick from the exact energy so far. The last displacement is the guess of the next one.
+    /// Returns a force for the coming tick with which the exact energy does not become negative, if the next displacement equals
+    /// the last one.
     #[inline]
     pub fn exact_force(&self, energy: Energy<N>, wanted: Force<N>, moved: Position<N>) -> Force<N> {
         if moved == Position::zero() || energy + wanted * moved >= Energy::zero() {

@@ -1,4 +1,4 @@
-//! The fixed-point number formats: they add signs to the unsigned arithmetic of [`crate::magnitude`].
+//! The fixed-point number formats. Their signed functions use the unsigned arithmetic of [`crate::magnitude`] and add the signs.
 
 use super::saturating::Saturates as _;
 use super::{Number, Wide64};
@@ -18,12 +18,12 @@ pub struct Fixed16;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Fixed8;
 
-/// A magnitude that divides others, either directly or by a prepared reciprocal.
+/// An unsigned number that is used as a divisor, either directly or by a prepared reciprocal.
 trait Divides<W: Word>: Sized {
     fn new(divisor: W) -> Self;
     fn quotient(&self, dividend: W::Wide) -> W;
 }
-/// A plain word divides directly: on a machine that divides words of twice the width, a reciprocal would be no faster.
+/// A plain word divides by the machine's division: a machine that divides words of twice the width gains nothing by a reciprocal.
 impl<W: Word> Divides<W> for W {
     fn new(divisor: W) -> W {
         divisor
@@ -49,7 +49,7 @@ macro_rules! fixed_number {
             const GAIN_BITS: u32 = <$gain>::FRAC_NBITS;
             const SIGNAL_BITS: u32 = <$signal>::FRAC_NBITS;
 
-            /// The signed value of a magnitude of at most `MAX_SIGNED`.
+            /// The signed value of an absolute value that is at most `MAX_SIGNED`.
             #[inline(always)]
             fn signed(magnitude: $word, negative: bool) -> $signal {
                 debug_assert!(magnitude <= <$word as Word>::MAX_SIGNED);
@@ -63,7 +63,7 @@ macro_rules! fixed_number {
                 <$signal>::from_bits(if negative { bits.wrapping_neg() } else { bits })
             }
 
-            /// A double word divided by `2^bits` and rounded down; the caller guarantees that the result fits a signal.
+            /// A double word divided by `2^bits` and rounded down. The caller guarantees that the result fits the single width.
             #[inline(always)]
             fn shifted_fitting(wide: $wide, bits: u32) -> $signal {
                 let shifted = wide >> bits;
@@ -71,7 +71,7 @@ macro_rules! fixed_number {
                 <$signal>::from_bits(shifted as $int)
             }
 
-            /// A signal of these bits, limited to the largest or smallest signal.
+            /// The signal (position or force) with these bits, limited to the largest or smallest signal.
             #[inline(always)]
             fn ended(bits: i64) -> $signal {
                 <$signal>::from_bits(match <$int>::try_from(bits) {
@@ -88,7 +88,8 @@ macro_rules! fixed_number {
                 x.to_bits().unsigned_abs()
             }
 
-            /// Converts an SI value, which has 32 fractional bits, to bits with `fraction` fractional bits, rounded towards zero.
+            /// Converts an SI value, which has 32 fractional bits, to an integer with `fraction` fractional bits, rounded towards
+            /// zero.
             fn from_si(si: Si, fraction: u32) -> i64 {
                 // Towards zero: shift the magnitude, not the number.
                 let magnitude = si.to_bits().unsigned_abs();

@@ -1,9 +1,10 @@
-//! Floating-point formats as a reference: the same laws, rounded to nearest. Measured values saturate, calculated ones do not.
+//! Floating-point formats as a reference for the fixed-point ones: the same laws, rounded to nearest. Measured values saturate,
+//! calculated ones do not.
 
 use super::{Number, Reported};
 use crate::Si;
 
-/// Measured values saturate at ± this value, the range of [`super::Fixed32`].
+/// Measured values in the floating-point formats saturate at ± this value, the range of [`super::Fixed32`].
 const LARGEST: f64 = 128.0;
 
 macro_rules! float_number {

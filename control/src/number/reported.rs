@@ -8,9 +8,9 @@ use crate::{Energy, Force, Position};
 
 /// A number format whose values convert from and to `f64` in SI units.
 pub trait Reported: Number {
-    /// Converts a signal to `f64`, in SI units.
+    /// Converts a signal (position or force) to `f64`, in SI units.
     fn signal_to_f64(x: Self::Signal) -> f64;
-    /// The nearest signal to a measured value in SI units, saturating; a NaN gives 0.
+    /// The signal (position or force) nearest to a measured value in SI units, saturating; a NaN gives 0.
     fn signal_from_f64(x: f64) -> Self::Signal;
     /// Converts an energy to `f64`, in J.
     fn energy_to_f64(e: Self::Energy) -> f64;

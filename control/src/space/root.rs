@@ -11,7 +11,7 @@
 //! two machine divisions, a quarter of the instructions of 32 binary digits. Tests check every root of 16 bits, and every step of a
 //! root of 32 bits.
 
-/// The root of the largest 16-bit number whose first eight bits are `h`: `floor(sqrt(256 h + 255))`.
+/// For each first byte `h` of a 16-bit number, the root of the largest number with that byte: `floor(sqrt(256 h + 255))`.
 const LARGEST_ROOTS: [u8; 256] = {
     let mut roots = [0; 256];
     let (mut high, mut root) = (0_usize, 0_u32);
@@ -25,8 +25,8 @@ const LARGEST_ROOTS: [u8; 256] = {
     roots
 };
 
-/// Root and remainder of a 16-bit number with one of its two highest bits set. Roots of numbers with the same first byte differ by
-/// at most 1.
+/// Square root, rounded down, and remainder of a 16-bit number with one of its two highest bits set. Roots of numbers with the same
+/// first byte differ by at most 1.
 #[inline(always)]
 fn scaled_16(n: u16) -> (u16, u16) {
     let first = usize::from((n >> 8) as u8);
@@ -42,7 +42,8 @@ fn scaled_16(n: u16) -> (u16, u16) {
 
 macro_rules! level {
     ($scaled:ident, $below:ident, $word:ty, $wide:ty) => {
-        /// Root and remainder of a number with one of its two highest bits set. The remainder is at most twice the root.
+        /// Square root, rounded down, and remainder of a number with one of its two highest bits set. The remainder is at most
+        /// twice the root.
         #[inline(always)]
         fn $scaled(n: $wide) -> ($wide, $wide) {
             const HALF: u32 = <$word>::BITS / 2;
@@ -92,7 +93,8 @@ macro_rules! whole {
             (root >> pairs) as $word
         }
 
-        /// The root of a number with one of its four highest bits set: at most one power of four is taken out before.
+        /// The square root, rounded down, of a number with one of its four highest bits set. The number is first shifted up by at
+        /// most two bits.
         #[inline]
         #[must_use]
         pub fn $high(n: $wide) -> $word {
@@ -104,15 +106,15 @@ macro_rules! whole {
 }
 
 whole!(
-    /// `floor(sqrt(n))` of 16 bits.
+    /// Square root of a 16-bit number, rounded down.
     root_16, root_high_16, scaled_16, u8, u16
 );
 whole!(
-    /// `floor(sqrt(n))` of 32 bits.
+    /// Square root of a 32-bit number, rounded down.
     root_32, root_high_32, scaled_32, u16, u32
 );
 whole!(
-    /// `floor(sqrt(n))` of 64 bits.
+    /// Square root of a 64-bit number, rounded down.
     root_64, root_high_64, scaled_64, u32, u64
 );
 
@@ -132,7 +134,7 @@ mod tests {
         }
     }
 
-    /// Checks where the root of 32 bits changes: at every square, just below and just above.
+    /// Checks 32-bit square roots where the root changes: at every square, just below and just above.
     #[test]
     fn every_step_of_a_root_of_32_bits() {
         for root in 1..=u16::MAX {

@@ -1,4 +1,4 @@
-//! The velocity filter's settings in SI, and the coefficients computed from them.
+//! The velocity filter's settings in SI units, and the coefficients computed from them.
 
 use super::{FirstOrderAdaptiveWindow, LONGEST_WINDOW, Slope, Smoothed, Tracker, Velocity};
 use crate::estimator::{Flow, Weight, approach, per_tick, ratio_of_bits};
@@ -30,8 +30,8 @@ impl VelocitySettings {
         }
     }
 
-    /// Validates the settings and computes the filter's coefficients. `None` where the law uses the displacement that it gets.
-    /// `count` is the distance between neighbouring positions, rad (m).
+    /// Validates the settings and computes the filter's coefficients. `None` if the settings choose no filter. `count` is the
+    /// distance between neighbouring positions, rad (m).
     ///
     /// # Errors
     /// Same as [`VelocitySettings::validate`]; also a count that the number format cannot hold.
@@ -66,7 +66,7 @@ fn smoothed<N: Number>(share: Exact) -> Option<Velocity<N>> {
     Some(Velocity::Smoothed(Smoothed { share }))
 }
 
-/// The Kalman filter whose poles are at `r`, given `lost = 1 - r`.
+/// The Kalman filter whose poles in the z-plane are at `r`. `lost` is `1 - r`; `accelerates` chooses constant acceleration.
 #[inline]
 fn tracker<N: Number>(lost: Exact, accelerates: bool) -> Option<Velocity<N>> {
     let two = Exact::const_from_int(2);

@@ -2,11 +2,12 @@
 
 use crate::angle::Angle;
 
-/// Angles between field and rotor, for one direction of counting.
+/// Sampled angles between field and rotor, for an assumed direction of the encoder's counting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Fit {
     first: Option<Angle>,
-    /// Sum, smallest and largest of the angles relative to the first one.
+    /// Sum of the sampled angles relative to the first one, in 1/65,536 of a turn. The next fields: the smallest and the largest
+    /// one.
     sum: i32,
     pub(super) least: i32,
     pub(super) most: i32,

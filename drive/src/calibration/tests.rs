@@ -3,7 +3,8 @@ use crate::current::Offsets;
 use crate::hardware::IHM08M1;
 use touchstone_protocol::DeviceSettings;
 
-/// Control ticks until the field turns. `rotor` gives the rotor's position in counts at each tick.
+/// Runs a calibration and returns the control periods until its field turns. `rotor` gives the rotor's position in counts in each
+/// period.
 fn ticks_until_the_field_turns(rotor: impl Fn(u32) -> i64) -> u32 {
     let config = CalibrationConfig::new(&DeviceSettings::default(), &IHM08M1);
     let code = IHM08M1.offset_code << 4;

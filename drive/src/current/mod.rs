@@ -40,10 +40,10 @@ pub struct CurrentConfig {
     pub modulator: Modulator,
     /// Result of [`Modulator::share`], stored because it takes a division.
     pub voltage_share: i32,
-    /// Current in A per converter's code, with 28 fractional bits; negative for shunts below the low-side transistors whose
-    /// amplifiers do not invert.
+    /// Current in A per code of the analogue-to-digital converter, with 28 fractional bits. It is negative for shunts below the
+    /// low-side transistors whose amplifiers do not invert.
     pub amps_per_code: i32,
-    /// Bus voltage in V per converter's code.
+    /// Bus voltage in V per code of the analogue-to-digital converter.
     pub volts_per_code: Volts,
     /// Largest current that the loop holds, A.
     pub limit: Amps,
@@ -51,22 +51,23 @@ pub struct CurrentConfig {
     pub trip: Amps,
     /// Number of PWM periods in a control period.
     pub periods_per_tick: u16,
-    /// PWM periods from a control tick until the encoder is read a second time; 0: it is not.
+    /// PWM periods from the start of a control period until the encoder is read a second time; 0 for no second reading.
     pub read_at: u16,
-    /// Calculates a voltage from the requested current on a board that measures none; `None` on other boards.
+    /// Calculates a voltage from the requested current, on a board that measures no current; `None` on other boards.
     #[cfg(feature = "voltage")]
     pub voltage: Option<VoltageStage>,
 }
 
 /// PWM periods from a sample to the middle of the time in which the compare values calculated from it act.
 ///
-/// The currents are sampled while the counter is at its top, with all low sides on. The compare values are written while it counts
-/// down; a later write makes a late period ([`CurrentSample::late`]). The timer's update at the bottom, half a period after the
-/// sample, takes them over. They act from that bottom to the next, around the top between them: a whole period after the sample.
+/// The currents are sampled while the timer's counter is at its top, with all low sides on. The compare values are written while it
+/// counts down; a later write makes a late period ([`CurrentSample::late`]). The timer loads them at the bottom, half a period
+/// after the sample. They act until the next bottom. The middle of that time is the top in between, a whole period after the
+/// sample.
 pub const ACTS_AFTER_PERIODS: u32 = 1;
 
-/// Number of late periods in a row that is a fault. A single one is harmless: the current changes little in 50 µs. A processor that
-/// is too slow for the loop is late in every period.
+/// Number of PWM periods in a row with late compare values that is a fault. A single one is harmless: the current changes little in
+/// 50 µs. A processor that is too slow for the loop is late in every period.
 const LATE_IN_A_ROW: u8 = 3;
 /// The current loop: its coefficients and memory.
 #[derive(Debug, Clone, Copy)]
@@ -74,12 +75,12 @@ pub struct CurrentLoop {
     config: CurrentConfig,
     d: Pi,
     q: Pi,
-    /// PWM periods since the last control tick was pended.
+    /// PWM periods since the last control period began.
     phase: u16,
-    /// PWM periods since the encoder reading on which the command is based.
+    /// PWM periods since the encoder reading from which the present command was computed.
     age: u32,
     last_tick: u32,
-    /// Number of late periods in a row.
+    /// Number of PWM periods in a row whose compare values were written too late.
     late: u8,
     sums: OffsetSums,
     tripped: bool,
@@ -174,8 +175,8 @@ impl CurrentLoop {
         }
     }
 
-    /// Report of the last period for the control tick. It is returned by reference, since a copy would take a tenth of the period's
-    /// instructions.
+    /// Report of the last PWM period to the control interrupt. It is returned by reference, since a copy would take a tenth of the
+    /// period's instructions.
     #[must_use]
     pub const fn report(&self) -> &CurrentReport {
         &self.report
@@ -195,7 +196,7 @@ impl CurrentLoop {
         }
     }
 
-    /// Runs a period with the bridge off.
+    /// Runs a PWM period with the bridge off.
     fn rest(&mut self, sample: &CurrentSample) {
         self.late = 0;
         self.d.reset();
@@ -214,7 +215,7 @@ impl CurrentLoop {
         }
     }
 
-    /// Runs a period with the bridge on, unless a check fails.
+    /// Runs a PWM period with the bridge on, unless a check fails.
     fn drive(&mut self, sample: &CurrentSample) -> BridgeCommand {
         let config = self.config;
         let command = &sample.command;
@@ -278,7 +279,7 @@ impl CurrentLoop {
         self.give(command, Dq { d: v_d, q: v_q })
     }
 
-    /// Whether the bridge must be off: the command or the processor is too late, or a check tripped.
+    /// Whether the bridge must be off: the command is too old, the processor is too late, or a check switched off (tripped).
     #[inline(always)]
     fn must_be_off(&mut self, sample: &CurrentSample) -> bool {
         if sample.late {
@@ -301,7 +302,7 @@ impl CurrentLoop {
         self.tripped
     }
 
-    /// Length in V of the longest voltage vector at this bus voltage.
+    /// Length in V of the longest voltage vector that the bridge can make at the present bus voltage.
     #[inline(always)]
     fn longest(&self) -> Volts {
         Volts::from_bits(product(
@@ -312,7 +313,8 @@ impl CurrentLoop {
         .max(Volts::ZERO)
     }
 
-    /// Turns a voltage from the command's frame to the rotor's angle at the time when it acts; returns the compare values.
+    /// Turns a voltage from the command's frame to the electrical angle that the rotor has when the voltage acts; returns the
+    /// compare values.
     #[inline(always)]
     fn give(&mut self, command: &CurrentCommand, voltage: Dq) -> BridgeCommand {
         self.report.voltage = voltage;
@@ -322,7 +324,7 @@ impl CurrentLoop {
     }
 }
 
-/// Angle by which the rotor turns in this number of PWM periods.
+/// Electrical angle by which the rotor turns in this number of PWM periods, by the speed in the command.
 #[inline(always)]
 fn moved(command: &CurrentCommand, periods: u32) -> Angle {
     // 2^-32 turns to 2^-16.

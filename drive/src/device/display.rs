@@ -1,4 +1,4 @@
-//! One tick of the control law, and how its force becomes a drive command.
+//! One period of the control law, and how its force becomes a drive command.
 
 use super::Device;
 use crate::command::{Drive, DriveCommand, Driven};
@@ -10,8 +10,8 @@ use touchstone_control::{Fixed32, Force, Position};
 use touchstone_protocol::{FaultCode, Limit, Limits};
 
 impl Device {
-    /// Displacement from the position at the change of force to the present one; 0 where the position at the change is not
-    /// measured.
+    /// Displacement from the position at the last change of force to the present position; 0 where the position at the change is
+    /// not measured.
     pub(super) fn since_change(
         &mut self,
         last: (Position<Fixed32>, i64),
@@ -41,8 +41,8 @@ impl Device {
         }
     }
 
-    /// Handles the tick in which the outputs are switched off. If the last tick's force `acted` on the displacement up to now, the
-    /// guard books that displacement. Otherwise it books the worst case.
+    /// Handles the control period in which the outputs are switched off. If `acted` is true, the last force acted on the
+    /// displacement up to now, and the energy guard books that displacement. Otherwise the guard books the worst case.
     #[cold]
     pub(super) fn leave(
         &mut self,
@@ -61,7 +61,7 @@ impl Device {
         scenery.switched_off(&mut self.law);
     }
 
-    /// Runs one tick of the control law, and turns its force into a drive command.
+    /// Runs one period of the control law, and turns its force into a drive command.
     pub(super) fn display(
         &mut self,
         tick: u32,
@@ -131,7 +131,7 @@ impl Device {
     }
 }
 
-/// The cogging map's current, multiplied by a fraction as in [`torque_of`].
+/// The cogging map's current, multiplied by the fade-in fraction as in [`torque_of`].
 #[cfg(feature = "large")]
 #[inline(always)]
 fn shared(map: crate::Amps, share: Option<u32>) -> crate::Amps {
@@ -140,8 +140,8 @@ fn shared(map: crate::Amps, share: Option<u32>) -> crate::Amps {
     })
 }
 
-/// The torque along `x` for a force out of the wall, which acts against `x`. While the force fades in, it is multiplied by the
-/// fraction `share` in 2^-32; `None` leaves it whole.
+/// The torque towards rising positions for a force out of the wall, which acts against them. While the force fades in, it is
+/// multiplied by the fraction `share` in 2^-32; `None` leaves it whole.
 #[inline(always)]
 #[must_use]
 pub fn torque_of(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {

@@ -43,13 +43,13 @@ impl Device {
         })
     }
 
-    /// Whether the alignment is found and a cogging sweep is requested.
+    /// Whether the calibration has found the alignment and a cogging sweep is requested.
     pub(super) fn begins_sweep(&self) -> bool {
         self.swept.wanted != Sweep::None && self.swept.running.is_none()
     }
 
-    /// Runs one tick of a cogging sweep; the first tick uses the alignment that was just found. During a sweep the reported
-    /// position is measured from the encoder's own zero.
+    /// Runs one control period of a cogging sweep; the first one uses the alignment that was just found. During a sweep the
+    /// reported position is measured from the encoder's own zero.
     #[cold]
     #[inline(never)]
     pub(super) fn swept(&mut self, tick: u32, count: i64, map: Amps) -> Progress {
@@ -78,7 +78,7 @@ impl Device {
         }
     }
 
-    /// Ends a cogging sweep when the state changes: a request holds for one calibration only.
+    /// Ends a cogging sweep when the device leaves the state `before`: a request holds for one calibration only.
     pub(super) fn leave_sweep(&mut self, before: State) {
         self.swept.running = None;
         if before == State::Calibrating {

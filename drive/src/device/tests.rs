@@ -5,7 +5,7 @@ use crate::scenery::WallAlone;
 use crate::timing::TickTiming;
 use touchstone_control::Si;
 
-/// A control input with this encoder counter and default values for the rest.
+/// A control input with this reading of the encoder's counter and default values for the rest.
 fn quiet(counter: u32) -> ControlInput {
     ControlInput {
         encoder: EncoderReading::Counter32(counter),
@@ -57,8 +57,8 @@ fn where_positions_end_a_wall_is_off_and_says_so() {
     }
 }
 
-/// Shakes a detent at 20 Hz, with the position measured when the force changes. Returns count, force, displacement since the
-/// change, and torque of every tick.
+/// Turns a knob with a detent back and forth at 20 Hz, with the position measured when the force changes. Returns count, force,
+/// displacement since the change, and torque of every control period.
 #[cfg(feature = "large")]
 fn shaken(turns: i64) -> Vec<(i64, i32, i32, i32)> {
     use touchstone_protocol::settings::environment::DetentsBeside;
@@ -131,8 +131,8 @@ fn a_detent_is_the_same_ten_thousand_turns_on() {
     }
 }
 
-/// Energy in the guard's account around a tick that ends the arming, in 2^-48 J: before that tick, after it, and after the next
-/// arming.
+/// Energy in the guard's energy account around a control period that ends the arming, in 2^-48 J: before that period, after it, and
+/// after the next arming.
 fn accounts_around(ending: impl Fn(&mut ControlInput, &mut Device)) -> (i64, i64, i64) {
     let mut settings = DeviceSettings::default();
     settings.encoder.kind = EncoderKind::Incremental;

@@ -14,8 +14,8 @@ use super::{Hardware, IHM08M1, sampling_counts};
 use crate::thermistor::NTC_10K_3455_OVER_4K7;
 use touchstone_control::Si;
 
-/// B-G431B-ESC1: shunts of 0.003 Ω behind a gain of 64/7 around 2.06 V, bus divider 1:10.39, 3.3 V, 12 bits. The board is for six
-/// lithium cells, which have 25.2 V when full.
+/// Power stage of the board B-G431B-ESC1: shunts of 0.003 Ω behind a gain of 64/7 around 2.06 V, bus divider 1:10.39, converter of
+/// 3.3 V and 12 bits. The board is for six lithium cells, which have 25.2 V when full.
 pub const B_G431B_ESC1: Hardware = Hardware {
     // An amplifier of 13 MHz at a gain of 16.
     sampling_counts: sampling_counts(800, 1_000),

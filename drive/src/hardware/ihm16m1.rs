@@ -17,9 +17,9 @@
 use super::{Hardware, IHM08M1, sampling_counts};
 use touchstone_control::Si;
 
-/// X-NUCLEO-IHM16M1: shunts of 0.33 Ω, pulled up by 680 Ω and 2.2 kΩ to 3.3 V, behind amplifiers with a gain of 2. The total gain
-/// is 1.528, with 1.56 V at zero current. Bus divider 1:16, converter of 3.3 V and 12 bits. A code is 1.6 mA, a tenth of that of
-/// the IHM08M1 shield.
+/// Power stage of the shield X-NUCLEO-IHM16M1: shunts of 0.33 Ω, pulled up by 680 Ω and 2.2 kΩ to 3.3 V, behind amplifiers with a
+/// gain of 2. The total gain is 1.528, with 1.56 V at zero current. Bus divider 1:16, converter of 3.3 V and 12 bits. A code of the
+/// converter is 1.6 mA, a tenth of that of the IHM08M1 shield.
 pub const IHM16M1: Hardware = Hardware {
     // The driver's own dead time; an amplifier of 20 MHz at a gain of 2.
     sampling_counts: sampling_counts(550, 700),

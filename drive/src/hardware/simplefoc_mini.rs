@@ -18,7 +18,7 @@ use super::{Hardware, IHM08M1};
 use crate::thermistor::Thermistor;
 use touchstone_control::Si;
 
-/// SimpleFOC Mini: no current, no temperature; the bus by a divider of 1:11, 3.3 V, 12 bits.
+/// Power stage of the board SimpleFOC Mini: no sensors of current or temperature, bus divider 1:11, converter of 3.3 V and 12 bits.
 pub const SIMPLEFOC_MINI: Hardware = Hardware {
     // No shunt that a low side must be on for: all compare values but the one at which a phase never switches.
     sampling_counts: 2,

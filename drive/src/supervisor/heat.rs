@@ -1,7 +1,7 @@
 //! Temperature limit of the motor's windings, from a model of their heat: the windings have no sensor.
 //!
-//! The model has one thermal mass and one thermal resistance. The windings' rise above the room's temperature follows the mean
-//! square of the current, with one time constant:
+//! The model has one thermal mass and one thermal resistance `R_th`. The windings' rise above the room's temperature follows `s`, the
+//! mean of the squared current `i²` with one time constant `τ`; `R` is the windings' resistance:
 //!
 //! ```text
 //! τ ds/dt = i² - s        rise = s R_th 3/2 R        at rest: s = i²
@@ -35,13 +35,13 @@ const ALL: u32 = 1 << 16;
 /// Coefficients of the heat model; squares of currents in A² with `SQUARE_BITS` fractional bits.
 #[derive(Debug, Clone, Copy)]
 pub struct HeatConfig {
-    /// Weight of a tick in the mean, 2^-32: tick over time constant, at most 2^-7.
+    /// Weight of a control period in the running mean, 2^-32: period over thermal time constant, at most 2^-7.
     share: i32,
-    /// Mean square of the current, in A², above which the current limit is reduced: 80 % of `bears`.
+    /// Running mean of the squared current, A², above which the current limit is reduced: 80 % of `bears`.
     warm: i32,
     /// Square, in A², of the current that the motor can carry continuously.
     bears: i32,
-    /// Mean square of the current, in A², at which the motor's heat is a fault: 1.5 times `bears`.
+    /// Running mean of the squared current, A², at which the motor's heat is a fault: 1.5 times `bears`.
     hot: i32,
     /// The motor's continuous current as a fraction of its current limit, 1/65,536.
     for_ever: u32,
@@ -72,7 +72,8 @@ impl HeatConfig {
         }
     }
 
-    /// Fraction of the current limit that is allowed at this mean square, in 1/65,536: a straight line from `warm` to `bears`.
+    /// Fraction of the current limit that is allowed at this running mean of the squared current, in 1/65,536. It falls in a
+    /// straight line between `warm` and `bears`.
     fn left(&self, mean: i32) -> u32 {
         if mean <= self.warm {
             return ALL;
@@ -99,7 +100,7 @@ const fn square(current: crate::Amps) -> i64 {
 /// The state of the heat model of the windings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Heat {
-    /// Mean square of the current, A² with [`MEAN_BITS`] fractional bits; never negative.
+    /// Running mean of the squared current, A² with [`MEAN_BITS`] fractional bits; never negative.
     mean: i64,
 }
 
@@ -116,7 +117,7 @@ impl Heat {
         Self { mean: 0 }
     }
 
-    /// The windings at their limit, because it is unknown how long the processor was off.
+    /// The windings assumed at their limit, because it is unknown how long the processor was off.
     #[must_use]
     pub const fn unknown(config: &HeatConfig) -> Self {
         Self {
@@ -124,8 +125,8 @@ impl Heat {
         }
     }
 
-    /// Takes a tick's measured current. Returns the broken limit, if any, and the allowed fraction of the current limit, in
-    /// 1/65,536.
+    /// Takes a control period's measured current. Returns the fault, if there is one, and the allowed fraction of the current
+    /// limit, in 1/65,536.
     pub fn update(&mut self, config: &HeatConfig, report: &CurrentReport) -> (Option<Found>, u32) {
         let now = clamp_i32(square(report.current.d) + square(report.current.q));
         let mean = (self.mean >> (MEAN_BITS - SQUARE_BITS)) as i32;
@@ -156,8 +157,8 @@ mod tests {
         }
     }
 
-    /// Requests the same current for `seconds`, and drives as much as the limit allows. Returns the largest mean square of the
-    /// windings' current, calculated in floating point, and the current at the end.
+    /// Requests the same current for `seconds`, in which the motor gets as much of it as the limit allows. Returns the largest
+    /// running mean of the squared current, calculated in floating point, and the current at the end.
     fn leans(settings: &DeviceSettings, asked: f64, seconds: f64) -> (f64, f64) {
         let config = HeatConfig::new(settings);
         let limit: f64 = settings.motor.current_limit_a.to_num();

@@ -43,19 +43,19 @@ use stuck::{Stuck, StuckConfig};
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
 
-/// Whether the motor is compared with its model. The smaller chips have too little memory for it.
+/// Whether this build compares the motor's voltages with a model. The smaller chips have too little memory for it.
 const HAS_MODEL: bool = cfg!(feature = "large");
 
-/// A fault's code, and the value for its context.
+/// A fault's code, and the number that the fault's context carries.
 pub type Found = (FaultCode, i32);
 
-/// The limits of all checks, computed once.
+/// The limits of all checks, computed once from the settings.
 #[derive(Debug, Clone, Copy)]
 pub struct SupervisorConfig {
     shaft: ShaftConfig,
-    /// Limits of power stage, encoder standstill and motor heat; `None` for an analogue drive, whose power stage is external.
+    /// Limits of power stage, stuck encoder and motor heat; `None` for an analogue drive, whose power stage is external.
     motor: Option<(PowerConfig, StuckConfig, HeatConfig)>,
-    /// Coefficients of the motor's model; `None` where no currents are measured.
+    /// Coefficients of the check of the motor's voltages; `None` where no currents are measured.
     model: Option<ModelConfig>,
     asked: AskedConfig,
     /// Processor cycles of a control period.
@@ -93,14 +93,14 @@ impl SupervisorConfig {
         self.motor.is_none_or(|(power, ..)| power.takes(bus))
     }
 
-    /// The filter of the shaft's speed.
+    /// Coefficients of the checks of the encoder's readings and of the shaft's speed.
     #[must_use]
     pub const fn shaft(&self) -> &ShaftConfig {
         &self.shaft
     }
 }
 
-/// The supervisor's memory from tick to tick.
+/// The supervisor's memory from one control period to the next.
 #[derive(Debug, Clone, Copy)]
 pub struct Supervisor {
     shaft: Shaft,
@@ -114,29 +114,29 @@ pub struct Supervisor {
     watched: bool,
 }
 
-/// Result of a tick's checks.
+/// Result of the checks in a control period.
 #[derive(Debug, Clone, Copy)]
 pub struct Verdict {
-    /// The first broken limit; `None` if all are kept.
+    /// The first fault found; `None` if all limits are kept.
     pub fault: Option<Found>,
-    /// The continued encoder count; `None` if the reading was bad.
+    /// The encoder count, continued over the encoder's wrap; `None` if the reading was bad.
     pub count: Option<i64>,
     /// Fraction of the current limit that the temperatures of power stage and motor allow, in 1/65,536.
     pub derating: u32,
 }
 
-/// The checks that apply in the present state of the device.
+/// The device's present state, as far as it decides which checks apply.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Watch {
-    /// Whether broken limits are faults.
+    /// Whether readings outside their limits are faults in this state.
     pub watched: bool,
     /// Whether the outputs may be on.
     pub may_be_on: bool,
-    /// Whether the control law drove the motor in the tick before.
+    /// Whether the control law drove the motor in the previous control period.
     pub driven: bool,
-    /// Whether the encoder's second reading, at the change of force, is missing.
+    /// Whether the encoder's second reading in the previous control period, at the change of force, is missing.
     pub untold: bool,
-    /// Whether the electrical angle falls when the count rises.
+    /// Whether the electrical angle falls when the encoder count rises.
     pub against: bool,
 }
 
@@ -147,7 +147,7 @@ impl Default for Supervisor {
 }
 
 impl Supervisor {
-    /// The memory before the first tick.
+    /// The supervisor's memory before the first control period.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -184,7 +184,7 @@ impl Supervisor {
         &self.shaft
     }
 
-    /// Checks all readings of a tick.
+    /// Checks all readings of a control period.
     pub fn inspect(
         &mut self,
         config: &SupervisorConfig,
@@ -278,7 +278,7 @@ impl Supervisor {
         }
     }
 
-    /// Checks the current loop's report and the deadlines for the time since the last tick.
+    /// Checks the current loop's report and the control interrupt's deadlines for the time since the last control period.
     fn look_at_loop(
         &mut self,
         config: &SupervisorConfig,

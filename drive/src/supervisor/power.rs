@@ -19,7 +19,8 @@ pub struct PowerConfig {
     #[cfg(feature = "voltage")]
     is_without_sensor: bool,
     fault_from: Celsius,
-    /// Loss of current per degree above the first temperature, as a fraction of the current limit in 1/65,536.
+    /// Reduction of the current limit per degree above the temperature at which derating begins, as a fraction of the limit in
+    /// 1/65,536.
     share_per_degree: i32,
 }
 
@@ -64,8 +65,9 @@ impl Power {
         thermistor.celsius(report.temperature)
     }
 
-    /// Returns the broken limit, if any, and the fraction of the current limit that the temperature allows, in 1/65,536. The whole
-    /// is allowed up to the first temperature, nothing at the second, with a straight line between.
+    /// Returns the fault, if there is one, and the fraction of the current limit that the temperature allows, in 1/65,536. The
+    /// whole limit is allowed up to the temperature at which derating begins, nothing at that of the fault, with a straight line
+    /// between.
     #[must_use]
     pub fn inspect(config: &PowerConfig, report: &CurrentReport) -> (Option<Found>, u32) {
         let temperature = Self::temperature(&config.thermistor, report);

@@ -1,10 +1,12 @@
 //! Checks of the encoder's readings: bad readings, jumps, and the speed from the good readings.
 //!
-//! Overspeed is checked twice. The displacement of one tick shows a speed that is clearly too high, at the first reading after a
-//! whole period at that speed. The mean over a window also shows a slight excess with an encoder that counts little in a tick.
+//! Overspeed is checked twice. The displacement of one control period (tick) shows a speed that is clearly too high, at the first
+//! reading after a whole period at that speed. The mean over several periods also shows a slight excess, even if the encoder moves
+//! by few counts per period.
 //!
 //! A bad reading is not used, and the outputs are off until the next good one. Several bad readings in a row are a fault, with the
-//! code of the last. After a gap the shaft may have moved in each of the missing ticks.
+//! code of the last. After a gap in the readings, the limits allow for the motion that the shaft may have made in each missing
+//! period.
 
 use crate::encoder::{EncoderError, EncoderKind, EncoderReading, Unwrapped};
 use crate::hardware::Hardware;
@@ -15,11 +17,12 @@ use touchstone_control::Si;
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
 
-/// Longest window over which the speed is measured, ticks.
+/// Longest time over which the speed is averaged, in control periods.
 const WINDOW_MAX: usize = 20;
 /// Encoder counts by which a reading may jitter.
 const JITTER: i64 = 4;
-/// A displacement at this many times the highest allowed speed is a jump; a smaller excess is overspeed.
+/// A displacement that would need this many times the highest allowed speed counts as a jump of the reading; a smaller excess
+/// counts as overspeed.
 const JUMP_FACTOR: i32 = 4;
 /// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
@@ -30,17 +33,17 @@ pub struct ShaftConfig {
     kind: EncoderKind,
     reversed: bool,
     bad_readings: u8,
-    /// Counts per tick that no real shaft moves: a jump.
+    /// Counts per control period that no real shaft moves; such a displacement is a jump of the reading.
     jump: i32,
-    /// Ticks over which the speed is measured: 2 ms, at least 2 ticks.
+    /// Number of control periods over which the speed is averaged (the window): 2 ms, at least 2 periods.
     window: usize,
-    /// Counts per tick from which on the speed is too high.
+    /// A motion of this many counts in a control period is overspeed.
     fastest_in_tick: i32,
-    /// Counts per window from which on the speed is too high.
+    /// A motion of this many counts in the window over which the speed is averaged is overspeed.
     fastest: i32,
-    /// Speed in rad/s for each count in a window.
+    /// Speed in rad/s for each count that the shaft moves in the window over which the speed is averaged.
     speed_per_count: I16F16,
-    /// Electrical angle per PWM period for each count that the shaft moves in a window, in 2^-48 turns.
+    /// Change of the electrical angle in a PWM period for each count that the shaft moves in the speed window, in 2^-48 turns.
     advance_per_count: i64,
 }
 
@@ -95,7 +98,7 @@ pub enum Seen {
     Good {
         /// The count, continued over the encoder's wrap.
         count: i64,
-        /// Counts since the last good reading.
+        /// Counts that the shaft moved since the last good reading.
         moved: i64,
     },
     /// The reading must not be used.
@@ -109,10 +112,10 @@ pub enum Seen {
 pub struct Shaft {
     unwrapped: Option<Unwrapped>,
     bad: u8,
-    /// Counts that the shaft moved in each of the last ticks.
+    /// Counts that the shaft moved in each of the last control periods.
     moves: [i32; WINDOW_MAX],
     at: usize,
-    /// Sum of the counts moved over the window.
+    /// Counts that the shaft moved in the window over which the speed is averaged.
     sum: i32,
 }
 
@@ -135,7 +138,7 @@ impl Shaft {
         }
     }
 
-    /// Checks and takes a tick's reading. If the second reading of the tick before is missing, this one counts as bad.
+    /// Checks a control period's first reading. If the second reading of the previous period is missing, this one counts as bad.
     pub fn read(
         &mut self,
         config: &ShaftConfig,
@@ -188,7 +191,7 @@ impl Shaft {
         Seen::Good { count, moved }
     }
 
-    /// The count of a reading between two ticks, if the reading is good and no jump. The memory stays unchanged.
+    /// The encoder count of a reading between two control periods, if the reading is good and no jump. The memory stays unchanged.
     #[inline(never)]
     #[must_use]
     pub fn at(&self, config: &ShaftConfig, reading: EncoderReading) -> Option<i64> {
@@ -248,13 +251,13 @@ impl Shaft {
         }
     }
 
-    /// Mean speed over the window, rad/s, saturating.
+    /// Mean speed of the shaft over the last 2 ms, rad/s, saturating.
     #[must_use]
     pub fn speed(&self, config: &ShaftConfig) -> I16F16 {
         Self::speed_of(config, self.sum)
     }
 
-    /// The speed for this number of counts in a window, rad/s, saturating.
+    /// The speed for this number of counts in the window over which the speed is averaged, rad/s, saturating.
     fn speed_of(config: &ShaftConfig, counts: i32) -> I16F16 {
         I16F16::from_bits(clamp_i32(
             i64::from(counts) * i64::from(config.speed_per_count.to_bits()),
@@ -273,8 +276,8 @@ mod tests {
     use super::*;
     use crate::hardware::IHM08M1;
 
-    /// Turns an encoder of 16,384 counts per turn by this many counts in each tick, with good readings; returns the fault and its
-    /// tick.
+    /// Turns an encoder of 16,384 counts per turn by this many counts in each control period, with good readings. Returns the fault
+    /// and the number of the period in which it came.
     fn turned(rate_hz: u32, counts: i64) -> Option<(u32, Seen)> {
         let mut settings = DeviceSettings::default();
         settings.encoder.kind = EncoderKind::Incremental;

@@ -24,9 +24,9 @@ use touchstone_protocol::FaultCode;
 #[derive(Debug, Clone, Copy)]
 pub struct StuckConfig {
     resistance_ohm: I16F16,
-    /// Largest unexplained voltage at rest, V.
+    /// Largest voltage beyond `R i` that a shaft at rest may show, V; dead time and rounding cause it.
     least: Volts,
-    /// Number of suspicious ticks in a row that is a fault.
+    /// Number of control periods in a row in which the encoder looks stuck that is a fault.
     ticks: u32,
 }
 
@@ -71,13 +71,13 @@ impl Stuck {
         Self { ticks: 0 }
     }
 
-    /// Whether the encoder looked stuck in the last tick.
+    /// Whether the encoder looked stuck in the last control period.
     #[must_use]
     pub const fn is_suspected(&self) -> bool {
         self.ticks != 0
     }
 
-    /// Takes a tick in which the motor was driven; returns the fault, if there is one.
+    /// Takes a control period in which the motor was driven; returns the fault, if there is one.
     pub fn update(
         &mut self,
         config: &StuckConfig,

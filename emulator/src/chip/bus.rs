@@ -36,7 +36,7 @@ impl Chip {
         self.plain[3].get(4 * amplifier as u32) & ON_AND_INSIDE == ON_AND_INSIDE
     }
 
-    /// The block, its register, and whether the block is clocked.
+    /// The peripheral block at an address, the register's offset in the block, and whether the block is clocked.
     fn find(&mut self, address: u32) -> (Block, u32, bool) {
         let at = MAP
             .iter()
@@ -53,7 +53,7 @@ impl Chip {
         }
     }
 
-    /// Bit mask of the rows of the register map whose blocks RCC clocks now.
+    /// Bit mask of the peripheral blocks that RCC clocks now, by their row in the address map.
     pub(super) fn clocked(rcc: &Rcc) -> u64 {
         let clocked = |(.., clock): &(u32, u32, Block, Option<(u32, u32)>)| {
             clock.is_none_or(|(register, bit)| rcc.gives(register, bit))

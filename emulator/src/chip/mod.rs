@@ -28,7 +28,8 @@ use crate::peripheral::uart::Uart;
 use crate::peripheral::wwdg::Wwdg;
 use crate::world::World;
 
-/// Interrupts (RM0440, table 97).
+/// Interrupt number and width in bits of the timers TIM2 to TIM5. The next constants are further interrupt numbers (RM0440, table
+/// 97).
 const TIMERS: [(u32, u32); 4] = [(28, 32), (29, 16), (30, 16), (50, 32)];
 const ADC1_2: u32 = 18;
 const SPI3: u32 = 51;
@@ -59,13 +60,13 @@ pub struct Chip {
     /// The flash controller.
     pub flash: Flash,
     rcc: Rcc,
-    /// Bit mask of the rows of the register map whose blocks are clocked.
+    /// Bit mask of the peripheral blocks that are clocked, by their row in the address map.
     clocked: u64,
     /// The power control block.
     pub pwr: Pwr,
     exti: Exti,
     plain: [Plain; 6],
-    /// COMP1 to COMP4.
+    /// The comparators COMP1 to COMP4.
     pub comparators: comparators::Comparators,
     system: Plain,
     cycle_offset: u32,
@@ -76,24 +77,25 @@ pub struct Chip {
     pub world: World,
     /// Exceptions whose handlers are running.
     pub running: Vec<Running>,
-    /// Cost of each exception's handler.
+    /// Costs in instructions and cycles of each exception's handler.
     pub handlers: Vec<Handler>,
     /// Cause of a reset that is due; `None` if none is.
     pub reset_request: Option<ResetCause>,
-    /// Descriptions of the accesses and instructions so far that the real chip does not have.
+    /// Descriptions of accesses and instructions of the program that the real chip does not support.
     pub faults: Vec<String>,
     /// Addresses of the registers that the firmware used and that are not modelled.
     pub unknown: std::collections::BTreeSet<u32>,
     /// Addresses of the registers that the firmware has written since power-on.
     pub written: std::collections::BTreeSet<u32>,
-    /// Frequency of the oscillator that clocks the watchdog, Hz.
+    /// Frequency of the oscillator that clocks the independent watchdog, Hz.
     lsi_hz: u64,
-    /// An injected interrupt that is raised periodically without the firmware's doing: number, period, next time.
+    /// An injected interrupt that is raised again and again without a cause: interrupt number, period and next time in processor
+    /// cycles.
     pub storm: Option<(u32, u64, u64)>,
 }
 
 impl Chip {
-    /// A chip on a board in a world.
+    /// A chip on a board, with the simulated world around it. `lsi_hz` is the frequency of the independent watchdog's oscillator.
     #[must_use]
     pub fn new(board: Board, world: World, lsi_hz: u64) -> Self {
         let core = Core::new([
@@ -140,7 +142,7 @@ impl Chip {
         chip
     }
 
-    /// Resets everything that a reset of the chip resets.
+    /// Resets the processor and the peripherals, as a reset of the chip does.
     pub fn reset(&mut self, cause: ResetCause) {
         let now = self.core.now;
         if self.bridge.is_on() {
@@ -185,12 +187,12 @@ impl Chip {
         self.drive_world();
     }
 
-    /// An encoder that is fed by the chip loses its state.
+    /// Sets the magnetic encoder to its state at power-on, because the chip's board supplies it and has lost power.
     pub fn forget_encoder(&mut self) {
         self.spi3.slave = self.board.encoder.slave();
     }
 
-    /// Address of the vector table.
+    /// Address of the vector table that the program has set; the start of the flash before that.
     #[must_use]
     pub fn vectors(&self) -> u32 {
         match self.system.get(0xed08) {
@@ -205,7 +207,7 @@ impl Chip {
         self.rcc.sysclk_hz()
     }
 
-    /// The serial port that links the board to the desktop.
+    /// The serial port that links the board to the computer.
     pub fn link(&mut self) -> &mut Uart {
         match self.board.link_is_usart2 {
             true => &mut self.usart2,
@@ -213,7 +215,7 @@ impl Chip {
         }
     }
 
-    /// A store to the flash memory.
+    /// Takes the program's store of a word to flash, so that the flash controller can carry it out or undo it.
     pub fn store_to_flash(&mut self, address: u32, before: u32, value: u32) {
         let now = self.core.now;
         self.flash.store(address, value, now);
@@ -222,7 +224,7 @@ impl Chip {
         self.core.interrupted = true;
     }
 
-    /// Gives the simulated world the new state of the power bridge.
+    /// Passes the power bridge's new state to the simulated world.
     fn drive_world(&mut self) {
         let now = self.core.now;
         let duty = self.bridge.duty();
@@ -263,7 +265,7 @@ impl Chip {
         self.count_places();
     }
 
-    /// Places in flash are counted for those that work in every period.
+    /// Counts fetches from flash by address while the current loop or the control interrupt runs.
     fn count_places(&mut self) {
         let runs = self.running.last().map(|running| running.exception);
         self.core.is_counting = matches!(runs, Some(CURRENT_LOOP | CONTROL_TICK));
@@ -287,7 +289,7 @@ impl Chip {
         Some(())
     }
 
-    /// Value of the DAC's channel 1, an integer of 12 bits.
+    /// Code of the digital-to-analog converter's channel 1, 0 to 4,095.
     #[must_use]
     pub fn dac(&self) -> u32 {
         let dac = &self.plain[1];

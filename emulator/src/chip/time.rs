@@ -1,16 +1,16 @@
-//! Events that need no instruction: the switching edges of the power bridge, the conversions that the edges trigger, and everything
-//! else that is due at a time.
+//! Events that need no instruction: the switching edges of the power bridge, the conversions that the edges trigger, and all other
+//! timed events.
 
 use super::Chip;
 use crate::peripheral::rcc::ResetCause;
 use crate::peripheral::timer::bridge::Edge;
 use crate::peripheral::{NEVER, Peripheral};
 
-/// Interval in cycles at which the current of a short circuit is examined.
+/// Time between two steps of a short circuit's current, in processor cycles.
 const LOOK: u64 = 4;
 
 impl Chip {
-    /// Time of the next event.
+    /// Time of the next event, in processor cycles.
     #[must_use]
     pub fn next_event(&self) -> u64 {
         let timers = self
@@ -98,7 +98,7 @@ impl Chip {
         self.core.interrupted = false;
     }
 
-    /// Advances the current of a short circuit with the transistors as they are, and lets the comparators compare.
+    /// Advances the current of a short circuit with the present states of the transistors, and updates the comparators.
     fn advance_short(&mut self, now: u64) {
         let legs = self.bridge.legs(now);
         self.world.advance_short(now, legs);
@@ -106,7 +106,7 @@ impl Chip {
         self.drive_world();
     }
 
-    /// Lets the converters sample and finish everything that is due until a time.
+    /// Lets the analog-to-digital converters sample and finish all conversions that are due until a time.
     fn convert(&mut self, until: u64) {
         loop {
             let next = self
@@ -134,7 +134,8 @@ impl Chip {
         }
     }
 
-    /// Runs once a half period and passes the shaft to the encoders, the break input and the supply.
+    /// Runs twice per PWM period: moves the simulated world on, and passes the shaft's angle to the encoders and the levels to the
+    /// break input.
     fn on_period(&mut self, _edge: Edge, now: u64) {
         self.world.advance(now);
         self.world.sensors.look();

@@ -1,9 +1,9 @@
-//! Which exception runs next: pending, enabled, active, priorities, masks.
+//! The interrupt controller: decides which exception runs next, from pending, enabled and active exceptions, priorities and masks.
 //!
-//! Numbers are those of exceptions: 3 HardFault, 14 PendSV, 15 SysTick, 16 + n interrupt n. All priority bits preempt (the
-//! reset value of `PRIGROUP`; the firmware does not change it).
+//! Numbers are those of exceptions: 3 HardFault, 14 PendSV, 15 SysTick, 16 + n interrupt n. All bits of a priority decide about
+//! preemption (the reset value of `PRIGROUP`; the firmware does not change it).
 
-/// Number of the first external interrupt.
+/// Exception number of interrupt 0; interrupt n has 16 + n.
 pub const FIRST: usize = 16;
 /// Number of modelled exceptions: 16 of the system and 112 interrupts.
 const COUNT: usize = 128;
@@ -13,15 +13,15 @@ pub const HARD_FAULT: usize = 3;
 /// The processor's registers that mask exceptions.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Masks {
-    /// PRIMASK.
+    /// Register PRIMASK: while true, all exceptions of configurable priority are masked.
     pub primask: bool,
-    /// BASEPRI, 0 for none.
+    /// Register BASEPRI: exceptions of this priority and below are masked; 0 masks none.
     pub basepri: u8,
-    /// FAULTMASK.
+    /// Register FAULTMASK: while true, all exceptions except NMI are masked.
     pub faultmask: bool,
 }
 
-/// The lowest priority, at which the thread runs.
+/// The lowest priority, at which the main program runs.
 const THREAD: i16 = 256;
 
 /// The interrupt controller (NVIC).

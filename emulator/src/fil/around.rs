@@ -1,6 +1,6 @@
 //! Tests of several virtual walls at once on the emulated device: detents, a wall on the other side and end stops, pressed by a
 //! hand. The device's forces must equal those of the same environment computed on the host, bit for bit. The environment is also
-//! changed under the hand, kept in flash, and refused where it is invalid.
+//! changed while a hand holds the knob, stored in flash, and refused where it is invalid.
 
 use touchstone_control::environment::{Counted, Environment};
 use touchstone_control::{CountScale, Fixed32, Force, Position, Si};
@@ -25,9 +25,9 @@ use crate::cpu::elf::Program;
 
 /// Largest rate at which a change of the environment may change the force, N·m/s.
 const CHANGE: &str = "0.5";
-/// Largest number of control ticks for which the environments before and after a change may give the same force.
+/// Largest number of control periods for which the environments before and after a change may give the same force.
 const SAME_FORCES: usize = 50;
-/// Reach of the hand to each side without a resisting force, rad. The reach goes beyond the two end stops.
+/// How far the hand turns the knob to each side, rad, if no force resists. Both end stops lie within this range.
 const REACH_RAD: f64 = 0.35;
 
 /// Runs the tests of several walls on boards with enough memory. On other boards it checks that the device refuses an environment.
@@ -43,7 +43,7 @@ fn si(text: &str) -> Decimal {
     text.parse().unwrap_or_default()
 }
 
-/// An environment of all elements: detents all around, a force profile, a wall behind the hand and end stops on either side.
+/// An environment with every kind of element: detents all around, a force profile, a wall behind the hand, and two end stops.
 fn all(setup: &Setup) -> Surround {
     let strength = Si::saturating_from_num(0.2 * setup.board.press_n_m);
     let [wall, ..] = setup.board.walls;
@@ -156,8 +156,8 @@ fn played(program: &Program, setup: &Setup) -> Result<String, String> {
 
 /// Computes the environments' forces on the host from the device's encoder counts, and compares them with the device's forces.
 ///
-/// The telemetry does not say from which tick on a change is active. The function finds that tick by comparing forces: from there
-/// on, all forces must be those of the next environment.
+/// The telemetry does not say from which control period (tick) on a change is active. The function finds that period by comparing
+/// forces: from there on, all forces must be those of the next environment.
 fn compared(
     settings: &DeviceSettings,
     board: Board,

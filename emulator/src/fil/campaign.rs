@@ -15,13 +15,13 @@ use crate::cpu::elf::Program;
 pub struct Outcome {
     /// Time in µs from the injection until the outputs were off; `None` if they were off already or stayed on.
     pub off_us: Option<f64>,
-    /// Fault code that the device latched; `None` if it latched none.
+    /// Fault code that the device latched; `None` if the device latched none.
     pub code: Option<FaultCode>,
     /// Description of what deviates from the expected result; `None` if nothing does.
     pub wrong: Option<String>,
 }
 
-/// A device under test.
+/// A device under test, on which injections run one after the other.
 pub struct Campaign {
     bench: Bench,
     fresh: bool,
@@ -30,14 +30,14 @@ pub struct Campaign {
 /// Time in cycles for which the device is watched after its outputs are off.
 const WATCHED: u64 = 30 * MS;
 
-/// The fault's value where the shaft did not follow the field evenly (docs/faults/10-calibration-failed.md).
+/// Value of the fault `CalibrationFailed` if the shaft did not follow the field evenly (docs/faults/10-calibration-failed.md).
 const UNEVEN: i32 = 4;
 
 /// A shaft counts as resting if it stays within this angle for a tenth of a second, rad: a thousandth of a turn.
 const RESTS_RAD: f64 = 6e-3;
 
 impl Campaign {
-    /// Boots a device with an encoder, and sets the encoder and a fast calibration.
+    /// Boots a device with an encoder, and configures the encoder and a fast calibration.
     ///
     /// # Errors
     /// The program does not start.
@@ -232,7 +232,7 @@ impl Campaign {
         Ok(())
     }
 
-    /// Checks that the outputs ended switched off in time, whatever they did before.
+    /// Checks that the outputs are off at the end of the allowed time and stay off, even if they were switched on and off before.
     fn is_off_at_last(
         &mut self,
         begin: u64,
@@ -349,9 +349,9 @@ impl Campaign {
     }
 }
 
-/// Waits until the knob rests, as a person does before a calibration. A light rotor that was let go at a reset swings
-/// on for seconds, and the field may draw it to another pole, which the calibration refuses. The angle is watched all
-/// the time: a knob that swings ten times a second is in the same place after each tenth.
+/// Waits until the knob rests, as a person does before a calibration. A light rotor that was let go at a reset swings on for
+/// seconds, and the field may draw it to another pole, which the calibration refuses. The angle is watched without a break: a knob
+/// that swings ten times a second is in the same position after each tenth.
 fn rest(bench: &mut Bench) -> Result<(), String> {
     for _ in 0..100 {
         let mut within_rad = [f64::INFINITY, f64::NEG_INFINITY];
@@ -367,8 +367,8 @@ fn rest(bench: &mut Bench) -> Result<(), String> {
     Err("the shaft does not come to rest in ten seconds".into())
 }
 
-/// Calibrates, and once more if the calibration is refused as uneven, as a person would. A light rotor that stood
-/// against the field, held by friction, comes loose at nearly full current and swings too far.
+/// Calibrates the device. If the calibration is refused as uneven, it calibrates once more, as a person would. A light rotor that
+/// stood against the field, held by friction, comes loose at nearly full current and swings too far.
 fn calibrate(bench: &mut Bench) -> Result<(), String> {
     let uneven = |bench: &mut Bench| {
         let fault = bench.status()?.fault;

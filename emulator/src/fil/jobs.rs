@@ -1,4 +1,5 @@
-//! Splits the campaign into independent jobs. Each job has emulated devices of its own, so the order of the jobs does not matter.
+//! Splits the fault-injection campaign into independent jobs. Each job has emulated devices of its own, so the order of the jobs
+//! does not matter.
 
 use super::campaign::Campaign;
 use super::checks::{CHECKS, Check, OF_THE_EMULATOR};
@@ -19,13 +20,14 @@ const FAST_LSI: u64 = 34_000;
 /// Number of injections per job: enough that starting and configuring a device takes little of the job's time.
 const PIECE: usize = 12;
 
-/// A sample has one of this many injections.
+/// The short form of the campaign (the sample) runs one of this many injections.
 const OF_ROWS: usize = 3;
 
-/// The reference board, on which a sample runs the checks. The other boards execute the same code.
+/// The board on which the short form of the campaign (the sample) runs all checks. The other boards execute the same code.
 const REFERENCE: &str = "nucleo-g474re-ihm16m1";
 
-/// The checks that a sample runs on all boards. They depend on a board's pins and parts, except the one that runs only once.
+/// The checks that the short form of the campaign (the sample) runs on all boards. They depend on a board's pins and parts, except
+/// the one that runs only once.
 const ON_ALL_BOARDS: [&str; 4] = [
     OF_THE_EMULATOR.0,
     "boot and presses",
@@ -41,7 +43,7 @@ const BRIEF: [&str; 4] = [
     "cable pulled",
 ];
 
-/// The longest check, which takes a tenth of the whole campaign's time. No sample contains it.
+/// The longest check, which takes a tenth of the whole campaign's time. The short forms of the campaign leave it out.
 const LONGEST: &str = "cogging";
 
 /// Names of the boards that the emulator can model.
@@ -116,7 +118,7 @@ impl Asked<'_> {
         }
     }
 
-    /// Whether the selection leaves out injections or checks by being a sample or brief.
+    /// Whether the selection leaves injections or checks out because it is a short form of the campaign.
     #[must_use]
     pub fn is_sample(self) -> bool {
         matches!(self, Self::Sample | Self::Brief)

@@ -14,20 +14,22 @@ use crate::world::{Short, Touched};
 /// Current out of the motor, in amperes, at which the hardware switches off without the processor
 /// (docs/faults/08-hardware-break.md).
 const SWITCHES_OFF_A: f64 = 30.0;
-/// Current of one DAC code in amperes: 3.3 V / 4,096 over 4/7 of the shunt's 3 mV/A. The threshold is one of the codes.
+/// Current per DAC code in amperes: 3.3 V / 4,096 over 4/7 of the shunt's 3 mV/A. The comparators' threshold is a whole number of
+/// codes.
 const STEP_A: f64 = 3.3 / 4_096.0 / (0.003 * 4.0 / 7.0);
-/// Inductance of a short at the motor in henry, that of its leads. At 24 V the current rises by 6 A/us, so the comparators act
-/// before the next sample.
+/// Inductance of a short circuit at the motor in henry: that of its leads. At 24 V the current rises by 6 A/us, so the comparators
+/// act before the next sample.
 const LEADS_H: f64 = 4e-6;
 /// Resistance of supply, wires and transistor in the short, Ω.
 const WAY_OHM: f64 = 0.05;
-/// Largest time between two evaluations of the short, in microseconds. The emulator evaluates the short once per instruction, and a
-/// division takes 12 cycles.
+/// Longest time between two evaluations of the short circuit, in microseconds. The emulator evaluates it once per instruction, and
+/// a division takes 12 cycles.
 const LOOK_US: f64 = 12.0 / 170.0;
-/// Duration in microseconds for which a comparator must stay active: eight samples, one per 32 cycles
+/// Duration in microseconds for which a comparator must stay active before the break acts: eight samples, one per 32 cycles
 /// (docs/faults/08-hardware-break.md).
 const FILTER_US: f64 = 8.0 * 32.0 / 170.0;
-/// Longest time for the current loop to switch off: one PWM period until the next sample, and part of a period to act.
+/// Longest time for the current loop to switch off, in processor cycles: one PWM period until the next sample, and part of a period
+/// to act.
 const SOFTWARE: u64 = 100 * US;
 /// Time for which the outputs must stay off after a break, in processor cycles.
 const WATCHED: u64 = 30 * MS;
@@ -58,7 +60,7 @@ pub fn over_current(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.ran(&bench);
 }
 
-/// Takes the device to armed while nothing is shorted.
+/// Brings the device into the armed state, without a short circuit.
 fn armed(bench: &mut Bench) -> Result<(), String> {
     if bench.link.bytes == 0 {
         bench.boot()?;
@@ -94,12 +96,12 @@ fn no_break(bench: &mut Bench) -> Result<Phase, String> {
     }
 }
 
-/// Result of a short circuit.
+/// What happened in a short circuit.
 struct Found {
     /// The comparator that acted, and the current in its shunt at that moment, A. `None` where no comparator acted.
     seen: Option<(usize, f64)>,
-    /// Time in microseconds until the outputs were off, from the moment at which a comparator acted, or from the short where none
-    /// did.
+    /// Time in microseconds until the outputs were off, counted from the moment at which a comparator acted, or from the short
+    /// circuit where none did.
     off_us: f64,
     /// Largest current in the short, A.
     largest_a: f64,

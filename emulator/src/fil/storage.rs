@@ -37,9 +37,9 @@ pub fn restart(bench: &mut Bench) -> Result<(), String> {
     bench.boot().map(|_| ())
 }
 
-/// Damages the settings in flash `ways` times by flipping written bits, and restarts the device after each. The device must then
-/// use the saved settings from another copy, or report `SettingsInvalid` and not arm. Returns the number of damages that the device
-/// reported.
+/// Damages the settings in flash `ways` times by flipping written bits, and restarts the device after each damage. The device must
+/// then use the saved settings from another copy, or report `SettingsInvalid` and not arm. Returns how often the device reported
+/// the damage.
 ///
 /// # Errors
 /// The damaged bits after which the device reacted otherwise.

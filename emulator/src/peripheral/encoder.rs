@@ -2,10 +2,10 @@
 
 use super::spi::{Slave, SlaveFault};
 
-/// Encoder counts per turn, of the AS5047P and of the MT6701.
+/// Encoder counts per turn, the same for the AS5047P and the MT6701.
 const COUNTS: f64 = 16_384.0;
 
-/// The angle that both kinds of encoder report, and its faults.
+/// The angle that an encoder of either type reports, and the encoder's injected fault.
 #[derive(Debug, Clone, Copy, Default)]
 struct Angle {
     turns: f64,
@@ -28,7 +28,7 @@ impl Angle {
         }
     }
 
-    /// The frame after the line's faults.
+    /// The frame as it arrives: with the bits that the injected fault of the data line changes.
     fn disturb(&mut self, frame: u32, bits: u32) -> u32 {
         self.frames = self.frames.wrapping_add(1);
         match self.fault {
@@ -41,7 +41,8 @@ impl Angle {
     }
 }
 
-/// AS5047P: each frame answers the command of the frame before. The error flag of every answer stays up until `ERRFL` is read.
+/// AS5047P: each frame answers the previous frame's command. After an error every answer has the error flag set until `ERRFL` is
+/// read.
 #[derive(Debug, Default)]
 pub struct As5047p {
     angle: Angle,
@@ -53,7 +54,8 @@ pub struct As5047p {
 /// Bit of the register `ERRFL` for a parity error in a frame.
 const PARITY_ERROR: u16 = 1 << 2;
 
-/// `DIAAGC` with a magnet at a usual distance; with none: gain at its end, MAGL; with one that touches the chip: MAGH.
+/// Value of the register `DIAAGC` with a magnet at the right distance. The next constants: without a magnet (gain at its end, field
+/// too weak), and with a magnet that touches the chip (field too strong).
 const FIELD_RIGHT: u16 = 1 << 8 | 0x60;
 const FIELD_WEAK: u16 = 1 << 8 | 1 << 11 | 0xff;
 const FIELD_STRONG: u16 = 1 << 8 | 1 << 10;

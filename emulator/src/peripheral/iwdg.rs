@@ -1,4 +1,4 @@
-//! The independent watchdog. Its own oscillator may run slow, nominal or fast, within the limits of the data sheet.
+//! The independent watchdog. Its oscillator's frequency can be set within the limits of the data sheet.
 
 use super::{CYCLES_PER_US, NEVER, Peripheral};
 

@@ -50,7 +50,7 @@ pub enum ResetCause {
     BrownOut,
     /// The reset pin NRST was pulled low.
     Pin,
-    /// The program requested the reset through SYSRESETREQ.
+    /// The program requested the reset through the bit SYSRESETREQ.
     Software,
     /// The independent watchdog reset the chip.
     Watchdog,

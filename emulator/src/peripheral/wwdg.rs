@@ -18,7 +18,7 @@ pub struct Wwdg {
     clock_hz: u64,
     configuration: u32,
     active: bool,
-    /// Value of the counter when its clock divider had counted `at` counts.
+    /// Value of the watchdog's counter after `at` counts of its clock divider.
     counter: u32,
     at: u64,
     /// Whether the program wrote the counter too early, or with a value that resets the chip.
@@ -39,7 +39,7 @@ impl Default for Wwdg {
 }
 
 impl Wwdg {
-    /// Processor cycles per count of the watchdog; never, while the bus clock is off.
+    /// Processor cycles per count of the watchdog; the largest number while the bus clock is off.
     fn count_cycles(&self) -> u64 {
         let share = 4_096 << (self.configuration >> 11 & 7);
         (share * CORE_HZ)

@@ -23,10 +23,10 @@ pub use sensors::{EncoderError, Noise, Sensors};
 /// Processor cycles per step of the mechanical simulation, 25 µs.
 const STEP: u64 = 4_250;
 
-/// Compare value at which a phase is always at the bus.
+/// Compare value at which a phase is always connected to the bus voltage.
 const TOP: u16 = 4_250;
 
-/// A motor that stands somewhere when power comes on.
+/// The usual motor, with a rotor angle that is not a round number at power-on.
 const MOTOR: MotorParameters = MotorParameters {
     electrical_zero_rad: 1.0,
     ..GIMBAL
@@ -36,7 +36,7 @@ fn seconds(cycles: u64) -> f64 {
     cycles as f64 / CORE_HZ as f64
 }
 
-/// The thesis' knob, with the dry friction of a small motor.
+/// The knob of the thesis, with the dry friction of a small motor.
 const KNOB: Device = Device {
     inertia: 1e-4,
     damping: 4e-4,
@@ -46,7 +46,8 @@ const KNOB: Device = Device {
     }),
 };
 
-/// The GBM2804H-100T by NuttX's table of motors, with half of the driver's 1 ohm and half of a shunt of 0.33 ohm in each phase.
+/// The gimbal motor GBM2804H-100T by NuttX's table of motors. Half of the driver's 1 ohm and half of a shunt of 0.33 ohm are added
+/// to each phase's resistance.
 const KIT_MOTOR: MotorParameters = MotorParameters {
     resistance_ohm: 5.29 + 0.5 + 0.165,
     inductance_h: 1.05e-3,
@@ -94,7 +95,7 @@ impl Parts {
         }
     }
 
-    /// The same motor without shunts, on the DRV8313, whose transistors add 0.24 ohm to each phase.
+    /// The motor of [`Parts::gimbal_kit`] on a driver DRV8313, without shunts. The driver's transistors add 0.24 ohm to each phase.
     #[must_use]
     pub fn gimbal_on_mini() -> Self {
         let mut parts = Self::gimbal_kit();
@@ -120,7 +121,7 @@ impl Parts {
     }
 }
 
-/// Crosses a step; what went through the motor's port, where that is wanted.
+/// Runs one step of the mechanical simulation. Returns impulse and energies at the motor's port if `is_wanted`, otherwise zeros.
 fn step<S: Stepper>(
     plant: &S,
     state: &mut S::State,
@@ -148,7 +149,7 @@ enum Grip {
         since: u64,
         rest: RestPoint,
     },
-    /// The shaft is turned from outside, whatever the motor does; given by its angle and speed.
+    /// The shaft is turned from outside, whatever the motor does. The fields are its angle and speed.
     Forced {
         angle_rad: f64,
         rad_per_s: f64,
@@ -174,22 +175,23 @@ pub struct ShaftBooks {
 pub struct World {
     knob: Device,
     now: u64,
-    /// Time of the knob's next step.
+    /// Time of the knob's next simulation step, in processor cycles.
     step_at: u64,
     motor: MotorParameters,
     windings: Windings,
-    /// The supply and the transistors of the power bridge.
+    /// The supply and the transistors of the motor's power bridge.
     pub bridge: Bridge,
     drive: Drive,
     grip: Grip,
-    /// Integral of the torque since the knob's last step, N·m·s; `torque_n_m` is the mean over the step before.
+    /// Integral of the motor's torque since the knob's last simulation step, N·m·s. `torque_n_m` is the mean over the previous
+    /// step.
     impulse: f64,
     torque_n_m: f64,
     /// Energy bookkeeping of the shaft; `None` unless a test has started it.
     books: Option<ShaftBooks>,
     /// Temperature of the driver and the motor, °C.
     pub temperature_c: f64,
-    /// Phase current at which the drivers' own protection acts, A.
+    /// Phase current in A at which the gate drivers' own protection acts.
     pub break_a: f64,
     /// Harmonics of the motor's cogging torque.
     pub cogging: Vec<Harmonic>,
@@ -273,7 +275,8 @@ impl World {
         };
     }
 
-    /// Moves the hand's rest point, rad, as a function of the time from now, s. Without a hand nothing changes.
+    /// Moves the rest point of the hand's spring: its angle in rad as a function of the time from now, s. Without a hand nothing
+    /// changes.
     pub fn lead(&mut self, to: impl Fn(f64) -> f64 + 'static) {
         if let Grip::Held { since, rest, .. } = &mut self.grip {
             *since = self.now;
@@ -311,7 +314,7 @@ impl World {
         self.grip = Grip::Free(plant, State::from_array([x, v]));
     }
 
-    /// The encoder's magnet slips on the shaft, while no current flows: by this much of the motor's electrical angle, rad.
+    /// Lets the encoder's magnet slip on the shaft by this electrical angle of the motor, rad. No current may flow meanwhile.
     pub fn slip(&mut self, electrical_rad: f64) {
         self.mount(MotorParameters {
             electrical_zero_rad: self.motor.electrical_zero_rad + electrical_rad,
@@ -319,7 +322,7 @@ impl World {
         });
     }
 
-    /// Mounts another motor; allowed while no current flows.
+    /// Mounts another motor. No current may flow meanwhile.
     pub fn mount(&mut self, motor: MotorParameters) {
         self.motor = motor;
         self.windings = Windings::new(motor, seconds(STEP));
@@ -428,7 +431,7 @@ impl World {
         self.windings.currents_a()[phase]
     }
 
-    /// Mean torque of the motor on the shaft over the last step, N·m.
+    /// Mean torque of the motor on the shaft over the last simulation step, N·m.
     #[must_use]
     pub fn torque_n_m(&self) -> f64 {
         self.torque_n_m
@@ -449,7 +452,7 @@ impl World {
         }
     }
 
-    /// Whether the phase current is high enough for the drivers' own protection to act.
+    /// Whether a phase current is high enough for the gate drivers' own protection to act.
     #[must_use]
     pub fn hardware_over_current(&self) -> bool {
         (0..3).any(|phase| self.leg_a(phase).abs() > self.break_a)

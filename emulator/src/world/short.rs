@@ -9,7 +9,7 @@ use crate::peripheral::timer::gates::Leg;
 pub enum Touched {
     /// The supply's positive end.
     Supply,
-    /// Ground, past the shunts.
+    /// Ground, at a point behind the shunts, so that the current does not pass them.
     Ground,
 }
 
@@ -26,12 +26,12 @@ pub struct Short {
     pub henry: f64,
     /// Current from the phase's transistors into the short circuit, A.
     pub current_a: f64,
-    /// Time up to which the short was simulated.
+    /// Time up to which the short circuit was simulated, in processor cycles.
     pub now: u64,
 }
 
 impl Short {
-    /// A short through which no current flows yet.
+    /// A short circuit through which no current flows yet.
     #[must_use]
     pub fn new(phase: usize, touched: Touched, ohm: f64, henry: f64, now: u64) -> Self {
         Self {
@@ -44,8 +44,8 @@ impl Short {
         }
     }
 
-    /// Advances the current exactly, for transistors that do not change. With both off, the current flows on through a
-    /// diode until it is zero.
+    /// Advances the current of the short circuit by the exact solution, for transistors that do not change. With both transistors
+    /// off, the current flows on through a diode until it is zero.
     pub(super) fn advance(&mut self, now: u64, leg: Leg, bus_v: f64, diode_v: f64) {
         let interval = seconds(now.saturating_sub(self.now));
         self.now = now;

@@ -32,10 +32,10 @@ pub struct Options {
         default_value = "0,0.5,1"
     )]
     delays: Vec<f64>,
-    /// Number of columns: dampings b T/J from 0.0001 to 1.
+    /// Number of columns: dampings b T/J from 0.0001 to 1 (damping b, control period T, inertia J).
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u16).range(2..=200))]
     columns: u16,
-    /// Number of rows: stiffnesses T sqrt(k_de/J) from 0.1 to 2.
+    /// Number of rows: stiffnesses T sqrt(k_de/J) from 0.1 to 2 (control period T, stiffness k_de, inertia J).
     #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u16).range(2..=200))]
     rows: u16,
     /// Longest search for one cell, in simulated control periods.
@@ -52,7 +52,8 @@ pub struct Options {
     force: bool,
 }
 
-/// Fields of the scene that every cell of the map sets itself, so that a user may not set them.
+/// Fields of the scene that every cell of the map sets itself, so that `--set` refuses them; each with a description of its new
+/// value.
 const REPLACED: [(&str, &str); 6] = [
     ("law.kind", "laws"),
     ("operator.grip", "grips"),

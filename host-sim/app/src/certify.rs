@@ -61,7 +61,7 @@ pub fn main(options: &Options) -> Result<()> {
     print(&certificate, &feel)
 }
 
-/// The first lines of the report: whether the wall comes to rest with each grip, and how it feels.
+/// The first lines of the report: whether the wall comes to rest with each grip, and how the wall's stiffness is rendered.
 fn verdicts(certificate: &Certificate, feel: &Outcome) -> Vec<String> {
     let worst = &certificate.hands[certificate.worst];
     let mut said = vec![

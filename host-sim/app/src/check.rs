@@ -51,7 +51,7 @@ pub struct Check {
     pub option: &'static str,
     /// The demanded value or limit, as text.
     pub wanted: String,
-    /// The measured value, as text.
+    /// The value that the run gave, as text.
     pub came: String,
     /// Whether the demand is met.
     pub met: bool,

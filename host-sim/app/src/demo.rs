@@ -91,7 +91,7 @@ pub fn main(options: &Options) -> Result<()> {
     })
 }
 
-/// Receives the lines of standard input.
+/// Starts to read standard input in a thread; returns the receiver of its lines.
 fn lines() -> Receiver<String> {
     // A writer that is faster than the simulated knob has to wait.
     let (sender, happens) = sync_channel(16);

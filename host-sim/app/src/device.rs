@@ -84,8 +84,7 @@ enum BoardAction {
         #[command(subcommand)]
         action: eccentricity::EccentricityAction,
     },
-    /// Shows whether the board starts unattended when power comes on, without a desktop; switches that on or off, and
-    /// saves it.
+    /// Shows whether the board starts unattended when power comes on, without a computer; switches that on or off, and saves it.
     Autostart {
         #[arg(value_enum)]
         switch: Option<start::Switch>,
@@ -184,8 +183,8 @@ fn state(name: &str) -> Result<()> {
     )
 }
 
-/// Time limit of a calibration. The magnetic field turns by one electrical turn and by one more per pole pair, forward and back, at
-/// the set speed.
+/// Time limit of a calibration. The motor's field turns by one electrical turn and by one more per pole pair, forward and back, at
+/// the configured speed.
 pub fn calibration_limit(settings: &DeviceSettings) -> Duration {
     let turns = 2.0 * (f64::from(settings.motor.pole_pairs) + 1.0);
     let turns_per_s: f64 = settings.calibration.electrical_turns_per_s.to_num();
@@ -238,7 +237,7 @@ pub fn calibrated(client: &mut Client) -> Result<()> {
     }
 }
 
-/// Whether the fault means that a stored alignment failed its check.
+/// Whether the fault means that the stored alignment of motor and encoder failed its check.
 fn is_of_kept(fault: &Fault) -> bool {
     fault.known() == Some(FaultCode::CalibrationFailed)
         && matches!(
@@ -421,7 +420,7 @@ fn ring_csv(records: &[RingRecord]) -> csv::Result<Vec<u8>> {
 mod tests {
     use super::*;
 
-    /// Other programs can read the CSV of the record before a fault.
+    /// Checks that other programs can read the CSV file with the record before a fault.
     #[test]
     fn others_read_what_a_ring_has() {
         let nothing = RingRecord::default();

@@ -86,7 +86,7 @@ pub fn main(options: &Options) -> Result<()> {
     watched
 }
 
-/// Requests the device's detents, end stops and further walls. A board without room for them has the wall alone.
+/// Requests the device's detents, end stops and further walls. A board without memory for them has only its single wall.
 fn environment(client: &mut Client) -> Result<Surround> {
     if !client.identity().board.is_large() {
         return Ok(Surround::default());

@@ -113,7 +113,7 @@ impl Expectations {
         }
     }
 
-    /// Compares runs with those of the baseline, if the option names one.
+    /// Compares runs with those of the baseline, if the user gave `--baseline`.
     ///
     /// # Errors
     /// The baseline cannot be read.
@@ -266,7 +266,7 @@ impl Checked {
     }
 }
 
-/// The place of the JUnit file. A JUnit file that this program wrote is replaced, so that a CI server can run the same command
+/// The path of the JUnit file. A JUnit file that this program wrote is replaced, so that a CI server can run the same command
 /// again.
 fn junit_file(path: &Path) -> Named<'_> {
     Named {

@@ -20,7 +20,7 @@ pub struct Options {
     /// Lists the cases, each with its difficulty and the source of the right answer, and runs none.
     #[arg(long)]
     list: bool,
-    /// Simulates 10^9 control periods where the sample has 10^7: minutes instead of seconds.
+    /// Simulates 10^9 control periods where the short form has 10^7: minutes instead of seconds.
     #[arg(long)]
     long: bool,
 }

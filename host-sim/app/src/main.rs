@@ -133,7 +133,7 @@ enum Command {
     /// Makes a board look like a SmartKnob, on a pseudo terminal, for programs that were written for one.
     #[cfg(unix)]
     Bridge(bridge::Options),
-    /// Shows a device's measurements and commands live; with --csv, writes every control tick to a file.
+    /// Shows a device's measurements and commands live; with --csv, writes every control period to a file.
     Monitor(monitor::Options),
     /// Reads, changes and saves a device's settings.
     Config(config::Options),

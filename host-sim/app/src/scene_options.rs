@@ -43,7 +43,8 @@ pub struct SceneOptions {
     /// Desired stiffness k_de, N·m/rad.
     #[arg(long, value_name = "N_M_PER_RAD", allow_negative_numbers = true)]
     k_desired: Option<String>,
-    /// Integration method for device and hand within a tick; all but `exact`, the default, divide a tick into `plant.substeps`.
+    /// Integration method for device and hand within a control period; all but `exact`, the default, divide it into
+    /// `plant.substeps`.
     #[arg(long, value_parser = Words("plant.integrator"))]
     integrator: Option<String>,
     /// Default parameters of the control law, for those that the scene leaves out. shipped: tuned, on estimated states, with the

@@ -199,7 +199,7 @@ fn space(options: &Options) -> Result<ExitCode> {
     super::thesis_space::main(&options.out, &options.report, &options.space, &bar)
 }
 
-/// Converts a checked claim of the thesis to JSON.
+/// Converts a claim of the thesis, with the result of its check, to JSON.
 fn claim(claim: &claims::Claim) -> serde_json::Value {
     serde_json::json!({
         "name": claim.name,
@@ -215,7 +215,7 @@ fn style() -> ProgressStyle {
         .unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
-/// One line of text that summarises the runs without a plot.
+/// One line of text that summarises the runs for which the report has no plot.
 fn others(runs: &[Run]) -> String {
     let rest: Vec<&Run> = runs.iter().filter(|run| run.trace.is_none()).collect();
     let same = rest.iter().filter(|run| {

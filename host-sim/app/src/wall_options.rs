@@ -19,7 +19,8 @@ pub struct WallOptions {
     sets: Vec<String>,
 }
 
-/// Fields of the scene that a scorecard overwrites with its own devices and hands. `--set` refuses these fields.
+/// Fields of the scene that a scorecard overwrites with its own devices and hands, each with a description of the new value.
+/// `--set` refuses these fields.
 const REPLACED: [(&str, &str); 3] = [
     ("law.kind", "laws"),
     ("operator.grip", "grips"),

@@ -64,7 +64,8 @@ impl Named<'_> {
     }
 }
 
-/// Whether the file exists and has `mark` in its first 1024 bytes. Then the same command wrote the file, and may replace it.
+/// Whether the file exists and has `mark` in its first 1024 bytes. The mark shows that the same command wrote the file and may
+/// replace it.
 pub fn is_of_same_command(path: &Path, mark: &str) -> bool {
     use std::io::Read as _;
     let is_file = std::fs::symlink_metadata(path).is_ok_and(|meta| meta.is_file());

@@ -11,7 +11,7 @@ fn folder(test: &str) -> PathBuf {
     common::folder(&format!("cli-space-{test}"))
 }
 
-/// All checked claims of the thesis hold, and the report's page has the figures of every run.
+/// Checks that all claims of the thesis hold in the comparison, and that the report's page has the figures of every run.
 #[test]
 fn the_comparison_reproduces_what_the_thesis_claims() {
     let folder = folder("claims");

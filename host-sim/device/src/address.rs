@@ -44,7 +44,7 @@ impl FromStr for Address {
     }
 }
 
-/// A serial port that the operating system lists.
+/// A serial port of this machine, as the operating system lists it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Port {
     /// Name under which the operating system opens the port.

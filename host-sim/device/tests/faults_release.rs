@@ -1,4 +1,5 @@
-//! Checks that any fault of a device, at any call, ends the loop by the next tick with its force at zero and the device released.
+//! Checks that any fault of a device, at any call, ends the servo loop by the next control interval (tick), with the force at zero
+//! and the device released.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
@@ -17,7 +18,7 @@ struct Witness<D> {
     inner: D,
     force_n: [f64; 3],
     released: bool,
-    /// Number of commands with a force after the release.
+    /// Number of commanded forces other than zero after the release.
     late_commands: u32,
     ticks: u64,
 }
@@ -60,7 +61,8 @@ impl<D: HapticDevice> HapticDevice for Witness<D> {
     }
 }
 
-/// A force law of a spring that pushes up from the floor. From a given tick on it does what a test demands.
+/// A force law of a spring that pushes up from the floor. A test's function `trick` replaces the spring's force in control
+/// intervals that it selects.
 struct Floor {
     tick: u64,
     trick: fn(u64) -> Option<[f64; 3]>,
@@ -91,7 +93,7 @@ impl ForceLaw for Floor {
     }
 }
 
-/// A simulated device in a hand that comes from above and presses into the floor until the hand's spring gives 6 N.
+/// A simulated device in a hand that comes from above and presses into the floor with up to 6 N.
 fn pressed() -> SimulatedArm {
     let rest = |time_s: f64| [0.0, 0.0, 0.002 - 0.022 * (time_s / 0.1).min(1.0)];
     SimulatedArm::new(DeviceTwin::default(), RATE_HZ, Box::new(rest)).unwrap()
@@ -133,7 +135,8 @@ fn the_force_fades_in() {
     assert_eq!(told, [0.0, 1.0, 2.0, 2.0]);
 }
 
-/// Injects every fault at the first and second call of its function, and at the call number 300.
+/// Injects every fault at the first, the second and the 300th call of its function. Checks that the device is released by the next
+/// control interval.
 #[test]
 fn every_fault_at_every_call_ends_released_by_the_next_tick() {
     let lost = |fault: &HapticFault| matches!(fault, HapticFault::Lost(..));
@@ -265,7 +268,8 @@ fn forces_that_are_none_or_too_long_do_not_reach_the_device() {
     assert!((last[0] - 7.2).abs() < 1e-9 && (last[2] - 9.6).abs() < 1e-9);
 }
 
-/// The hand carries the device out of its workspace: the force fades out, and far outside the loop ends with a fault.
+/// Lets the hand carry the device out of its workspace. Checks that the force fades out, and that far outside the loop ends with a
+/// fault.
 #[test]
 fn outside_the_workspace_the_force_fades_and_far_outside_it_ends() {
     let rest = |time_s: f64| [0.3 * time_s, 0.0, 0.0];

@@ -1,4 +1,4 @@
-//! Tests of the Inverse3 with a simulated service, which speaks both generations of messages and simulates the device.
+//! Tests of the Inverse3 with a simulated maker's service, which speaks both generations of messages and simulates the device.
 
 mod haply_mock;
 
@@ -93,7 +93,7 @@ fn whatever_goes_wrong_ends_with_no_force() {
     }
 }
 
-/// Checks that messages without a state do not delay the end of the loop.
+/// Checks that messages without a device state do not delay the end of the servo loop.
 #[test]
 fn a_service_that_talks_without_a_state_is_left_as_a_silent_one() {
     for wrong in [Wrong::Pings, Wrong::Drip, Wrong::Binary] {
@@ -110,7 +110,7 @@ fn a_service_that_talks_without_a_state_is_left_as_a_silent_one() {
     }
 }
 
-/// Checks a service that answers byte by byte, or never completes its answer.
+/// Checks that the program gives up within seconds on a service that answers byte by byte, or never completes its answer.
 #[test]
 fn a_service_that_drips_its_first_answers_is_refused_within_seconds() {
     for begin in ["HTTP/1.1 200 OK\r\n\r\n", "HTTP/1.1 101 Switching", ""] {

@@ -1,5 +1,6 @@
 //! Tests of the omega.3 through the maker's interface, with a mock library that behaves as the maker's and has faults on demand.
-//! Every fault must end with no force and the device closed within two ticks of the device (0.5 ms) after the failing call returns.
+//! Every fault must end with no force and the device closed within two control intervals of the device (0.5 ms) after the failing
+//! call returns.
 //!
 //! Time is that of the mock's own clock, on which a call over USB takes 60 µs. So the results do not depend on the machine's load.
 #![cfg(target_os = "linux")]
@@ -32,7 +33,7 @@ fn opened(door: &Door) -> Result<Omega3, HapticFault> {
     Omega3::open(Arc::new(library))
 }
 
-/// A pace on the mock's clock.
+/// A pace of the servo loop that follows the mock library's clock.
 struct MockPace<'d> {
     door: &'d Door,
     due: f64,
@@ -118,7 +119,7 @@ fn played(door: &Door) -> Result<ServoReport, HapticFault> {
     ))
 }
 
-/// Checks that the force is 0 and the device closed within two ticks after the fault, and afterwards.
+/// Checks that within two control intervals after the fault the force is 0 and the device closed, and that both stay so.
 #[track_caller]
 fn released(door: &Door, what: &str) -> f64 {
     let [wrong, zero, closed] = ["wrong", "zero", "released"].map(|time| door.ask(time));
@@ -195,7 +196,7 @@ fn every_call_that_fails_ends_with_no_force_and_a_closed_device_within_two_ticks
     );
 }
 
-/// Makes the calls of the release fail: a failing call is tried again, and all other calls are made.
+/// Makes each call of the release fail. Checks that a failing call is tried again, and that all other calls are made.
 #[test]
 fn a_release_goes_on_whatever_of_it_fails() {
     for (plan, closed) in [
@@ -311,7 +312,7 @@ fn what_cannot_be_used_is_said_and_not_held() {
     }
 }
 
-/// Older libraries, which write fewer status words and have fewer functions, can be used.
+/// Checks that older libraries, which write fewer status words and have fewer functions, can be used.
 #[test]
 fn older_libraries_do() {
     let door = door(&["own-clock", "status 12"]);
@@ -359,8 +360,8 @@ fn without(function: &str, plan: &[&str]) -> Door {
     })
 }
 
-/// Runs 3 s at 4 kHz in real time. The lateness of ticks depends on the machine and is not judged. The test checks that every tick
-/// ran or was counted as missed, and that the mock saw what the loop commanded.
+/// Runs 3 s at 4 kHz in real time. Checks that every control interval (tick) ran or was counted as missed, and that the mock got
+/// the forces that the loop commanded. The lateness depends on the machine and is not checked.
 #[test]
 fn in_real_time_every_tick_is_played_or_counted_as_missed() {
     let door = door(&[]);

@@ -7,8 +7,8 @@
 
 use touchstone_sim::scene::{Encoder, Friction, Scene};
 
-/// Damping of a fingertip, N·m·s/rad. Control laws assume a total damping (`device_damping_n_m_s_per_rad`, the thesis' `c_i`),
-/// which is the device's own damping plus the fingertip's.
+/// Damping of a fingertip, N·m·s/rad. Control laws assume the total damping of device and fingertip
+/// (`device_damping_n_m_s_per_rad`).
 pub const FINGERTIP: f64 = 1e-4;
 
 /// Random number generator SplitMix64 (Steele, Lea and Flood, 2014).
@@ -52,7 +52,7 @@ pub struct RandomDevice {
     pub counts: f64,
     /// Control rate, Hz.
     pub rate_hz: f64,
-    /// Computational delay from sample to force, in ticks.
+    /// Computational delay from sample to force, in ticks (control periods).
     pub delay_ticks: f64,
 }
 
@@ -83,7 +83,7 @@ impl RandomDevice {
         self.friction.unwrap_or(0.0)
     }
 
-    /// Replaces device, encoder, rate and delay of a scene by this device's.
+    /// Replaces device, encoder, rate and delay of a scene by those of this random device.
     pub fn put_into(&self, scene: &mut Scene) {
         scene.device.inertia_kg_m2 = self.inertia;
         scene.device.damping_n_m_s_per_rad = self.damping;

@@ -1,4 +1,4 @@
-//! Tests of the communication with a simulated device that loses frames, refuses requests, is silent or sends nonsense.
+//! Tests of the page's communication with a simulated device that loses frames, refuses requests, is silent or sends damaged data.
 
 use serde_json::Value;
 use touchstone_link::talk::{ANSWER_LIMIT_MS, TRIES, Talk};
@@ -8,14 +8,14 @@ use touchstone_protocol::{
     Reply, Request, ResetReason, Status, Telemetry, ToDevice, stored,
 };
 
-/// A simulated device that records the requests.
+/// A simulated device that records the requests that it receives.
 struct Device {
     decoder: Decoder,
     settings: DeviceSettings,
     phase: Phase,
     tick: u32,
     asked: Vec<String>,
-    /// Number of the next answers that are lost.
+    /// Number of further answers that the device does not send.
     mute: u32,
     telemetry: bool,
 }
@@ -118,7 +118,7 @@ fn framed(message: &FromDevice) -> Vec<u8> {
     frame::encode(message, &mut buffer).unwrap().to_vec()
 }
 
-/// Both ends of the link, with a clock.
+/// The page's communication and the simulated device, with a clock.
 struct Wire {
     talk: Talk,
     device: Device,
@@ -145,7 +145,7 @@ impl Wire {
         wire
     }
 
-    /// Lets time pass. The device sends a record every millisecond while it has power.
+    /// Lets `ms` milliseconds pass. If `power` is true, the device sends a telemetry record every millisecond.
     fn pass(&mut self, ms: f64, power: bool) {
         let until = self.now_ms + ms;
         while self.now_ms < until {
@@ -171,7 +171,7 @@ impl Wire {
         self.talk.order(text, self.now_ms);
     }
 
-    /// The last message of this kind.
+    /// The last message to the page whose `type` is `kind`.
     fn last(&self, kind: &str) -> &Value {
         let found = self.said.iter().rev().find(|said| said["type"] == kind);
         found.unwrap_or_else(|| panic!("no {kind} in {:?}", self.said))

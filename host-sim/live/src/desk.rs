@@ -1,5 +1,5 @@
-//! The simulated control loops of a page. A loop is opened from a scene (TOML text that describes a simulation), is moved by the
-//! rest point of the hand's spring, and returns a row of numbers per tick.
+//! The simulated control loops that a web page shows. A loop is opened from a scene (TOML text that describes a simulation). The
+//! page moves the rest point of the hand's spring, and each tick (control period) returns a row of numbers.
 
 use std::path::Path;
 use touchstone_control::Choice as _;
@@ -9,8 +9,8 @@ use touchstone_sim::run;
 use touchstone_sim::run::live::{Live, Moment};
 use touchstone_sim::scene::{MotionSpec, Preset, RestPath, Scene};
 
-/// Names of the numbers that one tick returns, in their order: the columns of this program's trace files first, then the numbers
-/// that only the page shows.
+/// Names of the numbers that one tick (control period) returns, in their order. The columns of this program's trace files come
+/// first, then the numbers that only the page shows.
 pub const ROW: [&str; 17] = [
     "time_s",
     "angle_rad",
@@ -35,7 +35,7 @@ pub const ROW: [&str; 17] = [
 /// Number of leading entries of [`ROW`] that are columns of a trace file.
 pub const TRACE_COLUMNS: usize = 14;
 
-/// Names of the numbers of a loop that change only with its scene.
+/// Names of the numbers that describe a simulated loop and change only when its scene (description of the simulation) changes.
 pub const FACTS: [&str; 19] = [
     "rate_hz",
     "surface_rad",
@@ -66,21 +66,22 @@ pub const FACTS: [&str; 19] = [
 /// One simulated control loop of the page.
 struct Place {
     live: Live,
-    /// The motion of the scene's own hand, and its length.
+    /// The hand motion that the scene prescribes, and its duration in seconds; `None` for a scene without one.
     motion: Option<(RestPath, f64)>,
     scene: Scene,
     row: [f64; ROW.len()],
     facts: [f64; FACTS.len()],
 }
 
-/// The simulated control loops of a page, each named by a handle.
+/// All simulated control loops of a page. Each loop is named by a number, its handle.
 #[derive(Default)]
 pub struct Desk {
     places: Vec<Option<Place>>,
 }
 
-/// Reads a scene that a page sent: its TOML text or the name of a shipped scene, a zero byte, then changes `key=value`, one per
-/// line. A change `preset=NAME` is applied before all others, like the command line's option `--preset`.
+/// Reads a scene (description of a simulation) that a page sent: its TOML text or the name of a shipped scene, a zero byte, then
+/// changes `key=value`, one per line. A change `preset=NAME` is applied before all others, like the command line's option
+/// `--preset`.
 ///
 /// # Errors
 /// The first problem in the text or in the changes.
@@ -211,7 +212,7 @@ impl Desk {
         self.places.get_mut(handle)?.as_mut()
     }
 
-    /// Opens a loop at the start of its scene; returns the loop's handle.
+    /// Opens a simulated loop at the start of the scene in `text`; returns the loop's handle.
     ///
     /// # Errors
     /// The problem in the scene.
@@ -228,14 +229,14 @@ impl Desk {
         Ok(handle)
     }
 
-    /// Closes a loop; a loop opened later may get the same handle.
+    /// Closes the simulated loop with this handle. A loop that is opened later may get the same handle.
     pub fn close(&mut self, handle: usize) {
         if let Some(place) = self.places.get_mut(handle) {
             *place = None;
         }
     }
 
-    /// Gives a loop another scene; the simulated device and hand keep their positions.
+    /// Changes the scene of a running loop to the one in `text`; the simulated device and hand keep their positions.
     ///
     /// # Errors
     /// The problem in the new scene; the loop then continues with its old scene.
@@ -247,7 +248,7 @@ impl Desk {
         Ok(())
     }
 
-    /// Restarts a loop at the start of its scene.
+    /// Restarts a simulated loop at the start of its scene.
     ///
     /// # Errors
     /// The same as for opening the loop.
@@ -258,7 +259,8 @@ impl Desk {
         Ok(())
     }
 
-    /// Runs one tick with the rest point of the hand's spring at `rest_rad`, in radians; returns the numbers named in [`ROW`].
+    /// Runs one control period with the rest point of the hand's spring at `rest_rad`, in radians. Returns the numbers named in
+    /// [`ROW`]; `None` for an unknown handle.
     pub fn tick(&mut self, handle: usize, rest_rad: f64) -> Option<&[f64; ROW.len()]> {
         let place = self.place(handle)?;
         let moment = place.live.tick(rest_rad);
@@ -266,19 +268,19 @@ impl Desk {
         Some(&place.row)
     }
 
-    /// Rest point of the hand's spring in radians that the scene prescribes at a time; NaN for a scene without a hand motion.
+    /// Rest point of the hand's spring, in radians, that the scene's own hand motion has at `time_s`; NaN for a scene without one.
     pub fn own_rest_rad(&mut self, handle: usize, time_s: f64) -> f64 {
         self.place(handle)
             .and_then(|place| place.motion.as_ref())
             .map_or(f64::NAN, |(motion, _)| motion.rest_rad(time_s))
     }
 
-    /// The numbers named in [`FACTS`]. They change only with the loop's scene.
+    /// The numbers named in [`FACTS`], which describe the loop and change only with its scene; `None` for an unknown handle.
     pub fn facts(&mut self, handle: usize) -> Option<&[f64; FACTS.len()]> {
         self.place(handle).map(|place| &place.facts)
     }
 
-    /// The loop's scene as TOML, with every value and its meaning.
+    /// The loop's scene as TOML text, with every value and a comment on its meaning.
     #[must_use]
     pub fn printed(&mut self, handle: usize) -> String {
         self.place(handle)
@@ -286,8 +288,8 @@ impl Desk {
             .unwrap_or_default()
     }
 
-    /// A scene as TOML that repeats the loop's ticks since its start. `file` is the name of the file that holds the hand's rest
-    /// point of every tick.
+    /// Returns a scene as TOML text that repeats the loop's control periods since its start. `file` is the name of the file that
+    /// holds the rest point of the hand's spring in every control period.
     #[must_use]
     pub fn replay(&mut self, handle: usize, file: &str) -> String {
         self.place(handle)
@@ -295,7 +297,7 @@ impl Desk {
             .unwrap_or_default()
     }
 
-    /// The passivity bounds that the settings of the loop's scene violate, one per line.
+    /// The passivity conditions (bounds on stiffness and damping) that the loop's settings violate, as text, one per line.
     #[must_use]
     pub fn warnings(&mut self, handle: usize) -> String {
         let said = self

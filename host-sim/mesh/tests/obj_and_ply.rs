@@ -1,4 +1,4 @@
-//! OBJ and PLY as people have them, wrong ones, damaged ones, and how much of a file is read.
+//! Tests of OBJ and PLY files: forms that users have, wrong and damaged files, and files that are too large.
 
 #[path = "../../../tests/made/choices.rs"]
 mod choices;
@@ -47,7 +47,7 @@ fn obj() -> String {
     format!("# a block\no slab\n{vertices}{}", faces.concat())
 }
 
-/// A file of the format `form`, whose vertices have a colour that is not read.
+/// A PLY file in the format `form`, with colours on its vertices, which are ignored.
 fn ply(form: &str) -> Vec<u8> {
     let head = format!(
         "ply\nformat {form} 1.0\ncomment a block\nelement vertex 8\nproperty float x\nproperty double y\nproperty short z\n\

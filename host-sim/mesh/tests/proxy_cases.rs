@@ -1,4 +1,4 @@
-//! Eight cases on meshes that a proxy has to pass.
+//! Tests of the proxy (the point that follows the hand on a surface) in eight standard cases on meshes.
 
 mod shapes;
 
@@ -7,7 +7,7 @@ use touchstone_control::space::{LengthUnit, Rule, SurfacePoint, Touch, Turn};
 use touchstone_control::{Fixed32, Position, Reported};
 use touchstone_mesh::{Mesh, MeshSurface, Proxy, Vector};
 
-/// Leads the hand along straight lines from corner to corner, each in this many ticks. Returns the positions of hand and proxy in
+/// Moves the hand along straight lines from corner to corner, each in `ticks` ticks. Returns the positions of hand and proxy in
 /// every tick.
 fn along(mesh: &Mesh, corners: &[Vector], ticks: u32) -> Vec<(Vector, Vector)> {
     let mut proxy = Proxy::new(mesh, corners[0]);
@@ -30,10 +30,11 @@ fn apart(a: Vector, b: Vector) -> f64 {
     1e3 * (a - b).length()
 }
 
-/// Tangent of half the cone's angle in the rule of the restricted surface point.
+/// Tangent of half the cone's angle in the control crate's restricted rule, which limits how fast the force direction turns.
 const CONE: f64 = 0.02;
 
-/// Leads the hand along the same path with the control crate's rule of the restricted surface point, in centimetres.
+/// Moves the hand along a path and computes the contact by the control crate's restricted rule, which limits how fast the force
+/// direction turns. Lengths are in centimetres.
 fn touched(mesh: &Mesh, corners: &[Vector], ticks: u32) -> Vec<Touch<Fixed32>> {
     let surface = MeshSurface::new(mesh, LengthUnit::Centimetre);
     let turn = Turn::of_ratio(<Fixed32 as Reported>::signal_from_f64(CONE));
@@ -53,7 +54,7 @@ fn numbers(touch: &Touch<Fixed32>) -> [f64; 3] {
     touch.normal.0.map(<Fixed32 as Reported>::signal_to_f64)
 }
 
-/// Largest turn of the direction in a tick while the hand is inside.
+/// Largest turn of the force direction per tick while the hand is inside.
 fn largest_turn(touches: &[Touch<Fixed32>]) -> f64 {
     let inside = |touch: &Touch<Fixed32>| touch.depth > Position::zero();
     touches
@@ -133,8 +134,8 @@ fn case_3_in_a_concave_corner_it_lies_on_the_crease() {
     assert!(((proxy - hand).normalize() - normal).length() < 1e-6);
 }
 
-/// Over a convex edge the proxy alone jumps by the depth times the sine of the edge's angle. With the restricted rule the force
-/// turns by at most the cone's angle in a tick.
+/// Tests a convex edge, over which the proxy alone jumps by the depth times the sine of the edge's angle. With the restricted rule
+/// the force direction turns by at most the cone's angle per tick.
 #[test]
 fn case_4_over_a_convex_edge_the_force_turns_continuously() {
     let roof = prism(&[[-30., -20.], [30., -20.], [30., 0.], [0., 12.], [-30., 0.]]).mesh();
@@ -254,8 +255,8 @@ fn case_8_faster_than_it_is_thick() {
     );
 }
 
-/// Ten thousand random positions and jumps of up to 30 mm around a ball: the proxy is never inside, and it is at the hand when the
-/// hand is outside.
+/// Tests ten thousand random positions with jumps of up to 30 mm around a ball. The proxy is never inside, and it is at the hand
+/// when the hand is outside.
 #[test]
 fn it_never_gets_inside() {
     let mesh = ball(20.0, 32).mesh();

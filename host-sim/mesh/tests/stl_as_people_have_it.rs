@@ -1,4 +1,4 @@
-//! Tests with STL files as programs write them: variants of the text form, several solids, other formats stored as `.stl`, and
+//! Tests of STL files as common programs write them: variants of the text form, several solids, other formats stored as `.stl`, and
 //! 10,000 generated files.
 
 #[path = "../../../tests/made/choices.rs"]

@@ -1,5 +1,5 @@
-//! Tests of every simulated effect in a whole simulation: its result at typical magnitude and at amplitude zero, its figures, its
-//! random seed.
+//! Tests of every simulated effect in a whole simulation: the result at typical magnitude and at amplitude zero, figures of the
+//! effect, and the random seed.
 
 use touchstone_sim::run::effects::{EFFECTS, Effect, exclude_each_other};
 use touchstone_sim::run::live::Live;
@@ -45,7 +45,7 @@ fn with(scene: &Scene, sets: &[&str]) -> Scene {
     scene.with_overrides(sets).unwrap()
 }
 
-/// Scene without the effect. If the effect is the hand itself, the knob has no hand and starts with a speed.
+/// Makes the scene without the effect. If the effect is the hand itself, the knob starts with a speed in place of being moved.
 fn without(effect: &Effect) -> Scene {
     let scene = ideal();
     match effect.name {
@@ -169,8 +169,8 @@ fn noise_has_the_variance_that_it_names_and_a_period_its_amplitude() {
     }
 }
 
-/// Differences between the motor's torque and the commanded torque, N·m. It also counts the ticks in which the knob moved, and
-/// those in which the law got the previous angle again.
+/// Differences between the motor's torque and the commanded torque, N·m. Also counts the ticks in which the knob moved, and those
+/// in which the control law then received the previous angle again.
 #[derive(Default)]
 struct Torques {
     off: Vec<f64>,

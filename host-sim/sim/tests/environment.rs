@@ -8,7 +8,7 @@ fn with(scene: &Scene, sets: &[&str]) -> Scene {
     scene.with_overrides(sets).unwrap()
 }
 
-/// Scene of a knob without a hand that is thrown, at 5 rad/s, between two walls.
+/// Scene of a knob that moves freely between two walls, without a hand, from an initial speed of 5 rad/s.
 fn thrown(sets: &[&str]) -> Scene {
     let scene = Scene::load("free-release").unwrap();
     with(
@@ -113,7 +113,7 @@ fn each_of_several_walls_is_the_wall_of_its_own_scene() {
     assert!(soft != bits(&with(&among, &[two, &own("3")])));
 }
 
-/// Scene of a knob without a hand, with some damping, among 20 detents per turn.
+/// Scene of a knob without a hand, with some damping and 20 detents per turn.
 fn in_a_detent(sets: &[&str]) -> Scene {
     let scene = Scene::load("free-release").unwrap();
     with(
@@ -168,8 +168,8 @@ fn a_detent_holds_what_is_weaker_and_lets_go_of_what_is_stronger() {
     assert!(pushed(0.011) > 0.6 * pitch);
 }
 
-/// Energy balance of a simulation, J: energy absorbed and passed by the motor, energy lost in the device; with the first and last
-/// squared speed.
+/// Energy sums of a simulation, J: net and absolute energy that the environment absorbed, and losses of the device. Also the first
+/// and last squared speed, (rad/s)².
 #[derive(Default)]
 struct Books {
     absorbed: f64,

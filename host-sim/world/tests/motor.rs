@@ -17,7 +17,8 @@ fn amplitude_invariant([a, b, c]: [f64; 3], theta: f64) -> (f64, f64) {
     (d, q)
 }
 
-/// The derivative `d/dt (i_d, i_q)` in the rotor's frame by the textbook equations, which differ in form from those of the model.
+/// Rates of the currents `(i_d, i_q)` in the rotor's frame by the textbook equations, A/s. Their form differs from that of the
+/// tested model.
 fn slope(
     m: &MotorParameters,
     (d, q): (f64, f64),

@@ -94,8 +94,8 @@ impl Session {
         Ok(())
     }
 
-    /// Replaces the environment (walls, end stops, detents), in every state but the calibration, in which the motor's field turns
-    /// the shaft.
+    /// Replaces the environment (walls, end stops, detents). Allowed in every state but the calibration, which itself turns the
+    /// shaft.
     #[inline(never)]
     pub(super) fn surround(
         &mut self,

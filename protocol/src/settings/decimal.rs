@@ -9,7 +9,8 @@ use touchstone_control::Si;
 
 /// A value in the fixed-point format `I32F32`: ±2.1e9 in steps of 2.3e-10.
 ///
-/// Formats that people read get it as decimal text, which reads back as the same bits. Postcard gets the bits.
+/// Serialised for people, it is a decimal text, which reads back as the same bits. Serialised for the wire (postcard), it is its
+/// bits.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct Decimal(pub Si);
 

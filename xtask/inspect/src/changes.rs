@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 use crate::answer::Answer;
 
-/// Content of one of the two files; each file fills one of the fields.
+/// Content of one of the two lists: `mutant` for the proofs, `sabotage` for the emulator. Each file fills one of the fields.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct List {
@@ -41,9 +41,9 @@ struct Sabotage {
     name: String,
     /// Name of the board whose firmware is changed.
     board: String,
-    /// Text for `fil --only` that selects the check which must fail.
+    /// Text for `cargo xtask fil --only` that selects the check which must fail.
     only: String,
-    /// Text that the line with the failed check must contain.
+    /// Text that must stand in the line which reports the failed check.
     says: String,
     change: Vec<Change>,
 }
@@ -56,7 +56,7 @@ struct Change {
     replace: String,
 }
 
-/// Keys and texts of an entry, in the order in which they are printed.
+/// Keys and texts of an entry of a list, in the order in which they are printed.
 type Lines<'l> = Vec<(&'static str, &'l str)>;
 
 impl Mutant {
@@ -88,7 +88,7 @@ impl Sabotage {
     }
 }
 
-/// Prints a list from the text of its TOML file. Errors: the text is no such list.
+/// Prints a list of wrong changes from the text of its TOML file. Errors: the text is no such list.
 pub fn print(text: &str) -> Result<Answer, String> {
     let list: List = toml::from_str(text).map_err(|why| why.to_string())?;
     let sabotages = list.sabotage.iter().map(Sabotage::lines);
@@ -128,7 +128,7 @@ mod tests {
         assert_ne!(find, replace);
     }
 
-    /// Checks that each change can be applied, changes something, and names an existing harness or a test.
+    /// Checks that each mutant (wrong change) fits the sources, changes something, and names an existing proof or a test.
     #[test]
     fn the_mutants_fit_the_sources() {
         let (mutants, locked) = (
@@ -145,7 +145,7 @@ mod tests {
         }
     }
 
-    /// Checks that each sabotage has all fields and can be applied to the sources.
+    /// Checks that each sabotage (removal of a safety function) has all fields and fits the sources.
     #[test]
     fn the_sabotages_fit_the_sources() {
         let sabotages = list("emulator/sabotage.toml").sabotage;

@@ -34,7 +34,7 @@ pub fn give(command: &mut Command) -> &mut Command {
     }
 }
 
-/// Note for the table of results that names the allocator.
+/// Text that names the memory allocator, for the table of results.
 pub fn said() -> &'static str {
     match found() {
         Some(_) => "memory by tcmalloc",

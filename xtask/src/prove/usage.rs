@@ -1,5 +1,5 @@
-//! Measures memory and processor time of each harness, with the kernel's counts for the checker's tools and the solvers that they
-//! start.
+//! Measures memory and processor time of each harness (proof), from the kernel's counts for the checker's tools and the solvers
+//! that they start.
 //!
 //! The checker's tools have the harness's file as an argument, which tells the harness of a process; a solver is recognised by its
 //! parent process. Ten times a second the highest memory so far (`VmHWM`) and the processor time, including ended child processes,
@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// Memory and time of one harness.
+/// Memory and processor time of one harness (proof).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Usage {
     /// Highest total memory of all processes that ran for the harness at the same time, in KiB.
@@ -25,7 +25,7 @@ pub struct Usage {
 /// process id.
 type Seen = HashMap<(String, u32), Usage>;
 
-/// A thread that measures all processes with a file below one folder among their arguments.
+/// A thread that measures all processes that have a file below a given folder among their arguments.
 pub struct Watch {
     stop: Arc<AtomicBool>,
     thread: JoinHandle<Seen>,
@@ -151,8 +151,8 @@ fn look(folder: &str, seen: &mut Seen, kernels: &mut HashSet<u32>) {
     }
 }
 
-/// Name of the harness's file among a process's arguments, without folder and endings. Only files of harnesses have a mangled name
-/// (`__R`).
+/// Name of the harness's file among a process's arguments, without folder and endings. The files of harnesses (proofs) are those
+/// with a mangled name (`__R`).
 fn harness(arguments: &[u8], folder: &str) -> Option<String> {
     let arguments = String::from_utf8_lossy(arguments).into_owned();
     let file = arguments.split('\0').find(|argument| {

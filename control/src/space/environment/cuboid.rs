@@ -1,12 +1,12 @@
-//! A box along the axes.
+//! A box with faces perpendicular to the coordinate axes.
 
 use super::{Nearest, Surface, slanted};
 use crate::Position;
 use crate::space::number::Spatial;
 use crate::space::vector::{Direction, Vector};
 
-/// A box along the axes. The depth that it reports is exact for a HIP inside; for one outside the error is less than one step of
-/// the format.
+/// A box with faces perpendicular to the coordinate axes. The depth that it reports is exact for a point inside; for one outside
+/// the error is less than one step of the number format.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cuboid<N: Spatial> {
     /// Centre of the cuboid.

@@ -14,12 +14,12 @@ const BKP: u32 = 1 << 13;
 const BKE: u32 = 1 << 12;
 const OSSR: u32 = 1 << 11;
 const OSSI: u32 = 1 << 10;
-/// Bits of BDTR that LOCK level 1 protects: dead time, break enable, break polarity, break filter, AOE. The level also protects the
-/// idle levels in CR2.
+/// Bits of the register BDTR that LOCK level 1 protects: dead time, break enable, break polarity, break filter, AOE (automatic
+/// output enable). The level also protects the idle levels in CR2.
 const LOCKED: u32 = 0xff | BKE | BKP | AOE | 0xf << 16;
 const IDLE_LEVELS: u32 = 0x3f << 8;
-/// Further bits of BDTR that LOCK level 2 protects: the behaviour of idle outputs. The level also protects the output polarities in
-/// CCER.
+/// Further bits of the register BDTR that LOCK level 2 protects: the behaviour of idle outputs. The level also protects the output
+/// polarities in CCER.
 const LOCKED_2: u32 = OSSI | OSSR;
 const POLARITY: u32 = 0xaaa;
 const BIF: u32 = 1 << 7;
@@ -89,7 +89,7 @@ pub struct BridgeTimer {
     comparators: u32,
     /// Time in processor cycles since which the break input has been active without a gap; `None` while it is inactive.
     active_since: Option<u64>,
-    /// Whether a source inside the chip holds the system break: low supply, processor lockup, or an error in flash.
+    /// Whether a source inside the chip raises the system break: low supply, processor lockup, or an error in flash.
     system: bool,
     /// The gate drivers that the timer's outputs control.
     pub gates: GateDriver,
@@ -203,7 +203,7 @@ impl BridgeTimer {
         self.note(now);
     }
 
-    /// Sets whether a source inside the chip holds the system break, as enabled in SYSCFG_CFGR2. The system break depends neither
+    /// Sets whether a source inside the chip raises the system break, as enabled in SYSCFG_CFGR2. The system break depends neither
     /// on the enable bit BKE nor on a polarity (RM0440, "Using the break function").
     pub fn set_system_break(&mut self, active: bool, now: u64) {
         self.system = active;
@@ -249,7 +249,8 @@ impl BridgeTimer {
         }
     }
 
-    /// Whether the timer accepts a write of 1 to MOE (main output enable): no break is active and SBIF is clear.
+    /// Whether the timer accepts a write of 1 to MOE (main output enable): no break is active, and SBIF, the flag of the system
+    /// break, is clear.
     fn may_start(&self, now: u64) -> bool {
         let is_pulled = self.passes_at().is_some_and(|at| at <= now);
         !is_pulled && !self.system && self.status & SBIF == 0
@@ -260,7 +261,7 @@ impl BridgeTimer {
         self.note(now);
     }
 
-    /// Records the time if the bridge has gone on or off.
+    /// Adds an entry to `changes` if the bridge has gone on or off.
     fn note(&mut self, now: u64) {
         let on = self.duty().iter().any(Option::is_some);
         if on != self.is_on {
@@ -368,7 +369,7 @@ impl BridgeTimer {
         Some((time, edge))
     }
 
-    /// Processor cycles since the counter was last at 0.
+    /// Processor cycles since the timer's counter was last at 0.
     fn position(&self, now: u64) -> u64 {
         if self.runs() {
             (now - self.bottom) % self.period()

@@ -49,7 +49,7 @@ impl Timer {
         u64::from(self.registers.get(ARR) & self.mask) + 1
     }
 
-    /// Takes over a new encoder count; the counter moves by the difference if it follows the encoder.
+    /// Sets a new encoder count. If the timer follows the encoder, its counter moves by the difference.
     pub fn set_encoder(&mut self, count: i64) {
         let moved = count - self.encoder;
         self.encoder = count;

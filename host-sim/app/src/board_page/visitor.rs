@@ -54,7 +54,7 @@ impl Visitor {
         visitor
     }
 
-    /// Runs one turn of the loop: carries out the page's commands, and sends the page records and news of the device.
+    /// Runs one pass of the loop: carries out the page's commands, and sends the page records and news of the device.
     ///
     /// # Errors
     /// The page is gone; holds the reason.

@@ -30,14 +30,14 @@ pub struct Played {
 pub struct Strength {
     /// Stiffness of a detent of strength 1 at its middle, N·m/rad.
     pub detent_n_m_per_rad: f64,
-    /// Stiffness of an end stop of strength 1, N·m/rad: that of the board's wall.
+    /// Stiffness of an end stop of strength 1, N·m/rad: the same as that of the board's wall.
     pub endstop_n_m_per_rad: f64,
     /// Largest torque that the board may command, N·m.
     pub most_n_m: f64,
 }
 
 impl Strength {
-    /// The strengths of a board with these settings.
+    /// The strengths for a board with these settings.
     pub fn of(settings: &DeviceSettings, detent_n_m_per_rad: f64) -> Self {
         Self {
             detent_n_m_per_rad,

@@ -61,7 +61,7 @@ pub struct KnobState {
     /// The configuration that is in effect.
     #[prost(message, optional, tag = "3")]
     pub config: Option<KnobConfig>,
-    /// A SmartKnob changes this number at each press of its knob. Always 0 here, since the boards have no sensor for a press.
+    /// A SmartKnob changes this number each time its knob is pressed. Always 0 here, since the boards have no sensor for a press.
     #[prost(uint32, tag = "4")]
     pub press_nonce: u32,
 }

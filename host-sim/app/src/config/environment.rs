@@ -89,7 +89,7 @@ fn small(place: &str, board: Board) -> Error {
     Error::device(place, problem, fix)
 }
 
-/// The environment that the options request: the present one of the device, with their changes.
+/// The environment that the options request: the device's present one with the requested changes.
 fn wanted(
     options: &EnvironmentOptions,
     before: &Surround,

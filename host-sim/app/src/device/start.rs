@@ -27,7 +27,7 @@ pub enum AlignmentAction {
 pub enum Switch {
     /// The board checks the stored alignment and arms when power comes on: the shaft moves with no person present.
     On,
-    /// The board waits for a command from a desktop, as shipped.
+    /// The board waits for a command from a computer, as shipped.
     Off,
 }
 
@@ -57,7 +57,7 @@ fn demanded(client: &mut Client) -> Result<StartReport> {
     })
 }
 
-/// The two lines on the start that `status` and `doctor` show.
+/// The two lines of text on the start that `status` and `doctor` print: stored alignment, and unattended start.
 pub fn lines(report: Option<&StartReport>, settings: &DeviceSettings, board: Board) -> [String; 2] {
     let Some(report) = report else {
         return [
@@ -147,8 +147,8 @@ pub fn alignment(client: &mut Client, action: Option<AlignmentAction>) -> Result
     )
 }
 
-/// Stores the alignment of the finished calibration, and runs the check that the next start will make. An alignment that fails the
-/// check is not stored.
+/// Stores the alignment that the calibration measured, and runs the check that the next start will make. An alignment that fails
+/// the check is not stored.
 pub fn keep(client: &mut Client) -> Result<()> {
     client.tell(&Request::KeepAlignment)?;
     client.tell(&Request::Command(DeviceCommand::Stop))?;
@@ -172,8 +172,8 @@ pub fn keep(client: &mut Client) -> Result<()> {
     ))
 }
 
-/// Sets the longest time without a message from a host, and returns it, s. A knob that starts unattended gets 0, which means no
-/// limit. With unattended start off, a knob without a limit gets the default.
+/// Configures the longest time without a message from the computer, and returns it, s. A knob that starts unattended gets 0, which
+/// means no limit. With unattended start off, a knob without a limit gets the default.
 fn set_silence(client: &mut Client, switch: Switch) -> Result<Si> {
     let mut settings = client.settings()?;
     let set = settings.limits.host_silence_s;
@@ -192,7 +192,7 @@ fn set_silence(client: &mut Client, switch: Switch) -> Result<Si> {
     Ok(wanted)
 }
 
-/// Checks that the device can save settings now, before a change begins.
+/// Checks, before a change begins, that the device can save settings in its present state.
 fn saves(client: &mut Client) -> Result<()> {
     let phase = status_of(client)?.phase;
     let fix = match phase {

@@ -264,7 +264,7 @@ fn omega3(is_needed: bool, tell: &mut impl FnMut(&str, Found)) {
     );
 }
 
-/// Checks the device at this address, how it starts, and what energy its guard bounds.
+/// Checks the device at this address, how it starts, and the energy that its guard can give to a hand.
 fn device(address: Option<&Address>) -> (Found, Option<(String, String)>) {
     let Some(address) = address else {
         return (Skipped("no port to ask it on".into()), None);
@@ -278,8 +278,8 @@ fn device(address: Option<&Address>) -> (Found, Option<(String, String)>) {
     }
 }
 
-/// Two texts: whether the device's alignment is stored and whether the device starts unattended; and the energy that its guard
-/// bounds.
+/// Two texts on the device's settings. The first says whether its alignment is stored and whether it starts unattended; the second
+/// states the energy that its guard bounds.
 fn how_it_is_set(client: &mut Client) -> touchstone_sim::error::Result<(String, String)> {
     let (report, settings) = (start::report(client)?, client.settings()?);
     let board = client.identity().board;

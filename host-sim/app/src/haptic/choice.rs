@@ -25,7 +25,7 @@ pub enum HapticKind {
 }
 
 impl HapticKind {
-    /// The device's word on the command line.
+    /// The name of this type of device on the command line.
     pub fn word(self) -> &'static str {
         match self {
             Self::Omega3 => "omega3",
@@ -49,16 +49,16 @@ impl HapticKind {
     }
 }
 
-/// The options that choose the device.
+/// The options that choose a haptic device.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct WhichDevice {
-    /// The device; without it, the first real one that there is.
+    /// The haptic device; without it, the first real one that is connected.
     #[arg(long, value_enum)]
     device: Option<HapticKind>,
-    /// Force Dimension's library, libdrd or libdhd; without it, it is looked for (docs/devices.md).
+    /// Force Dimension's library, libdrd or libdhd; without it, the usual places are searched (docs/devices.md).
     #[arg(long, value_name = "FILE")]
     library: Option<PathBuf>,
-    /// Where Haply's service listens.
+    /// Address at which Haply's service listens.
     #[arg(long, value_name = "HOST:PORT")]
     haply: Option<String>,
     /// Simulates the device of a survey (`touchstone device survey --out FILE`).
@@ -89,11 +89,11 @@ pub fn described(library: &Dhd) -> String {
 pub enum SimulatedHand {
     /// No hand; the device runs at this control rate, Hz.
     Nobody(u32),
-    /// The hand holds still above the centre.
+    /// The hand holds still above the workspace's centre.
     Still,
     /// The hand moves around an object repeatedly, at this control rate, Hz.
     Moves(Object, u32),
-    /// The hand goes to the place of an object that is probed, and does the actions of a scorecard.
+    /// The hand goes to an object's surface, and does the scorecard's actions there one after the other.
     InTurn(Object, DeedsInTurn),
 }
 
@@ -147,7 +147,7 @@ impl WhichDevice {
         self.device.or(twin).or(service)
     }
 
-    /// Refuses a survey or a service of a device that has none, instead of ignoring it.
+    /// Refuses a survey or a service address for a device that uses none, instead of ignoring it.
     fn check(&self) -> Result<()> {
         let lost = |option: &str, only: HapticKind| Error::Option {
             option: option.into(),

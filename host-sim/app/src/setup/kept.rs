@@ -22,7 +22,7 @@ pub struct Kept {
     is_new: bool,
 }
 
-/// Names of a measured motor's values.
+/// Names of the values of a measured motor in the progress file.
 pub const VALUES: [&str; 7] = [
     "resistance_ohm",
     "inductance_h",

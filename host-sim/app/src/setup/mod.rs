@@ -89,7 +89,7 @@ pub fn main(options: &Options) -> Result<()> {
     })
 }
 
-/// Error-message text that says how to resume an interrupted setup.
+/// Text for error messages: how to resume an interrupted setup.
 const AGAIN: &str = "the same command again";
 
 fn stepped(options: &Options) -> Result<()> {
@@ -228,7 +228,7 @@ fn stepped(options: &Options) -> Result<()> {
     )
 }
 
-/// Measures the motor's cogging, saves the compensation map on the board, and calibrates the board again.
+/// Measures the motor's cogging, saves the map that compensates it on the board, and calibrates the board again.
 fn uncogged(
     client: &mut Client,
     all: &DeviceSettings,

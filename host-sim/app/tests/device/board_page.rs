@@ -103,10 +103,10 @@ impl Served {
     }
 }
 
-/// The page's end of the WebSocket, with the telemetry received so far.
+/// A page in the browser, as the test imitates it: its end of the WebSocket, with the telemetry received so far.
 struct Page {
     socket: WebSocket<TcpStream>,
-    /// All numbers of all telemetry records received.
+    /// All numbers of all telemetry records that the page has received.
     numbers: Vec<f64>,
 }
 

@@ -189,8 +189,8 @@ fn who_asks_for_nothing_fails_for_nothing() {
     assert!(said.out.contains("MISSING  omega.3"), "{}", said.out);
 }
 
-/// For a USB node that the user may not open, the program prints the udev rule. The root user may open every node, so that the test
-/// is skipped.
+/// Checks that the program prints the udev rule for a USB node that the user may not open. The root user may open every node, so
+/// for root the test is skipped.
 #[test]
 fn a_node_without_permission_comes_with_the_rule() {
     use std::os::unix::fs::PermissionsExt;

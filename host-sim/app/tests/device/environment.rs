@@ -70,7 +70,7 @@ fn a_scene_is_sent_shown_changed_saved_and_taken_back() {
     assert_eq!(ask(&[]).done(), alone.replace("0.5 N·m/s", "0.25 N·m/s"));
 }
 
-/// Every shipped haptic effect fits into a simulated knob, so that a user can try it there.
+/// Checks that every shipped haptic effect fits into a simulated knob, so that a user can try it there.
 #[cfg(unix)]
 #[test]
 fn a_demo_knob_takes_every_shipped_feel() {

@@ -5,8 +5,8 @@ use crate::fake::Fake;
 use std::io::{BufRead, BufReader};
 use std::process::Stdio;
 
-/// A hand turns a dial of eleven detents up to its end and back. The program prints every position once, in order, and the position
-/// stays constant while the hand holds the end.
+/// Turns a dial of eleven detents up to its end and back. Checks that the program prints every position once, in order, and that
+/// the position stays constant while the hand holds the end.
 #[test]
 fn a_program_gets_every_position_of_a_turned_knob() {
     let mut demo = Demo::new();

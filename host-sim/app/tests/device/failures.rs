@@ -97,8 +97,8 @@ fn a_connection_that_is_cut_is_named() {
     }
 }
 
-/// A port may be a symbolic link, as `/dev/knob` of a udev rule. A file that is no port, and a port whose board is unplugged, give
-/// errors.
+/// Checks that a port may be a symbolic link, as `/dev/knob` of a udev rule. A file that is no port, and a port whose board is
+/// unplugged, must give errors.
 #[cfg(unix)]
 #[test]
 fn a_port_may_be_a_link_be_none_or_vanish() {

@@ -118,7 +118,8 @@ fn a_log_is_shown_after_the_flash_and_by_itself() {
     assert!(began.elapsed().as_secs() < 30);
 }
 
-/// No debug probe has these USB numbers. Nothing is written, whatever is connected to the test machine.
+/// Requests a debug probe with USB numbers that no probe has. Checks that nothing is written, whatever is connected to the test
+/// machine.
 #[cfg(feature = "probe")]
 #[test]
 fn without_its_probe_nothing_is_written() {
@@ -149,7 +150,7 @@ fn without_its_probe_nothing_is_written() {
     with("fffe:fffd:NONE").failed(2, &["own.elf", "cut off"]);
 }
 
-/// Firmware of another board is refused before the program looks for a debug probe.
+/// Checks that firmware of another board is refused before the program looks for a debug probe.
 #[test]
 fn another_boards_program_is_refused_by_both_names() {
     let here = folder("flash-other-board");
@@ -232,8 +233,8 @@ fn what_is_missing_is_named() {
     assert!(said.err.contains("b-g431b-esc1"), "{}", said.err);
 }
 
-/// The program works from an archive of `cargo xtask dist`: it finds the firmware files beside itself, without compiler, probe-rs
-/// or PATH, from any working folder.
+/// Checks that the program works from an archive of `cargo xtask dist`. It must find the firmware files beside itself, without
+/// compiler, probe-rs or PATH, from any working folder.
 #[test]
 fn the_programs_that_came_with_it_are_found_beside_it() {
     let here = folder("flash-archive");

@@ -4,7 +4,7 @@ use crate::fake::{Fake, Trouble};
 use crate::{folder, program};
 use touchstone_protocol::FaultCode;
 
-/// Header line and tick numbers of a CSV recording.
+/// Header line of a CSV recording, and the number of the control period in each row.
 fn ticks(text: &str) -> (String, Vec<u32>) {
     let mut lines = text.lines();
     let header = lines.next().unwrap().to_owned();

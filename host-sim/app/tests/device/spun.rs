@@ -17,7 +17,7 @@ use touchstone_world::motor::MotorParameters;
 use touchstone_world::plant::{BareCoulomb, Device};
 
 const BOARD: Board = Board::NucleoG474re;
-/// Number of control ticks between two reads of the socket.
+/// Number of control periods that the device runs between two reads of the socket.
 const TICKS: u32 = 200;
 
 /// Voltage of the motor's supply, V. The board itself keeps running at 0 V.
@@ -32,7 +32,7 @@ impl Tamper for Supply {
 /// Moment at which the cable is pulled. A board powered over USB then loses its supply.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pulled {
-    /// At the first tick of this part of the motor measurement.
+    /// At the first control period of this part of the motor measurement.
     In(MeasuringPart),
     /// When settings are sent for the Nth time, before they take effect.
     AtSettings(u32),
@@ -51,7 +51,7 @@ pub struct Spinning {
     /// Moment at which the cable is pulled; `None` for never.
     pub pulled_in: Option<Pulled>,
     pulled: bool,
-    /// Part of the motor measurement at whose first tick the motor's supply fails; `None` for never.
+    /// Part of the motor measurement at whose first control period the motor's supply fails; `None` for never.
     pub supply_goes_in: Option<MeasuringPart>,
     /// The contents of the flash.
     kept: Option<stored::Start>,
@@ -61,7 +61,7 @@ pub struct Spinning {
     decimation: u16,
 }
 
-/// A running device with a simulated motor.
+/// A running device with a simulated motor, which the program reaches over a socket.
 pub struct Spun {
     address: String,
     motor: MotorParameters,

@@ -1,7 +1,7 @@
-//! Every output of the program is tested with every fault at its place: an older file, a link, a full disk, another user's folder,
+//! Tests of every output of the program with every obstacle at its path: an older file, a link, a full disk, another user's folder,
 //! a killed process, two processes at once.
 //!
-//! Afterwards the file at the place is complete or unchanged, no other file is left, and the error is one line.
+//! Afterwards the file at the path must be complete or unchanged, no other file may be left, and the error must be one line.
 
 use crate::fake::Fake;
 use crate::{Said, folder};
@@ -98,7 +98,8 @@ const FOLDERS: [Output; 6] = [
     Output("man", "man OUT", false, true),
 ];
 
-/// Outputs of commands that compute for long before they write. They must refuse an occupied place before they compute.
+/// Outputs of commands that compute for long before they write. They must refuse an existing file of another command before they
+/// compute.
 const SLOW: [Output; 5] = [
     Output("tune --out", "tune thesis-knob -q --out OUT", false, true),
     Output(
@@ -172,7 +173,7 @@ impl Output {
     }
 }
 
-/// A board in a fault, so that its ring buffer of control ticks has stopped and can be read.
+/// A board in a fault, so that the ring buffer of its last second has stopped and can be read.
 fn board() -> Fake {
     let board = Fake::new();
     board.fault(FaultCode::OverSpeed, 61_000);
@@ -315,7 +316,7 @@ fn what_takes_long_refuses_a_taken_place_before_it_begins() {
     }
 }
 
-/// Runs each command on a full disk, mounted in a separate mount namespace.
+/// Runs each command on a full disk, mounted in a separate mount namespace. Checks that it reports the error and leaves no file.
 #[test]
 fn a_full_disk_is_said_and_nothing_is_left() {
     let board = board();
@@ -363,7 +364,8 @@ fn a_full_disk_is_said_and_nothing_is_left() {
     }
 }
 
-/// Runs each command in a folder without write permission. If the tests run as root, the command runs as the user nobody.
+/// Runs each command in a folder without write permission, and checks that it reports the error. If the tests run as root, the
+/// command runs as the user nobody.
 #[test]
 fn a_folder_that_may_not_be_written_is_said() {
     let board = board();

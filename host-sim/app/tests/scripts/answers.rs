@@ -243,7 +243,7 @@ fn the_comparison_says_what_it_cannot_change() {
     assert!(names(&here).is_empty());
 }
 
-/// Haptic effects are listed, can be run by their names, and every command accepts them as scenes.
+/// Checks that haptic effects are listed, can be run by their names, and are accepted by every command as scenes.
 #[test]
 fn feels_are_listed_and_run() {
     let feels = run(&["feels", "--json"]).ended(0).json();
@@ -275,8 +275,8 @@ fn feels_are_listed_and_run() {
     );
 }
 
-/// A CI system executes log lines that begin like its commands, and a terminal executes control characters. No text from a scene
-/// file may reach them unchanged.
+/// Checks that no text from a scene file reaches a log unchanged where it could do harm. A CI system executes log lines that begin
+/// like its commands, and a terminal executes control characters.
 #[test]
 fn no_name_of_a_scene_reaches_a_log_as_a_command() {
     let here = folder("name-as-command");

@@ -160,8 +160,8 @@ fn every_case_of_the_folder_is_right() {
     assert!(checked > 0, "{}: empty", folder_of_cases.display());
 }
 
-/// Linux allows any bytes in a file name. The program accepts such names for files that it only reads; where a scene names such a
-/// file, the program refuses it with one line of error.
+/// Checks file names with arbitrary bytes, which Linux allows. The program must accept such names for files that it only reads.
+/// Where a scene names such a file, the program must refuse it with one line of error.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_path_that_is_not_utf_8_works_or_is_refused_in_a_line() {

@@ -240,7 +240,7 @@ fn what_is_no_demand_is_refused() {
     }
 }
 
-/// Compared with a baseline, an equal or better run passes. A softer wall, another verdict or another scene fails.
+/// Checks the comparison with a baseline: an equal or better run passes; a softer wall, another verdict or another scene fails.
 #[test]
 fn a_baseline_says_what_became_worse() {
     let here = folder("baseline");
@@ -284,7 +284,7 @@ fn a_baseline_says_what_became_worse() {
     );
 }
 
-/// The shipped wall meets the limits documented in docs/ci.md with every grip.
+/// Checks that the shipped wall meets the limits documented in docs/ci.md with every grip.
 #[test]
 fn the_demands_of_the_documented_script_are_met() {
     let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/ci.md");
@@ -303,8 +303,8 @@ fn the_demands_of_the_documented_script_are_met() {
     }
 }
 
-/// If the hand still taps at the end of the run, the program does not judge the wall by the hand's motion. Every output says why
-/// there is no verdict.
+/// Checks a run at whose end the hand still taps. The program must not judge the wall by the hand's motion, and every output must
+/// say why there is no verdict.
 #[test]
 fn what_cannot_be_judged_is_said_with_why() {
     let here = folder("not-judged");

@@ -1,4 +1,4 @@
-//! `--operator-motion` reads the files that the program itself writes.
+//! Tests that `--operator-motion` reads the files that the program itself writes.
 
 use crate::{folder, names, run_in};
 

@@ -224,7 +224,7 @@ impl Client {
         }
     }
 
-    /// The error for an answer of another type than the request needs.
+    /// The error for an answer that is not of the type that the request needs.
     pub fn odd(&self, reply: &Reply) -> Error {
         let (problem, fix) = words::odd(reply);
         self.wrong(problem, fix)

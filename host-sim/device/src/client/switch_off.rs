@@ -11,8 +11,8 @@ const ROUNDS: u32 = 20;
 pub const MAY_BE_ON: &str = "THE DEVICE MAY STILL BE ON";
 
 impl Client {
-    /// Switches the device off if it moves or may move the shaft, and checks that it is off. Returns what was done, in words;
-    /// `None` if the device was off already.
+    /// Switches the device off if it moves or may move the shaft, and checks that it is off. Returns a description of what was
+    /// done; `None` if the device was off already.
     ///
     /// If no answer arrives, the command to stop is sent nevertheless, because only the answer may be lost.
     ///
@@ -74,7 +74,7 @@ mod tests {
     };
     use touchstone_sim::error::Result;
 
-    /// A simulated device behind a link that loses, damages or doubles frames at random, by a seed.
+    /// A simulated device behind a link that loses, damages or doubles frames at random. A seed gives the random numbers.
     struct Link {
         phase: Arc<Mutex<Phase>>,
         chance: u64,

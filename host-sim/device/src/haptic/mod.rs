@@ -2,7 +2,7 @@
 //!
 //! The trait [`HapticDevice`] covers everything on which a wall can be rendered. Positions and forces have three axes in the
 //! device's own frame. A device with one degree of freedom uses the first axis and leaves the others at 0. [`OneAxis`] makes such a
-//! device from one axis of any device. A [`HapticFault`] is a device's fault; [`Injected`] makes any device have one.
+//! device from one axis of any device. A [`HapticFault`] is a device's fault; [`Injected`] lets a test cause one in any device.
 
 mod fault;
 mod injected;
@@ -67,7 +67,7 @@ impl Workspace {
 pub struct Sensed {
     /// Position of the end effector, m.
     pub position_m: [f64; 3],
-    /// Whether the position was measured for this call; if not, it is the last one again.
+    /// Whether the position was measured for this call. If false, it is a repetition of the last one.
     pub fresh: bool,
 }
 
@@ -103,7 +103,7 @@ pub trait HapticDevice {
     /// Switches the motors on, with no force.
     ///
     /// # Errors
-    /// The device cannot be used, or not at present.
+    /// The device cannot be used, permanently or at present.
     fn engage(&mut self) -> Result<(), HapticFault>;
 
     /// Reads the present position. A device that sets the servo loop's rate waits for its next position.
@@ -112,7 +112,7 @@ pub trait HapticDevice {
     /// No position could be read.
     fn sense(&mut self) -> Result<Sensed, HapticFault>;
 
-    /// Commands the force on the hand, N, which acts from now on.
+    /// Commands the force on the hand, N. It acts until the next command.
     ///
     /// # Errors
     /// The force does not act.

@@ -1,11 +1,11 @@
-//! A histogram of the lateness of ticks. Counting a tick costs only an addition.
+//! A histogram of the lateness of the servo loop's control intervals (ticks). Counting one costs only an addition.
 
 /// Upper limits of the histogram's classes, µs. The last class has no upper limit.
 const ENDS_US: [f64; 13] = [
     1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3, 1e4,
 ];
 
-/// Numbers of ticks by their lateness.
+/// Numbers of control intervals (ticks) by their lateness.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TickLateness {
     counts: [u64; ENDS_US.len() + 1],
@@ -49,7 +49,8 @@ impl TickLateness {
             })
     }
 
-    /// Upper limit, µs, of the class up to which at least the fraction `share` (0 to 1) of all ticks is; `None` for the last class.
+    /// The quantile of the lateness: upper limit, µs, of the first class at or below which at least the fraction `share` (0 to 1)
+    /// of all ticks lies. `None` if it is in the last class.
     #[must_use]
     pub fn quantile_us(&self, share: f64) -> Option<f64> {
         let all: u64 = self.counts.iter().sum();

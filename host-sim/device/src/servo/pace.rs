@@ -1,17 +1,17 @@
-//! The pace of the servo loop: decides when its ticks begin.
+//! The pace of the servo loop: decides when its control intervals (ticks) begin.
 
 use std::time::{Duration, Instant};
 
-/// The result of a wait for a tick.
+/// The result of a wait for the next control interval (tick).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Waited {
-    /// Lateness of the tick that begins, s.
+    /// Lateness of the control interval that begins, s.
     pub late_s: f64,
-    /// Number of ticks that were left out before it.
+    /// Number of control intervals (ticks) that were left out before the one that begins.
     pub missed_ticks: u64,
 }
 
-/// Decides when the ticks of the servo loop begin.
+/// Decides when the control intervals (ticks) of the servo loop begin.
 pub trait Pace {
     /// Starts the pace: the first tick is due now.
     fn start(&mut self);
@@ -21,7 +21,8 @@ pub trait Pace {
     fn late_s(&self) -> f64;
 }
 
-/// The pace of the machine's clock. A tick that is late by whole intervals leaves these out, so that no burst of ticks follows.
+/// The pace of the machine's clock. If a tick is late by whole intervals, that many ticks are left out, so that no burst of ticks
+/// follows.
 #[derive(Debug, Clone)]
 pub struct RealTime {
     interval: Duration,
@@ -30,11 +31,12 @@ pub struct RealTime {
     first: bool,
 }
 
-/// Typical lateness with which the operating system wakes a thread, ns. The last part of a wait, of this length, polls the clock.
+/// Typical lateness with which the operating system wakes a thread, ns. So a wait sleeps until this long before its end and then
+/// polls the clock.
 const WAKING_NS: u32 = 100_000;
 
 impl RealTime {
-    /// A pace with this rate.
+    /// A pace of this many control intervals per second.
     #[must_use]
     pub fn new(rate_hz: u32) -> Self {
         Self {
@@ -88,8 +90,8 @@ impl Pace for SimulatedPace {
     }
 }
 
-/// The pace of a device that sets the servo loop's rate. A tick that begins more than an interval after the last tick is late by
-/// the rest.
+/// The pace of a device that sets the servo loop's rate by its positions. If the time since the last tick exceeds an interval, the
+/// tick is late by the excess.
 #[derive(Debug, Clone)]
 pub struct DevicePace {
     interval: Duration,

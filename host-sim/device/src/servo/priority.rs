@@ -18,7 +18,7 @@ pub fn real_time() -> Priority {
     }
 }
 
-/// The thread's priority in % of the real-time range: before all ordinary threads, after the kernel's own interrupts.
+/// The thread's priority in % of the real-time range: above all ordinary threads, below the kernel's own interrupts.
 const SHARE: u8 = 80;
 
 #[cfg(unix)]

@@ -4,7 +4,7 @@
 /// Length of the window over which the speed is estimated, s.
 const WINDOW_S: f64 = 4e-3;
 
-/// An estimate of the speed: the least-squares slope of the last positions.
+/// An estimate of the speed: the slope of a least-squares line through the last positions.
 #[derive(Debug, Clone)]
 pub struct SpeedEstimate {
     interval_s: f64,

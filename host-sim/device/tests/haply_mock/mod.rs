@@ -1,4 +1,4 @@
-//! A simulated service of Haply for tests: speaks both generations of messages and simulates the device.
+//! A simulated service of Haply for tests: speaks both generations of the service's messages and simulates the device.
 
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -26,7 +26,7 @@ pub enum Wrong {
     Uncalibrated,
 }
 
-/// What the service had received by its end.
+/// What the simulated service had received by its end.
 #[derive(Debug, Default, Clone)]
 pub struct Saw {
     pub longest_n: f64,

@@ -1,4 +1,4 @@
-//! How the simulator runs a scene, as text for a terminal.
+//! Formats the description of how the simulator runs a scene as text for a terminal.
 
 use std::fmt::Write;
 

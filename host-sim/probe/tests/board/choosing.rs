@@ -1,4 +1,4 @@
-//! Tests of choosing a probe, and of the messages if the choice is ambiguous or the probe cannot be used.
+//! Tests of choosing a debug probe, and of the messages if the choice is ambiguous or the probe cannot be used.
 
 use touchstone_probe::{Fault, attach, choose};
 

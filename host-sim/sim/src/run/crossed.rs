@@ -1,5 +1,5 @@
-//! What lies between the motor's torque command and the plant: delay, jitter and the unsteadiness of the hand. Also builds the
-//! plant's device and hand from a scene.
+//! Builds the plant (device and hand) of a scene, together with the effects between the motor's torque command and the plant:
+//! delay, jitter, and tremor and reflex of the hand.
 
 use super::chain::{
     Channel, Crossing, Delayed, Handled, Irregular, Lateness, PARTS, Prompt, Reflex, Stream, Tremor,
@@ -39,8 +39,8 @@ pub fn hand(scene: &Scene) -> Option<plant::Hand> {
     })
 }
 
-/// Puts the effects between torque and plant (delay, jitter) around a plant. Without such effects the loop is compiled for the
-/// plant itself.
+/// Builds the mechanics of a run: a plant with the effects between torque command and plant (delay, jitter, tremor). For a plant
+/// without such effects, the simulation loop is compiled with the plant inlined.
 pub(super) fn crossed<S>(
     scene: &Scene,
     plant: impl Fn(f64) -> std::result::Result<S, plant::Invalid>,
@@ -58,7 +58,8 @@ where
     crossed_apart(scene, plant, state)
 }
 
-/// Same as [`crossed`], but always behind an indirect call: one compiled loop serves all plants with one type of state.
+/// Same as [`crossed`], but always calls the plant indirectly, so that one compiled loop serves all plants with the same type of
+/// state.
 pub(super) fn crossed_apart<S>(
     scene: &Scene,
     plant: impl Fn(f64) -> std::result::Result<S, plant::Invalid>,
@@ -116,7 +117,7 @@ where
     Ok(Box::new(Moving { crossing, state }))
 }
 
-/// Largest number of parts into which one tick (control period) is split while the plant is computed.
+/// Largest number of plant steps into which delay or jitter splits one tick (control period).
 pub(super) fn parts(scene: &Scene) -> u64 {
     if is_irregular(scene) {
         // Until the command comes, and after it.
@@ -180,7 +181,7 @@ pub(super) fn refused(scene: &Scene, invalid: &plant::Invalid) -> Error {
     scene.error(path, problem, format!("give {}", invalid.needs))
 }
 
-/// Independent random-number sequence of a scene for one purpose, made from the scene's seed.
+/// Makes the random-number sequence for one purpose from the scene's seed. Sequences for different purposes are independent.
 pub(super) fn stream(scene: &Scene, channel: Channel) -> Stream {
     Stream::new(scene.seed.unwrap_or(1), channel)
 }

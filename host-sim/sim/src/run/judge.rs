@@ -1,4 +1,4 @@
-//! Gathers the values by which a run is judged, tick by tick, and gives the verdict.
+//! Judges a run: gathers measures tick by tick (per control period), and derives the verdict, such as passive or unstable.
 
 use super::measure::{
     ContactRise, DynamicStiffness, PeakPenetration, RateHardness, Release, Response, Ripple,
@@ -10,7 +10,7 @@ use super::tick::{Recorder, Tick};
 use super::verdict::{NotJudged, Verdict};
 use super::wall::InsideGuard;
 
-/// Collects the values of each tick (control period) for the verdict and the measures of a run.
+/// Collects the values of each tick (control period) from which verdict and measures of a run follow.
 #[derive(Debug, Clone)]
 pub struct Judge {
     terms: Terms,
@@ -21,7 +21,7 @@ pub struct Judge {
     energy_true_min: f64,
     energy_user_min: f64,
     energy_observed_min: f64,
-    /// Sums over the second half of the press: force in N·m, penetration in rad. Their quotient is the displayed stiffness.
+    /// Sums of force in N·m and penetration in rad over the second half of the press. Their quotient is the displayed stiffness.
     shown: (f64, f64),
     felt: Felt,
     guard: Option<GuardWatch>,
@@ -32,7 +32,7 @@ pub struct Judge {
     finite: bool,
 }
 
-/// How often and how far the energy guard intervened in a run.
+/// How often and how far the energy guard reduced the force in a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GuardWatch {
     /// Lowest value of the guard's energy account, J.
@@ -58,7 +58,7 @@ impl GuardWatch {
     }
 }
 
-/// Measures of the wall's haptic quality, such as stiffness, hardness and ripple.
+/// Measures of how the wall feels to a hand, such as stiffness, hardness and ripple.
 #[derive(Debug, Clone)]
 struct Felt {
     peak: PeakPenetration,
@@ -70,7 +70,7 @@ struct Felt {
     rise: ContactRise,
     /// Kinetic energy of the device in the first tick, J.
     kinetic_start_j: Option<f64>,
-    /// Energy stored in springs, gravity and magnets of the device since the start, J.
+    /// Energy stored since the start in the device's springs, gravity and magnets, J.
     stored_j: f64,
     wall_window: WorstWindow,
     hand_window: WorstWindow,
@@ -96,8 +96,8 @@ impl Felt {
         }
     }
 
-    /// Adds one tick to the measures. `wall_j` and `loss_j` are the energies absorbed by the wall's port and lost in the device up
-    /// to the end of the tick, J.
+    /// Adds one tick (control period) to the measures. `wall_j` is the energy absorbed by the wall and `loss_j` the energy
+    /// dissipated in the device, both in J from the start of the run to the end of the tick.
     fn record(&mut self, tick: &Tick, terms: &Terms, wall_j: f64, loss_j: f64) {
         let e = tick.angle_rad - terms.surface_rad;
         let force = tick.motor_force_n_m;
@@ -136,19 +136,21 @@ impl Felt {
 pub struct Judgement {
     /// How the run ended.
     pub verdict: Verdict,
-    /// Why the run could not be judged; `None` if it was judged.
+    /// Reason why the run could not be judged; `None` if it was judged.
     pub not_judged: Option<NotJudged>,
     /// Displayed stiffness: mean force over mean penetration at the end of the press, N·m/rad.
     pub k_displayed: Option<f64>,
-    /// Rate-hardness of the first contact: slope of the force after contact over the speed of the touch, N·m/rad.
+    /// Rate-hardness of the first contact, N·m/rad: slope of the force after contact over the speed of the touch.
     pub rate_hardness: Option<f64>,
-    /// Extended rate-hardness of the first contact: largest rise of the force within 1 ms over the largest speed, N·m/rad.
+    /// Extended rate-hardness of the first contact, N·m/rad: largest rise of the force within 1 ms, divided by that time and by the
+    /// largest speed.
     pub extended_rate_hardness: Option<f64>,
     /// Largest motor torque in the first 5 ms of the first contact, N·m.
     pub touch_torque_n_m: Option<f64>,
-    /// Deepest penetration over that of an ideal spring, `F/k_de`; 1 is ideal.
+    /// Deepest penetration divided by that of an ideal spring, `F/k_de`, under the push `F`. `k_de` is the requested stiffness; 1
+    /// is ideal.
     pub peak_penetration_ratio: Option<f64>,
-    /// Ratio of force to penetration, `F/x`, while the hand moves rhythmically inside the wall.
+    /// Dynamic stiffness, the ratio of force to penetration, while the hand moves rhythmically inside the wall.
     pub dynamic_stiffness: Option<DynamicStiffness>,
     /// Ripple of the motor's torque from tick to tick, rms, N·m.
     pub ripple_rms_n_m: Option<f64>,
@@ -160,17 +162,18 @@ pub struct Judgement {
     pub release_excursion_rad: Option<f64>,
     /// Largest peak-to-peak motion of the device at the end of a hold, rad.
     pub limit_cycle_peak_to_peak: Option<f64>,
-    /// Lowest energy of the wall's port, computed from true positions, J; negative where the wall gave energy away.
+    /// Lowest energy that the wall has absorbed since the start, J, computed from true positions. It is negative where the wall
+    /// gave energy to the device.
     pub energy_true_min: f64,
-    /// Lowest energy of the user's port, J: that of the wall's port plus what the device dissipated.
+    /// Lowest energy that the user has put in since the start, J: the wall's absorbed energy plus the device's dissipation.
     pub energy_user_min: f64,
-    /// Most energy that the user's port gave beyond what it had taken, J; 0 within the rounding of the sums.
+    /// Most energy that the user got out beyond what was put in, J; 0 within the rounding of the sums.
     pub energy_out: f64,
-    /// Lowest energy that the law's own observer reported, J; `None` for a law without an observer.
+    /// Lowest energy that the passivity observer of the control law reported, J; `None` for a law without an observer.
     pub energy_observed_min: Option<f64>,
-    /// Most energy that the hand got out of the device in any window of time, J.
+    /// Most energy that the hand got out of the device in any window of time, J. The window may start at any tick.
     pub energy_out_worst_window_j: f64,
-    /// Most energy that the wall gave out in any window of time, J.
+    /// Most energy that the wall gave out in any window of time, J. The window may start at any tick.
     pub energy_out_wall_worst_window_j: f64,
     /// Interventions of the energy guard; `None` for a scene without a guard.
     pub guard: Option<GuardWatch>,
@@ -178,9 +181,9 @@ pub struct Judgement {
     pub settled: Option<Settled>,
     /// Largest penetration, rad.
     pub penetration_max: f64,
-    /// Largest force to either side, N·m, as an amount.
+    /// Largest absolute force, N·m.
     pub force_max: f64,
-    /// Number of ticks with a force from the wall.
+    /// Number of ticks (control periods) in which the wall exerted a force.
     pub contact_ticks: u64,
 }
 
@@ -208,7 +211,7 @@ impl Judge {
         }
     }
 
-    /// Energy that the wall's port absorbed so far, J, from true positions.
+    /// Energy that the wall has absorbed since the start of the run, J, computed from true positions.
     #[must_use]
     pub fn energy_true_j(&self) -> f64 {
         self.energy_true
@@ -291,7 +294,7 @@ impl Judge {
         }
     }
 
-    /// Energy that the user's port gave beyond what it had taken, J.
+    /// Most energy that the user got out beyond what was put in, J.
     fn energy_out(&self) -> f64 {
         // Rounding of the two sums, and a millionth of what went through the port.
         let tolerance = 1e-12 + 1e-6 * self.throughput;

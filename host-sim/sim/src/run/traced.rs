@@ -1,4 +1,4 @@
-//! A judge that also keeps every tick.
+//! Judges a run and also keeps the values of every tick (control period) as a trace.
 
 use super::judge::Judge;
 use super::record::Trace;
@@ -15,10 +15,10 @@ pub(super) struct Traced {
 }
 
 impl Traced {
-    /// Prepares a trace of a scene.
+    /// Prepares a trace for a run of the scene.
     ///
     /// # Errors
-    /// A trace that is too long for memory.
+    /// The trace would be too long for memory.
     pub fn of(scene: &Scene, judge: Judge) -> Result<Self> {
         Work::of(scene).check_trace(scene)?;
         Ok(Self {

@@ -10,10 +10,10 @@ use super::operator::Grip;
 use super::schema::{self, FIELDS, Field, Kind};
 
 impl Scene {
-    /// The scene as TOML, every default filled in, with units and meanings as comments; it reads back as the same
-    /// scene.
+    /// Writes the scene as TOML, with every default filled in and with units and meanings as comments. Reading the text gives the
+    /// same scene.
     ///
-    /// Effects that the scene does not name, and that are not simulated, are listed as comments too.
+    /// Effects that the scene does not simulate are listed in comments.
     pub fn to_toml(&self) -> String {
         let draft = Draft::from_scene(self);
         let mut text = String::new();
@@ -46,7 +46,7 @@ fn line(text: &mut String, line: &str) {
     text.write_str(line).expect("a string takes everything");
 }
 
-/// Formats one field with its comment.
+/// Formats one field of the scene as a TOML line with its comment.
 fn entry(scene: &Scene, field: &Field, value: Option<&Value>) -> String {
     let name = field.name();
     let Some(value) = value else {
@@ -76,7 +76,7 @@ fn entry(scene: &Scene, field: &Field, value: Option<&Value>) -> String {
     line + "\n"
 }
 
-/// Formats the hand's values of a grip.
+/// Formats the mechanical values of a grip as comment lines.
 fn grip_values(grip: Grip) -> String {
     match grip.hand() {
         Some(hand) => format!(

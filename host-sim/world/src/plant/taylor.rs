@@ -1,15 +1,16 @@
-//! Power series of a motion over a short interval: its value at any time in the interval, and when it first becomes negative.
+//! Power series of a motion over a short interval: gives the value at any time in the interval, and the time at which the value
+//! first becomes negative.
 //!
-//! Events (a device that stops, friction that gives way) fall between ticks. The exact solution at an arbitrary time is `exp(M t)
-//! y`. Its power series in `t` is cheap once the coefficients are known: `y_{k+1} = M y_k h / (k + 1)`.
+//! Stops and starts of the device fall between control ticks. The exact solution of `y' = M y` at an arbitrary time is `exp(M t)
+//! y`. Its power series over an interval `h` has the coefficients `y_{k+1} = M y_k h / (k + 1)`, and is cheap to evaluate.
 
-/// Largest norm of `M h` (matrix of the rates times the interval) for one power series. A millisecond of a knob in a hand has a
-/// smaller one.
+/// Largest norm of `M h` (matrix of the rates times the interval) for one power series. The norm of a knob in a hand over 1 ms is
+/// smaller.
 pub(super) const NORM: f64 = 0.5;
-/// Number of coefficients. The first one left out is below `0.5^16 / 16!`, 1e-18.
+/// Number of coefficients of a series. The first coefficient left out is below `0.5^16 / 16!`, 1e-18.
 pub(super) const TERMS: usize = 16;
 
-/// The reciprocals `1 / (k + 1)` for `k` from 0.
+/// Reciprocals `1 / (k + 1)` for the integration of a series, for `k` from 0.
 pub(super) const RECIPROCAL: [f64; TERMS] = {
     let mut table = [0.0; TERMS];
     let mut k = 0;
@@ -20,8 +21,8 @@ pub(super) const RECIPROCAL: [f64; TERMS] = {
     table
 };
 
-/// Gauss–Legendre nodes and weights on `[-1, 1]`; of each pair of nodes only the positive one. With eight nodes the relative error
-/// for the square of a series within [`NORM`] is below 1e-22.
+/// Nodes and weights of Gauss–Legendre integration on `[-1, 1]`; of each symmetric pair of nodes only the positive one. With eight
+/// nodes the relative error for the square of a series within [`NORM`] is below 1e-22.
 const GAUSS: [(f64, f64); 4] = [
     (0.1834346424956498, 0.362683783378362),
     (0.525532409916329, 0.31370664587788727),
@@ -69,13 +70,13 @@ impl Series {
         sum
     }
 
-    /// The first `t` in `[0, 1]` at which `p` becomes negative; `p(0)` must not be negative.
+    /// The first `t` in `[0, 1]` at which the series `p` becomes negative; `p(0)` must not be negative.
     ///
-    /// First, zeros at `t = 0` are divided out, so that a motion which starts from exact rest is judged by its direction. Then the
-    /// search goes up from 0 in steps that cannot jump over a root: with `B >= |p''|` everywhere, the parabola `p(t) + p'(t) s - B
-    /// s²/2` lies below `p(t + s)`, so its root is at or before the true one. Near a simple root this is Newton's method from the
-    /// safe side, with quadratic convergence. So the search finds a dip below zero and back within the interval too. A fall that
-    /// ends at zero to within rounding counts as one.
+    /// Zeros at `t = 0` are divided out, so that a motion that starts from exact rest is judged by its direction. Then the search
+    /// goes up from 0 in steps that cannot jump over a root. With a bound `B >= |p''|`, the parabola `p(t) + p'(t) s - B s²/2` lies
+    /// below `p(t + s)`, so its root is at or before that of `p`. Near a simple root the steps are those of Newton's method, with
+    /// quadratic convergence. The search also finds a dip below zero and back within the interval. A fall that ends at zero to
+    /// within rounding counts as a root.
     pub(super) fn first_negative(&self) -> Option<f64> {
         let leading = self.0.iter().position(|&c| c != 0.0)?;
         let mut c = [0.0; TERMS];
@@ -143,7 +144,7 @@ mod tests {
         Series(padded)
     }
 
-    /// The series of `cos(t / 2)`, the fastest motion within [`NORM`].
+    /// The series of `cos(t / 2)`, whose frequency is the highest that [`NORM`] allows.
     fn cosine() -> Series {
         let mut c = [0.0; TERMS];
         let mut term = 1.0;

@@ -1,4 +1,4 @@
-//! Tests that the linear steps are exact, and that changes that must have no effect have none.
+//! Tests that the steps of linear plants are exact, and that changes without a physical effect (mirroring, scaling) change nothing.
 
 use nalgebra::{SMatrix, SVector};
 use touchstone_world::plant::{
@@ -240,7 +240,8 @@ fn nothing_moves_at_equilibrium_or_in_no_time() {
     assert_eq!(state, State::from_array([0.1, 2.0]));
 }
 
-/// Runs a plant with a torque that reverses the motion often and a rest point that wanders.
+/// Simulates a plant with a torque that reverses the motion often and a wandering rest point. `mirror` and `scale` are factors on
+/// the inputs.
 fn run<P: Stepper>(plant: &P, mirror: f64, scale: f64, mut each: impl FnMut(usize, P::State)) {
     let mut random = Random(11);
     let mut state = P::State::at_rest(0.0);
@@ -270,8 +271,8 @@ fn trace<P: Stepper>(plant: &P, mirror: f64, scale: f64) -> Vec<[f64; 4]> {
     trace
 }
 
-/// Checks that two runs are equal bit for bit after scaling. The sign of a zero may differ, because sums do not mirror it (`1 - 1`
-/// is `+0` in both runs).
+/// Checks that two runs are equal bit for bit after scaling by `factor`. The sign of a zero may differ, because mirroring a sum
+/// keeps it (`1 - 1` is `+0` in both runs).
 fn assert_scaled(trace: &[[f64; 4]], expected: &[[f64; 4]], factor: f64) {
     for (tick, (a, b)) in trace.iter().zip(expected).enumerate() {
         assert_eq!(*a, b.map(|entry| factor * entry), "tick {tick}");

@@ -1,4 +1,4 @@
-//! Tests of Coulomb friction: a device at rest stays at rest, and every stop and start is at its right time.
+//! Tests of Coulomb friction: a device at rest stays at rest, and every stop and start comes at the right time.
 
 use touchstone_world::plant::{
     BareCoulomb, BareLinear, Coulomb, Device, FIRM, Hand, HeldCoulomb, HeldLinear, Kinematics,
@@ -137,7 +137,8 @@ fn full(z: [f64; 4]) -> Full {
     [z[0], z[1], z[2], z[3], 0.0, 0.0, 0.0]
 }
 
-/// Compares one tick from each of many states with fine steps whose events are located. Returns how many ticks had how many events.
+/// Compares one tick of the plant, from each of many states, with a reference of fine steps that locate every stop and start.
+/// Returns how many ticks had how many stops and starts.
 fn compare_ticks(
     device: Device,
     hand: Option<Hand>,
@@ -283,7 +284,7 @@ fn a_velocity_that_dips_below_zero_within_a_tick_is_seen() {
     assert!((state.velocity() - unseen.velocity()).abs() > 1e-3);
 }
 
-/// Inputs of half a second in which the device sticks and slips: a torque to and fro, and a hand that follows.
+/// Inputs over half a second that make the device stick and slip: a torque back and forth, and a following hand.
 fn inputs(tick: u32) -> (f64, f64) {
     let t = f64::from(tick) * 1e-3;
     (4e-3 * (40.0 * t).sin(), 0.3 * (13.0 * t).sin())

@@ -1,4 +1,4 @@
-//! Tests of the stiffness at which the sampled loop becomes unstable, against reference values.
+//! Tests the stiffness at which the sampled loop becomes unstable, against reference values.
 
 use touchstone_world::plant::{
     BareLinear, Device, FIRM, Kinematics, LIGHT, MEDIUM, State, Stepper, closed_loop_matrix,
@@ -12,7 +12,7 @@ const HEAVY_KNOB: Device = Device {
     damping: 5e-4,
     friction: None,
 };
-/// An axis of a large parallel device: 0.2 kg, 2.5 N·s/m.
+/// One axis of a large parallel device: 0.2 kg, 2.5 N·s/m.
 const AXIS: Device = Device {
     inertia: 0.2,
     damping: 2.5,

@@ -1,5 +1,5 @@
-//! Tests of the drive train against closed forms, against the plants without a train, and against Runge–Kutta steps that share no
-//! code with it.
+//! Tests of the drive train against closed-form solutions, against the plants without a drive train, and against Runge–Kutta steps
+//! that share no code with it.
 
 use std::f64::consts::TAU;
 use touchstone_world::plant::train::{
@@ -39,7 +39,7 @@ pub fn made<const N: usize, const K: usize>(
     DriveTrain::new(links, shaft, T, substeps).unwrap()
 }
 
-/// A torque that changes every tick, N·m.
+/// A test torque that changes with every tick (control period), N·m.
 pub fn torque(tick: i32) -> f64 {
     0.02 * (0.37 * f64::from(tick)).sin() + 0.01 * (1.9 * f64::from(tick)).cos()
 }
@@ -133,7 +133,7 @@ fn windings_at_a_voltage_brake_as_their_back_emf_says() {
     assert!((state.velocity() / expected - 1.0).abs() < 1e-12);
 }
 
-/// Largest difference of the shaft's angle from that of the plant without a train.
+/// Largest difference of the shaft's angle from that of the plant without a drive train, rad.
 fn off_the_rigid(links: &Links) -> f64 {
     let plant = BareLinear::new(&KNOB, T).unwrap();
     let mut rigid = State::at_rest(0.0);
@@ -220,8 +220,7 @@ fn two_inertias_on_a_spring_swing_at_their_frequency() {
     }
 }
 
-/// Largest error `|work - stored - lost|` of the energy balance over all ticks, relative to the energy that was exchanged up to the
-/// tick.
+/// Largest error of the energy balance over all ticks, `|work - stored - lost|`, relative to the energy exchanged up to the tick.
 fn audit<const N: usize, const K: usize>(links: &Links, shaft: &Shaft, substeps: u32) -> f64 {
     let train = made::<N, K>(links, shaft, substeps);
     let rest = 0.3;

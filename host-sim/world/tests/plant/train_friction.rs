@@ -1,5 +1,5 @@
-//! Tests of the friction models at the shaft of a drive train, and of friction that depends on the direction: against closed forms,
-//! and against Runge–Kutta steps that share no code with the train.
+//! Tests of the friction models at the shaft of a drive train, also with friction that depends on the direction. References are
+//! closed-form solutions, and Runge–Kutta steps that share no code with the train.
 
 use super::train::{KNOB, LOSSLESS, T, bare, made, smooth, torque};
 use touchstone_world::plant::train::{Current, Friction, Links, LuGre, Shaft, Sliding, TrainState};
@@ -68,7 +68,7 @@ fn what_friction_holds_does_not_move_by_a_bit() {
     assert!(state.velocity() > 0.0);
 }
 
-/// Runs Runge–Kutta steps of a bare shaft whose friction has a state of its own.
+/// Simulates a bare shaft by Runge–Kutta steps, with a friction model that has a state of its own.
 fn by_runge_kutta(
     start: [f64; 3],
     duration_s: f64,

@@ -1,4 +1,4 @@
-//! Decodes the instructions of a Cortex-M that matter for calls, floats and the stack.
+//! Decodes the Cortex-M instructions that matter for an analysis of calls, floats and the stack.
 
 /// An instruction, in the classes that the analysis of calls, floats and the stack distinguishes.
 #[derive(Debug, PartialEq, Eq)]
@@ -11,7 +11,7 @@ pub enum Instruction {
     JumpRegister,
     /// An instruction of the float unit (coprocessors 10 and 11).
     FloatUnit,
-    /// The instruction `UDF`, at which the compiler wants execution to stop.
+    /// The instruction `UDF` (undefined), which the compiler puts where execution must stop.
     Trap,
     /// An instruction that masks interrupts: `CPSID`, or a write to `PRIMASK`, `BASEPRI` or `FAULTMASK`.
     Mask,
@@ -96,7 +96,7 @@ pub fn lowers(first: u32, second: u32) -> Option<u32> {
     }
 }
 
-/// The constant that 12 bits of an instruction stand for (Arm ARM, ThumbExpandImm).
+/// Expands the 12-bit code of a constant in an instruction to the 32-bit constant (ThumbExpandImm in Arm's manual).
 fn modified(bits: u32) -> u32 {
     let low = bits & 0xff;
     match bits >> 8 {
@@ -108,7 +108,8 @@ fn modified(bits: u32) -> u32 {
     }
 }
 
-/// The 16 bits that MOVW and MOVT load, and the register.
+/// For an instruction `MOVW` or `MOVT`: whether it loads the upper half of a register, the register, and the 16 bits. `None` for
+/// others.
 pub fn loads_half(first: u32, second: u32) -> Option<(bool, usize, u32)> {
     let is_top = match first & 0xfbf0 {
         0xf240 => false,

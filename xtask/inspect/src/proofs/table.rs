@@ -1,4 +1,4 @@
-//! Writes the table of the results of a whole run.
+//! Writes the table with the results of a run of all proofs.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -8,10 +8,10 @@ use super::properties::{self, Property};
 use super::report::Verdict;
 use super::usage::Usage;
 
-/// File name of the table, which is in the folder of the checker's report.
+/// File name of the table of results, which is in the folder of the model checker's report.
 pub const NAME: &str = "table.md";
 
-/// Writes the table of a whole run to the file `path`. Errors: a harness has no property in the sources.
+/// Writes the table with the results of all proofs to the file `path`. Errors: a harness (proof) has no property in the sources.
 pub fn write(path: &Path, found: &BTreeMap<String, Verdict>, about: &str) -> Result<(), String> {
     let properties = properties::properties(Path::new("proofs/src"));
     let table = table(found, &properties, about)?;

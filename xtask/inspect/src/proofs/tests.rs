@@ -1,4 +1,5 @@
-//! Tests of the gate on a recorded report, in which harnesses end in every possible way (`fixtures/every_end.rs`).
+//! Tests of the gate, which judges the model checker's report, on a recorded report. In it harnesses (proofs) end in every possible
+//! way (`fixtures/every_end.rs`).
 
 use super::*;
 use report::Answer;
@@ -42,7 +43,7 @@ fn only_one_harness_of_all_is_proved() {
     assert_eq!(wrong(&found, MEMORY_KIB).len(), 9);
 }
 
-/// Checks that the gate rejects harnesses that the checker calls successful although they prove nothing.
+/// Checks that the gate rejects harnesses (proofs) that the model checker calls successful although they prove nothing.
 #[test]
 fn a_success_that_says_nothing_is_none() {
     assert!(empty("w8::cover_unsatisfiable").starts_with("cover not reached: larger"));
@@ -174,7 +175,7 @@ fn no_report_and_an_empty_one_are_not_a_pass() {
     ));
 }
 
-/// A status that is unknown here does not count as success.
+/// Checks that a status that the gate does not know does not count as success.
 #[test]
 fn an_unknown_status_is_no_answer() {
     let text = include_str!("fixtures/every-end.json").replace(

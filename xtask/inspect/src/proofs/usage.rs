@@ -1,8 +1,8 @@
-//! Memory and processor time of the checker's processes, as the launcher `cargo xtask` measured them.
+//! Memory and processor time of the model checker's processes, as the launcher `cargo xtask` measured them.
 
 use std::collections::HashMap;
 
-/// Memory and time of one harness.
+/// Memory and processor time of one harness (proof).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Usage {
     /// Highest total memory of all processes that ran for the harness at the same time, in KiB.
@@ -11,7 +11,7 @@ pub struct Usage {
     pub processor_s: f64,
 }
 
-/// Reads lines with the name of a harness's file, kibibytes and seconds. Errors: a line is something else.
+/// Reads lines with the name of a harness's file, kibibytes and seconds. Errors: a line has another form.
 pub fn read(text: &str) -> Result<HashMap<&str, Usage>, String> {
     let line = |line| {
         let mut words = str::split_whitespace(line);

@@ -12,8 +12,8 @@ impl PeakPenetration {
         self.peak_rad = self.peak_rad.max(penetration_rad);
     }
 
-    /// Peak penetration over that of a spring of the requested stiffness at rest, `F/k_de`, under the same push `F`. It is 1 for a
-    /// wall of the requested stiffness without overshoot.
+    /// Peak penetration divided by `F/k_de`, the static penetration of a spring of the requested stiffness `k_de` under the same
+    /// push `F`. It is 1 for a wall of the requested stiffness without overshoot.
     #[must_use]
     pub fn ratio(&self, push_n_m: f64, k_desired: f64) -> f64 {
         self.peak_rad * k_desired / push_n_m

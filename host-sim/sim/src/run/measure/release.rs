@@ -1,6 +1,6 @@
 //! Outward motion of the device after the hand lets go of the wall.
 
-/// Outward motion from the moment at which the hand begins to let go.
+/// Measures the outward motion of the device from the moment at which the hand begins to let go.
 #[derive(Debug, Clone, Copy)]
 pub struct Release {
     from: u64,
@@ -33,7 +33,7 @@ impl Release {
         self.speed_rad_per_s
     }
 
-    /// Largest distance of the device outside the wall's surface, rad. It includes the distance to which the hand itself withdraws.
+    /// Largest distance of the device outside the wall's surface, rad. It includes the distance by which the hand itself withdraws.
     #[must_use]
     pub fn excursion_rad(&self) -> f64 {
         self.excursion_rad

@@ -1,16 +1,16 @@
-//! Settling time: how long a press takes until the wall has its requested stiffness.
+//! Settling time: how long a press takes until the wall displays its requested stiffness.
 
-/// Largest relative deviation of a settled force from the requested one (0.05 is 5 %).
+/// Largest relative deviation of force over penetration from the requested stiffness that counts as settled (0.05 is 5 %).
 pub const TOLERANCE: f64 = 0.05;
 
-/// Observes a press from the first touch to the end of its hold.
+/// Measures the settling time of a press, from the first touch to the end of its hold.
 #[derive(Debug, Clone, Copy)]
 pub struct Settle {
     k_desired: f64,
     ramp_end: u64,
     end: u64,
     first_touch: Option<u64>,
-    /// First tick after the last one whose force was outside the tolerance.
+    /// Tick after the last one whose force was outside the tolerance.
     settled: u64,
 }
 
@@ -57,8 +57,8 @@ impl Settle {
         }
     }
 
-    /// Ticks until force over penetration stayed within [`TOLERANCE`] of the requested stiffness to the end of the hold. `None` if
-    /// it did not, or nothing was touched.
+    /// Ticks until force over penetration stays within [`TOLERANCE`] of the requested stiffness to the end of the hold. `None` if
+    /// it does not settle, or the device never touches the wall.
     #[must_use]
     pub fn settled(&self) -> Option<Settled> {
         let first_touch = self.first_touch?;
@@ -73,7 +73,8 @@ impl Settle {
 mod tests {
     use super::*;
 
-    /// Measures a wall that is touched at tick 100 and whose stiffness rises as `k (1 - e^(-t/τ))`.
+    /// Measures a wall that is touched at tick 100 and whose stiffness rises over time `t` as `k (1 - e^(-t/τ))`. `τ` is the time
+    /// constant.
     fn approach(time_constant: f64, end: u64) -> Option<Settled> {
         let mut settle = Settle::new(5.0, 150, end);
         for index in 0..2_000_u64 {

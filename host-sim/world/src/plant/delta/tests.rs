@@ -29,7 +29,8 @@ fn joints_and_back_are_the_place() {
     assert!(worst < 1e-13, "{worst}");
 }
 
-/// Checks that the forearms keep their length, calculated independently from the joint angles.
+/// Checks that the forearms keep their length. The test computes the length from the joint angles, independently of the tested
+/// code.
 #[test]
 fn the_loops_are_closed() {
     let geometry = FALCON.geometry;
@@ -68,7 +69,7 @@ fn slopes_and_curvature_are_derivatives() {
     assert!(first < 1e-6 && second < 1e-3, "{first} {second}");
 }
 
-/// Checks that the motors' power equals the effector's: F·v = τ·dθ/dt.
+/// Checks that the motors' power `τ·dθ/dt` equals the effector's power `F·v`.
 #[test]
 fn power_is_the_same_on_both_sides() {
     for (i, place) in places().enumerate() {
@@ -174,7 +175,7 @@ fn free_motion_keeps_its_energy() {
     assert!(slowest < 0.99 * speed, "{slowest}");
 }
 
-/// Checks the energy balance in a hand under motor torques: work in equals losses plus the change of the stored energy.
+/// Checks the energy balance of a device in a hand under motor torques: work in equals losses plus the change of the stored energy.
 #[test]
 fn the_books_close_in_a_hand() {
     let plant = DeltaPlant::new(&FALCON, Some(&FIRM_TRANSLATION), 1e-3).expect("plant");
@@ -197,7 +198,7 @@ fn the_books_close_in_a_hand() {
     assert!(worst < 1e-12 && worked > 0.01, "{worst} {worked}");
 }
 
-/// Checks the order of the method: with half the substep the error is a sixteenth.
+/// Checks that the integration method is of fourth order: half the substep gives a sixteenth of the error.
 #[test]
 fn the_method_is_of_fourth_order() {
     let end = |substeps: u32| {
@@ -216,8 +217,8 @@ fn the_method_is_of_fourth_order() {
     assert!((3.5..5.0).contains(&order), "{order}");
 }
 
-/// A slow push on the effector accelerates it by the inertia `M` at its position, because the joints' curvature does not matter at
-/// rest.
+/// Checks that a slow push on the effector accelerates it by the inertia at its position. The curvature of the joint angles has no
+/// effect at rest.
 #[test]
 fn a_push_accelerates_by_the_inertia_of_its_place() {
     let device = DeltaDevice {

@@ -252,8 +252,8 @@ fn a_recording_replaces_a_scenes_motion() {
     assert_eq!(message, format!("{option}: {expected}"));
 }
 
-/// Tests a real recording of a hand on a paddle: 15.2 s at 200 Hz, sensor step 0.049°. The file is not part of the project; without
-/// it the test passes.
+/// Tests a real recording of a hand on a paddle: 15.2 s at 200 Hz, sensor step 0.049°. The recording is not part of the repository;
+/// the test passes without it.
 #[test]
 fn the_paddle_recording_drives_the_hand_in_and_out_of_the_wall() {
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
