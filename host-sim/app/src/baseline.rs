@@ -79,7 +79,7 @@ pub fn on(run: &Summary, before: &[Value], margin: f64) -> Vec<Check> {
         SAME.iter().all(|field| same(field) || unnamed(field))
     }) else {
         let came = "none of this scene, law, stiffness, grip, encoder and rate".to_owned();
-        return vec![check("a run to compare with,", String::new(), came, false)];
+        return vec![check("a run to compare with", String::new(), came, false)];
     };
     let verdict = |value: &Value| value["verdict"].as_str().unwrap_or("none").to_owned();
     let mut checks = vec![check(

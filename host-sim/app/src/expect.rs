@@ -2,7 +2,7 @@
 //! and a JUnit file.
 
 use super::check::{Check, Subject};
-use super::out::{json, note, shown};
+use super::out::{json, note};
 use super::whole::{Named, is_of_same_command};
 use super::{baseline, number};
 use clap::builder::{PossibleValue, PossibleValuesParser};
@@ -10,6 +10,7 @@ use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use touchstone_sim::error::{Error, Result};
+use touchstone_sim::harmless::one_line;
 use touchstone_sim::run::record::Summary;
 use touchstone_sim::run::verdict::{NO_CONTACT, NOT_JUDGED, WORDS};
 use touchstone_sim::scene::list;
@@ -232,7 +233,7 @@ impl Checked {
                     "not met: {}: wanted {wanted}, came {came} ({})",
                     check.option, check.run
                 );
-                eprintln!("{}", shown(&line));
+                eprintln!("{}", one_line(&line));
                 code = ExitCode::from(NOT_MET);
             }
             if let (Some(why), true) = (unsaid(checks), checks.iter().any(|check| check.met)) {

@@ -28,10 +28,12 @@ pub fn read(file: &str) -> Result<Option<SpaceScene>> {
         Err(_) if file == SHIPPED.0 => SHIPPED.2.to_owned(),
         Err(_) => return Ok(None),
     };
-    match text.parse::<toml::Table>() {
-        Ok(table) if table.contains_key("dof") => {}
-        _ => return Ok(None),
-    }
+    let Ok(Some(dof)) = text
+        .parse::<toml::Table>()
+        .map(|mut table| table.remove("dof"))
+    else {
+        return Ok(None);
+    };
     let fix = "docs/schema/space-scene.schema.json has every field";
     let wrong = |line: usize, field: &str, problem: String| Error::File {
         file: PathBuf::from(path),
@@ -41,6 +43,10 @@ pub fn read(file: &str) -> Result<Option<SpaceScene>> {
         fix: fix.to_owned(),
     };
     let line = |at: usize| 1 + text[..at.min(text.len())].matches('\n').count();
+    if !dof.is_integer() {
+        let problem = format!("must be 3, is {dof}");
+        return Err(wrong(line(text.find("dof").unwrap_or(0)), "dof", problem));
+    }
     let scene: SpaceScene = toml::from_str(&text).map_err(|error| {
         let at = error.span().map_or(0, |span| span.start);
         let problem = error.message().replace('\n', " ");

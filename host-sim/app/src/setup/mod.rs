@@ -11,7 +11,7 @@ use super::device::{calibrated, cogging, eccentricity, start, status_of};
 use super::flash::{self, BoardName};
 use super::interrupt;
 use super::number;
-use super::out::{self, note, say, tell};
+use super::out::{self, note, path_line, say, tell};
 use super::port::PortOption;
 use super::progress;
 use kept::{Kept, io};
@@ -162,7 +162,7 @@ fn stepped(options: &Options) -> Result<()> {
 
     let law_file = options.out.join("law.toml");
     if let Some(given) = &options.law {
-        tell!("5/6 wall       as given: {}", given.display());
+        tell!("5/6 wall       as given: {}", path_line(given));
         let law = touchstone_sim::input::text(given, touchstone_sim::input::MOST_OF_SETTINGS)
             .map_err(|error| io(given, &error))?;
         toml_file::read(&law, given, &settings)?;
@@ -308,7 +308,10 @@ fn begin(client: &mut Client, kept: &mut Kept, folder: &Path) -> Result<()> {
     // An interruption may have come before they were written.
     let before = folder.join(BEFORE);
     if kept.is_new() && !before.is_file() {
-        write(&before, &toml_file::write(&client.settings()?, client.identity()))?;
+        write(
+            &before,
+            &toml_file::write(&client.settings()?, client.identity()),
+        )?;
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 
 use super::spun::Spun;
 use super::{Said, folder};
-use std::os::unix::fs::{PermissionsExt as _, symlink};
+use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -213,7 +213,7 @@ fn a_killed_setup_leaves_nothing_torn_and_the_same_command_ends_it() {
         child.wait().unwrap();
         // A killed process leaves a hidden file like this one.
         std::fs::create_dir_all(here.join("out")).unwrap();
-        std::fs::write(here.join("out/.touchstone-4194305-setup.json"), "half").unwrap();
+        std::fs::write(here.join("out/.touchstone-4194305-knob.toml"), "half").unwrap();
         let said = setup(&here, &device);
         assert_eq!(said.code, Some(0), "{part}: {}", said.err);
         assert_eq!(names(&here.join("out")), MADE, "{part}");
