@@ -4,7 +4,8 @@
 pub use crate::observer::ObserverForm;
 
 crate::choice! {
-    /// The control law in use. Numbers in brackets are equations and sections of the thesis on which this crate builds.
+    /// The control law in use. Numbers in brackets are equations and sections of the thesis that `CITATION.cff` names, whose
+    /// control laws this crate implements.
     LawKind {
         /// Virtual spring: force in proportion to the penetration, equation (1.6) of the thesis.
         Spring = "spring",
@@ -19,7 +20,7 @@ crate::choice! {
         Sfa = "sfa",
         /// Successive force augmentation whose offset changes at every tick (control period) of inward motion.
         SfaContinuous = "sfa-continuous",
-        /// Enhanced successive force augmentation: SFA behind a virtual mass, with an exact energy sum.
+        /// Enhanced successive force augmentation (SFA): the augmentation acts on a virtual mass, whose energy is summed exactly.
         #[default]
         EnhancedSfa = "enhanced-sfa",
     }
@@ -61,8 +62,9 @@ crate::choice! {
         TurnInward = "turn-inward",
         /// The offset changes at every tick of inward motion, equation (3.2) and Algorithm 3.1 of the thesis.
         Inward = "inward",
-        /// The offset changes at every tick of contact, up or down, by the error of the stiffness. With the inward-only choices it
-        /// can only grow: it advances only while the position jitters, and an overshoot stays.
+        /// The offset changes at every tick of contact, up or down, by the error of the stiffness. With the other two choices it
+        /// can only grow: while the hand rests, it grows only because the measured position jitters. If it grows too far, it stays
+        /// so.
         #[default]
         EveryTick = "every-tick",
     }
@@ -78,9 +80,9 @@ crate::choice! {
         /// A soft hand gives way by as much as the offset grows. So this step is too long by the factor `k_de/k_v`, and the
         /// fraction `c` of it that the law goes per tick must be chosen anew for every `k_de`.
         Position = "position",
-        /// The hand's force `f` stays constant and the penetration `e` follows the offset. The step is `|e - |f|/k_de|` for a
-        /// desired stiffness `k_de`: the distance that the hand still has to go. One fraction `c` of this step per tick then serves
-        /// all stiffnesses.
+        /// The hand's force `f` stays constant and the penetration `e` follows the offset. With a desired stiffness `k_de` the
+        /// step is `|e - |f|/k_de|`, the distance that the hand still has to go. The same fraction `c` of this step per tick then
+        /// suits all stiffnesses.
         #[default]
         Force = "force",
     }
@@ -108,9 +110,9 @@ crate::choice! {
         Filtered = "filtered",
         /// First-order adaptive windowing (Janabi-Sharifi, Hayward and Chen 2000).
         Foaw = "foaw",
-        /// A Kalman filter in its steady state that assumes a constant velocity.
+        /// A Kalman filter with constant gains (its steady state) that assumes a constant velocity.
         Kalman = "kalman",
-        /// A Kalman filter in its steady state that assumes a constant acceleration.
+        /// A Kalman filter with constant gains (its steady state) that assumes a constant acceleration.
         KalmanAcceleration = "kalman-acceleration",
     }
 }

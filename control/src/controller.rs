@@ -20,13 +20,14 @@ pub enum AnyLaw<N: Number> {
     Spring(Spring<N>, SpringState),
     /// Virtual spring with virtual damping, whose velocity comes from its own filter.
     Damped(Damped<N>, DampedState<N>),
-    /// Time-domain passivity approach.
+    /// Time-domain passivity approach: reduces the force where the wall would give more energy than it took.
     Tdpa(Tdpa<N>, TdpaState<N>),
-    /// Force bounding approach.
+    /// Force bounding approach: limits the force to what the device's damping can absorb.
     Fba(Fba<N>, FbaState<N>),
-    /// Successive force augmentation, original or continuous.
+    /// Successive force augmentation, original or continuous: a soft spring whose offset grows until the force is that of a stiff
+    /// wall.
     Sfa(Sfa<N>, SfaState<N>),
-    /// Enhanced successive force augmentation.
+    /// Enhanced successive force augmentation, with a virtual mass.
     Enhanced(EnhancedSfa<N>, EnhancedState<N>),
 }
 
@@ -65,7 +66,7 @@ impl<N: Number> AnyLaw<N> {
 
     /// Runs one control period: takes the position and displacement of the hand's point (HIP), returns the force that pushes it
     /// out.
-    // A law called from two places, by itself and in an environment, would be a call in both, and another fifteen instructions and more.
+    // Inlined: the law is called from two places (alone and in an environment), and a call takes fifteen instructions and more.
     #[inline(always)]
     pub fn tick(&mut self, e: Sample<N>) -> Force<N> {
         match self {
@@ -103,7 +104,8 @@ impl<N: Number> AnyLaw<N> {
     }
 }
 
-/// A control law, the stage before it that gives it position and velocity (states), and the energy guard after it that limits its force.
+/// A control law, the stage before it that gives it position and velocity (states), and the energy guard after it that limits its
+/// force.
 ///
 /// ```text
 /// penetration e -> states -> law -> guard -> force
@@ -139,7 +141,7 @@ impl<N: Number> Controller<N> {
         Ok(Self::of_parts(law, states, guard))
     }
 
-    /// Makes a controller of a law, its source of states and its guard, each already made of settings.
+    /// Makes a controller from a law, a source of position and velocity, and a guard, each already made from settings.
     #[must_use]
     pub fn of_parts(law: AnyLaw<N>, states: States<N>, guard: Option<Guarded<N>>) -> Self {
         Self {

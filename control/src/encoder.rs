@@ -22,7 +22,7 @@ pub struct CountScale {
     surface: Si,
     /// Encoder counts per turn.
     counts: i64,
-    /// One count as a fraction of a turn, in units of 2^-64, rounded to the nearest.
+    /// Fraction of a turn that one count is, in units of 2^-64, rounded to the nearest.
     share: u64,
     /// Angle of half a turn in rad. If a count lies at half a turn, this is that count's angle, so that both directions of rotation
     /// give the same value.
@@ -57,7 +57,7 @@ impl CountScale {
             share: u64::try_from(share).unwrap_or(u64::MAX),
             half_turn: Si::ZERO,
         };
-        // Of an odd number no count is half a turn away: to the nearest.
+        // With an odd number of counts per turn no count lies at half a turn: half a turn is rounded to the nearest.
         let half_turn = if counts % 2 == 0 {
             scale.within_turn(counts / 2)
         } else {
@@ -66,7 +66,7 @@ impl CountScale {
         Some(Self { half_turn, ..scale })
     }
 
-    // In one place of a program: it is long, and the tick of an environment asks twice.
+    // Not inlined: the function is long, and the tick of an environment calls it twice.
     #[inline(never)]
     fn turned(&self, count: i64) -> Turned {
         let size = count.unsigned_abs();
@@ -108,13 +108,13 @@ impl CountScale {
     #[inline]
     #[must_use]
     pub fn moved<N: Number>(&self, counts: i64) -> Position<N> {
-        // 32 turns, which no position reaches.
+        // 32 turns, more than the number format of positions holds.
         let most = self.counts.wrapping_mul(32);
         let way = counts
             .min(most)
             .max(most.wrapping_neg())
             .wrapping_mul(self.step);
-        // Towards zero: a shift floors, and a negative way is first raised by what it may lose.
+        // Rounds towards zero: a shift rounds down, so a negative number is first raised by the digits that the shift removes.
         let lost = way >> (i64::BITS - 1) & ((1 << LOST) - 1);
         let way = Si::from_bits(way.wrapping_add(lost) >> LOST);
         Position(N::saturating_signal(way))
@@ -127,16 +127,16 @@ impl CountScale {
         Self { surface, ..self }
     }
 
-    /// Angle of a count in rad from count 0, whatever the surface. `-count` gives the exact negative, and a turn more in counts
-    /// exactly one turn more in angle.
+    /// Angle of a count in rad from count 0; the surface of the wall does not matter. `-count` gives the exact negative, and one
+    /// turn more in counts gives exactly one turn more in angle.
     #[inline(never)]
     #[must_use]
     pub fn angle(&self, count: i64) -> Si {
         self.on_steps(count, Si::DELTA)
     }
 
-    /// The angle of a count as a multiple of `step`, which is a power of two. Within a turn it is rounded to the nearest step; a
-    /// whole turn is a whole number of steps.
+    /// The angle of a count in rad, as a multiple of `step`, which is a power of two. Within a turn the angle is rounded to the
+    /// nearest multiple; a whole turn counts as a whole number of steps.
     #[inline]
     #[must_use]
     pub fn on_steps(&self, count: i64, step: Si) -> Si {
@@ -232,7 +232,7 @@ mod tests {
             let scale = CountScale::new(counts, Si::ZERO).unwrap();
             let counts = i64::from(counts);
             let near = (-counts / 2)..=(counts / 2);
-            // All that is half a turn away and next to it, and some between.
+            // All counts that are half a turn away or next to it, and some in between.
             let some = near.step_by((counts as usize / 97).max(1));
             for rest in some.chain([counts / 2, -(counts / 2), counts / 2 - 1, 1 - counts / 2]) {
                 let exact = core::f64::consts::TAU * rest as f64 / counts as f64;

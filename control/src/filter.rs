@@ -1,9 +1,9 @@
 //! The virtual mass of the enhanced law as a filter (thesis §3.5), discretised by backward Euler.
 //!
-//! A virtual mass `m` hangs on the hand's point (HIP) by a spring `k_f` and a damper `c_f`, and is damped to ground by `c_env`. `x` and
-//! `x_f` are the positions of HIP and mass, `T` is the control period, `f_p` the wall's force on the mass. With
-//! `d = T v_f`, the mass' displacement per tick, everything in N·m/rad (`M = m/T²`, `C = c_f/T`, `G = c_env/T`) and `D = M + k_f + C + G`,
-//! one tick is
+//! A virtual mass `m` hangs on the hand's point (HIP) by a spring `k_f` and a damper `c_f`, and is damped to ground by `c_env`. `x`
+//! and `x_f` are the positions of HIP and mass, `T` is the control period, `f_p` the wall's force on the mass. With `d = T v_f`,
+//! the mass' displacement per tick, everything in N·m/rad (`M = m/T²`, `C = c_f/T`, `G = c_env/T`) and `D = M + k_f + C + G`, one
+//! tick is
 //!
 //! ```text
 //! N0 = M d + k_f (x - x_f) + C Δx        drives the mass, without the wall's force f_p
@@ -14,8 +14,8 @@
 //! Backward Euler is passive at the HIP's discrete port for every `M, k_f, C, G >= 0`. The force `F` is passive at the physical
 //! port if the device's damping is at least `k_f T/2 + c_f`. `d'` is one quotient of exact sums rounded towards zero. The remainder
 //! of that rounding, `r = N0 - f_p - D d'`, has the sign of `d'`, so it acts like dry friction and can only dissipate energy. `f_p`
-//! is chosen from the mass' position *before* the update, which can inject energy unless `c_env` is at least `T/2` times the wall's soft
-//! stiffness `k_v`.
+//! is chosen from the mass' position *before* the update, which can inject energy unless `c_env` is at least `T/2` times the wall's
+//! soft stiffness `k_v`.
 
 use crate::{Divisor, Energy, Force, Number, Position, Stiffness, Tension};
 
@@ -31,14 +31,14 @@ pub struct VirtualMass<N: Number> {
     /// Divisor of the update, the sum of inertia, coupling stiffness, coupling damping and ground damping per tick: `m/T² + k_f +
     /// c_f/T + c_env/T`. Never zero.
     pub total: Stiffness<N>,
-    /// The sum `total`, prepared as a divisor.
+    /// The sum `total` prepared as a divisor, for fast division.
     pub by_total: Divisor<N>,
 }
 
 /// State of the virtual mass, measured from the wall's surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MassState<N: Number> {
-    /// Penetration of the mass into the wall, `x_f - x_s`.
+    /// Penetration of the mass into the wall (its position less the surface's).
     pub position: Position<N>,
     /// Displacement of the mass in the last tick (its velocity times the control period).
     pub moved: Position<N>,
@@ -83,7 +83,7 @@ impl<N: Number> VirtualMass<N> {
         drive: Tension<N>,
         force: Force<N>,
     ) -> Position<N> {
-        // An eighth of the double word at most, and a word shifted up by less than half of its bits.
+        // The sum is at most an eighth of the double word; the force is a word that is shifted up by less than half of its bits.
         let step = drive.minus_fitting(force.lift()).per(&self.by_total);
         from + step - from
     }

@@ -1,8 +1,9 @@
-//! The nonlinear arithmetic steps on **unsigned magnitudes**. The machine-checked proofs are about these functions.
+//! The multiplications, divisions and roots of the control laws, on **unsigned words** (absolute values). The machine-checked
+//! proofs are about these functions.
 //!
-//! Solvers cannot finish the signed products and quotients at full width; the same facts about magnitudes take seconds. So the
-//! nonlinear steps are here, on `u8`/`u16`/`u32` words with products in the next width. The signed [`Number`] functions only add
-//! signs to them. A test checks the same source at 8 bits for every input.
+//! Solvers cannot finish the signed products and quotients at full width; the same facts about absolute values take seconds. So
+//! these steps are here, on `u8`/`u16`/`u32` words with products in the next width. The signed [`Number`] functions only add signs
+//! to them. A test checks the same source at 8 bits for every input.
 //!
 //! [`Number`]: crate::Number
 
@@ -10,7 +11,7 @@ use crate::division;
 use core::fmt::Debug;
 use core::hint::cold_path;
 
-/// An unsigned integer and the integer of twice its width, which holds products without loss.
+/// An unsigned integer (word) of 8, 16 or 32 bits, and the integer of twice the width, which holds products without loss.
 pub trait Word: Copy + Debug + Ord + 'static {
     /// An integer of twice the width.
     type Wide: Copy + Debug + Ord + 'static;
@@ -86,7 +87,7 @@ macro_rules! word {
             }
             #[inline(always)]
             fn divides_within(self, wide: $wide) -> Option<(Self, $wide)> {
-                // Known before the division: whether the quotient reaches 2^(BITS-1).
+                // Known before the division, by comparing: whether the quotient reaches 2^(BITS-1).
                 if wide >= <$wide>::from(self) << (Self::BITS - 1) {
                     return if self == 0 { Some((0, 0)) } else { None };
                 }
@@ -164,7 +165,7 @@ word!(
         )
     }
 );
-// Two or three divisions of the machine's own where it has none of 64 bits; its own one elsewhere.
+// A machine that has no 64-bit division makes two or three of 32 bits; other machines use their own.
 word!(
     u32,
     u64,
@@ -178,7 +179,7 @@ word!(
 pub struct Step<W: Word> {
     /// Stored energy after the step.
     pub energy: W::Wide,
-    /// Magnitude of the allowed force.
+    /// Absolute value of the allowed force.
     pub force: W,
 }
 
@@ -238,7 +239,7 @@ pub fn affordable<W: Word>(energy: W::Wide, force: W) -> Retreat<W> {
             rest: W::minus(energy, accounted),
         };
     }
-    // Further than the format reaches: to its end, which costs less than the division accounted for.
+    // The energy pays for more than the largest distance of the format: the distance is limited, and costs less than the energy.
     Retreat {
         moved: W::MAX_SIGNED,
         rest: W::minus(energy, force.times(W::MAX_SIGNED)),
@@ -248,7 +249,7 @@ pub fn affordable<W: Word>(energy: W::Wide, force: W) -> Retreat<W> {
 /// State of a square root that is calculated digit by digit: the root of the digits found so far, and its square.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Root<W: Word> {
-    /// The root as far as its binary digits are found, from the highest down.
+    /// The binary digits of the root that are found so far, from the highest down.
     pub root: W,
     /// The square of `root`, never above the radicand.
     pub square: W::Wide,

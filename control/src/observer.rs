@@ -15,7 +15,7 @@ crate::choice! {
         /// tick.
         #[default]
         Exact = "exact",
-        /// The new force, as in equations (2.1) and (2.4) of the thesis.
+        /// The new force, which acts only after the displacement, as in equations (2.1) and (2.4) of the thesis.
         Thesis = "thesis",
     }
 }
@@ -27,7 +27,8 @@ pub fn damping_loss<N: Number>(damping: Stiffness<N>, moved: Position<N>) -> Ene
     (damping * moved).towards_zero() * moved
 }
 
-/// The exact energy observer on its own, for monitoring without a control law.
+/// The exact energy observer on its own, to monitor a force without a control law. It multiplies each displacement with the force
+/// that acted over it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ExactObserver<N: Number> {
     /// Energy taken from the hand so far, J.
@@ -37,7 +38,7 @@ pub struct ExactObserver<N: Number> {
 }
 
 impl<N: Number> ExactObserver<N> {
-    /// Starts the sum at a position, with no force and no energy.
+    /// Starts the energy sum at a position, with no force and no energy.
     #[must_use]
     pub fn new(position: Position<N>) -> Self {
         Self {
@@ -67,7 +68,7 @@ pub struct ThesisObserver<N: Number> {
 }
 
 impl<N: Number> ThesisObserver<N> {
-    /// Starts the sum at a position, with no energy.
+    /// Starts the energy sum at a position, with no energy.
     #[must_use]
     pub fn new(position: Position<N>) -> Self {
         Self {

@@ -321,7 +321,7 @@ impl<N: Number> Tension<N> {
     pub fn rounded_up(self) -> Force<N> {
         Force(N::round_up(self.0))
     }
-    /// Stretch of a spring `k` under this tension, rounded towards zero.
+    /// Stretch of a spring of stiffness `k` under this force (tension), rounded towards zero.
     #[inline(always)]
     #[must_use]
     pub fn over(self, k: Stiffness<N>) -> Position<N> {
@@ -378,7 +378,7 @@ mod tests {
     fn an_energy_in_si_is_at_most_the_energy() {
         let half = Energy::<Fixed32>::from_si(Si::lit("-0.5")).unwrap();
         assert_eq!(half.to_si(), Si::lit("-0.5"));
-        // One quantum of energy is below the step of SI: none of it is shown, and all of it is owed.
+        // One step of the energy format is less than a step of SI values: rounded down it is 0, and its negative is one step of SI.
         let quantum = Force::<Fixed32>::quantum() * Position::quantum();
         assert_eq!(quantum.to_si(), Si::ZERO);
         assert_eq!((Energy::zero() - quantum).to_si(), -Si::DELTA);

@@ -1,8 +1,8 @@
 //! Divides by a constant without a division instruction.
 //!
-//! A control law divides by the same few stiffnesses at every tick. So an inverse of each is calculated once. `W` is the number of bits of
-//! a word. For the divisor shifted up until its highest bit is set, `2^(W-1) <= d < 2^W`, the inverse is `m = floor((2^k - 1)/d)` with
-//! `k = 3W - 1`. Then, for every `n < 2^(W-1) d`,
+//! A control law divides by the same few stiffnesses at every tick. So an inverse of each is calculated once. `W` is the number of
+//! bits of a word. For the divisor shifted up until its highest bit is set, `2^(W-1) <= d < 2^W`, the inverse is `m = floor((2^k -
+//! 1)/d)` with `k = 3W - 1`. Then, for every `n < 2^(W-1) d`,
 //!
 //! ```text
 //! floor(n/d) = floor((n + 1) m / 2^k)
@@ -32,12 +32,13 @@ macro_rules! reciprocal {
             /// Prepares a divisor. For a divisor of 0 every quotient is 0.
             pub fn new(divisor: $word) -> Self {
                 let shift = divisor.leading_zeros();
-                // A shift by all bits of the word wraps to a shift by none. It gives the scale of the divisor 0, which is not used.
+                // For the divisor 0 the shift by all bits of the word wraps to a shift by none. The result is not used.
                 let (scale, normal) = (
                     (1 as $word).wrapping_shl(shift),
                     <$wide>::from(divisor.wrapping_shl(shift)),
                 );
-                // (2^k - 1)/d, digit by digit: three words of ones but for the highest bit. The first is less than `d`.
+                // Calculates (2^k - 1)/d digit by digit. The dividend is three words of ones except for the highest bit; its first
+                // word is less than `d`.
                 let ones = <$wide>::from(<$word>::MAX);
                 let mut inverse: $wide = 0;
                 let mut rest = ones >> 1;
@@ -63,11 +64,11 @@ macro_rules! reciprocal {
                         <$word>::MAX >> 1
                     };
                 }
-                // Below `2^(2W-1)`, so there is room for the one.
+                // The product is below `2^(2W-1)` for words of `W` bits, so adding 1 cannot overflow.
                 let scaled = dividend
                     .wrapping_mul(<$wide>::from(self.scale))
                     .wrapping_add(1);
-                // Below `2^(W-1)`: a word, and what is said of its highest bit only the compiler did not know.
+                // The result is below `2^(W-1)`. The mask tells the compiler that the highest bit is 0.
                 ($high(scaled, self.inverse) >> (Self::WORD - 1)) as $word & <$word>::MAX >> 1
             }
         }
@@ -200,7 +201,7 @@ mod tests {
             state ^ state >> 29
         };
         for _ in 0..times {
-            // Of all lengths.
+            // Random divisors of all lengths in bits.
             let divisor = (next() >> 32) as u32 >> (next() >> 40 & 31);
             let reciprocal = Reciprocal32::new(divisor);
             for _ in 0..16 {

@@ -94,7 +94,7 @@ impl PositionSettings {
 }
 
 impl Default for PositionSettings {
-    /// The thesis' encoder, 40,000 counts per turn.
+    /// The encoder of the thesis, which has 40,000 counts per turn.
     fn default() -> Self {
         Self {
             count: const { Si::lit("0.000157079633") },

@@ -28,7 +28,7 @@ macro_rules! fields {
         }
 
         impl Field {
-            /// All settings, in the order of the table.
+            /// All settings of the control law, in the order of the table of settings.
             pub const ALL: &[Field] = &[$($(Field::$variant,)+)+];
 
             /// The path of the setting in scene files and on devices, for example `wall.k_desired_n_m_per_rad`.
@@ -63,7 +63,7 @@ macro_rules! fields {
             const { Si::const_from_int($max) },
         )?
     };
-    // A word or a flag has no other values.
+    // A choice or a flag has only allowed values, so it needs no check.
     (@check $place:tt $field:ident, $variant:ident: $kind:ident $range:tt) => {};
 }
 crate::law_settings!(fields);
@@ -108,7 +108,7 @@ pub enum SettingsError {
     /// The desired stiffness `k_de` is at or above the coupling stiffness `k_f`. Then the target stiffness of equation (3.5) of the
     /// thesis, with which the hand would feel `k_de`, has no positive solution.
     NoCompensation {
-        /// Desired stiffness `k_de`.
+        /// Desired stiffness of the wall, `k_de`.
         k_desired: Si,
         /// Stiffness `k_f` of the spring between hand and virtual mass.
         k_filter: Si,
@@ -180,7 +180,7 @@ pub enum Warning {
     /// The soft stiffness `k_v` is above the critical stiffness `k_c`: the soft spring alone already needs more damping than the
     /// device has.
     SoftAboveCritical {
-        /// Soft stiffness: `k_v`.
+        /// Stiffness of the soft spring, `k_v`.
         k_soft: Si,
         /// Critical stiffness `k_c = 2 c_i/T`, up to which the device's damping `c_i` makes a spring passive at the control period
         /// `T`.
@@ -209,7 +209,7 @@ pub enum Warning {
     ObservesEstimates,
     /// Each contact is lent energy: the wall may give the hand this much more than it took.
     EnergyCredit {
-        /// The lent energy, J.
+        /// The energy lent to each contact, J.
         credit: Si,
     },
     /// The guard's largest energy account is too small for the force limit: even a full account allows less force. So a hard press
@@ -433,7 +433,8 @@ impl Settings {
     }
 }
 
-/// Converts a coefficient to the format `N`, or returns the error that names its setting.
+/// Converts a coefficient to a gain (stiffness) of the number format `N`, or returns the error that names the coefficient's
+/// setting.
 pub(crate) fn gain<N: Number>(field: Field, value: Si) -> Result<N::Gain, SettingsError> {
     N::gain(value).ok_or(SettingsError::OutOfFormat {
         field,
@@ -442,7 +443,8 @@ pub(crate) fn gain<N: Number>(field: Field, value: Si) -> Result<N::Gain, Settin
     })
 }
 
-/// Converts a ratio or compliance to the format `N`, or returns the error that names its setting.
+/// Converts a coefficient to a ratio or compliance of the number format `N`, or returns the error that names the coefficient's
+/// setting.
 pub(crate) fn ratio<N: Number>(field: Field, value: Si) -> Result<N::Ratio, SettingsError> {
     N::ratio(value).ok_or(SettingsError::OutOfFormat {
         field,

@@ -65,13 +65,13 @@ pub fn current(
     (output, current.report().to_words())
 }
 
-/// Gives the current loop other coefficients.
+/// Sets other coefficients of the current loop, after a change of the settings.
 #[inline(never)]
 pub fn reconfigure(current: &mut CurrentLoop, config: &CurrentConfig) {
     current.reconfigure(*config);
 }
 
-/// Unpacks the current loop's report from the mailbox to the control tick.
+/// Unpacks the report that the current loop put into the mailbox for the control interrupt.
 #[inline(never)]
 pub fn up(words: &ReportWords) -> CurrentReport {
     CurrentReport::from_words(words)

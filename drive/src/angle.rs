@@ -1,4 +1,4 @@
-//! Electrical angle as a fraction of a turn, and its sine and cosine from a table.
+//! Electrical angle of a motor as a fraction of a turn, with sine and cosine from a table.
 
 /// An angle as a `u16` fraction of a turn: 0x4000 is a quarter turn, and the value wraps to zero after a full turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -16,7 +16,7 @@ const TABLE: [i16; STEPS + 1] = table();
 
 /// `2 π` with 60 fractional bits.
 const TWO_PI: i128 = 7_244_019_458_077_122_842;
-/// Fractional bits with which the sine table is calculated.
+/// Number of fractional bits with which the compiler calculates the sine table.
 const BITS: u32 = 60;
 
 /// Calculates the sine table in 1/32,768, rounded to the nearest, with 1 as 32,767: entry `k` is `sin(2π k / 256)`. The compiler
@@ -25,7 +25,7 @@ const fn table() -> [i16; STEPS + 1] {
     let mut table = [0; STEPS + 1];
     let mut k = 0;
     while k <= STEPS {
-        // Into the quarter turn around zero, where the series needs few terms: sin(π - x) = sin x.
+        // Reduces the angle to a quarter turn around zero, where the power series needs few terms: sin(π - x) = sin x.
         let (turn, sign) = if k > STEPS / 2 {
             (k - STEPS / 2, -1)
         } else {
@@ -53,7 +53,7 @@ const fn table() -> [i16; STEPS + 1] {
 }
 
 impl Angle {
-    /// A quarter turn.
+    /// A quarter of an electrical turn.
     pub const QUARTER: Self = Self(0x4000);
 
     /// Sine in 1/32,768, interpolated linearly between 256 entries. The error is at most 4/32,768 (1.3e-4).
@@ -62,7 +62,7 @@ impl Angle {
     pub const fn sin(self) -> i32 {
         let at = (self.0 >> STEP_BITS) as usize;
         let rest = (self.0 & ((1 << STEP_BITS) - 1)) as i32;
-        // In range without a check: `at` has 8 bits and the table 257 entries.
+        // The indices are always in range: `at` has 8 bits and the table 257 entries.
         let (from, to) = (TABLE[at] as i32, TABLE[at + 1] as i32);
         from + (((to - from) * rest + (1 << (STEP_BITS - 1))) >> STEP_BITS)
     }
@@ -105,7 +105,7 @@ impl ElectricalScale {
         } else {
             counts_per_rev as u64
         };
-        // 32 bits at a time: the rest is below 2^32 and is divided again.
+        // Divides 32 bits at a time: the remainder is below 2^32 and is divided again.
         let turns = (pole_pairs as u64) << 32;
         let (upper, rest) = (turns / counts, turns % counts);
         Self {

@@ -6,9 +6,9 @@
 //! other settings wait for a calibration -> prepare waits for it as well
 //! ```
 //!
-//! If only the single wall of the settings is requested, the device's own control law renders it, as on boards without environments,
-//! and takes the same time. Only if the user changes the scene while the device is armed does an environment replace that wall. The
-//! replacement lasts until the next arming.
+//! If only the single wall of the settings is requested, the device's own control law renders it, as on boards without
+//! environments, and takes the same time. Only if the user changes the scene while the device is armed does an environment replace
+//! that wall. The replacement lasts until the next arming.
 
 use crate::change::ChangeConfig;
 use crate::cogging::Played;
@@ -28,13 +28,13 @@ type Law = Controller<Fixed32>;
 pub struct Surrounding {
     environment: Environment<Fixed32>,
     is_more: bool,
-    /// The wall of the device's settings.
+    /// The single wall of the device's settings, in whose place the environment (walls and detents) may be rendered.
     first: WallSettings,
     per_tick: Force<Fixed32>,
 }
 
 impl Surrounding {
-    /// Checks the environment and computes its coefficients.
+    /// Checks an environment (walls and detents) and computes its coefficients.
     ///
     /// # Errors
     /// A setting is refused; the error names it.
@@ -54,8 +54,8 @@ impl Surrounding {
     }
 }
 
-/// Computes the coefficients of an environment. If the settings require that the position is measured when the force changes, the
-/// board's own delay is added to the settings of the energy guard.
+/// Computes the coefficients of an environment (walls and detents). If the settings require that the position is measured when the
+/// force changes, the board's own delay is added to the settings of the energy guard.
 ///
 /// # Errors
 /// A setting is refused; the error names it.
@@ -72,7 +72,7 @@ pub fn built(
     environment.built(&told)
 }
 
-/// The event for which the prepared environment waits before it runs.
+/// The event for which the prepared environment (walls and detents) waits before it is rendered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Waits {
     Nothing,
@@ -80,13 +80,13 @@ enum Waits {
     ForTheCalibration,
 }
 
-/// The running environment of a board, and the one that is prepared.
+/// The environment (walls and detents) that a board renders, and the one that is prepared to replace it.
 #[derive(Debug, Clone)]
 pub struct Around {
     places: [Option<Surrounding>; 2],
     use_second: bool,
     waits: Waits,
-    /// Whether an environment runs, in the place of the single wall of the settings.
+    /// Whether the environment (walls and detents) is rendered in place of the single wall of the settings.
     runs: bool,
     /// Whether a control period has run since the arming. The next fields hold that period's encoder count and force.
     ticked: bool,
@@ -98,7 +98,7 @@ pub struct Around {
 }
 
 impl Around {
-    /// Starts without an environment: the board runs the single wall of the settings.
+    /// Starts without an environment of walls and detents: the board renders the single wall of the settings.
     #[must_use]
     #[allow(clippy::new_without_default, reason = "for a static")]
     pub const fn new() -> Self {
@@ -122,8 +122,8 @@ impl Around {
         self.map_waits = settings_wait;
     }
 
-    /// Prepares an environment and returns from when on it is rendered. `settings_wait` means that its coefficients come from
-    /// settings that wait for a calibration.
+    /// Prepares an environment (walls and detents) and returns from when on it is rendered. `settings_wait` means that its
+    /// coefficients come from settings that wait for a calibration.
     pub(crate) fn prepare(
         &mut self,
         surrounding: &Surrounding,
@@ -166,8 +166,8 @@ impl Around {
         }
     }
 
-    /// Ends the running environment. The energy left in its guard's energy account passes to the guard of the settings' wall,
-    /// because the same hand holds the knob.
+    /// Ends the rendering of the environment (walls and detents). The energy that its energy guard has left passes to the energy
+    /// guard of the settings' wall, because the same hand holds the knob.
     #[cold]
     #[inline(never)]
     fn end(&mut self, law: &mut Law) {
@@ -182,7 +182,7 @@ impl Around {
         self.runs = false;
     }
 
-    /// Starts, when the device is armed, the environment that was prepared last.
+    /// When the device is armed: starts the environment (walls and detents) that was prepared last.
     #[cold]
     #[inline(never)]
     fn begin(&mut self, law: &Law) {
@@ -196,7 +196,7 @@ impl Around {
         }
     }
 
-    /// Changes to the prepared environment while the device is armed, without a jump of the force.
+    /// Changes to the prepared environment (walls and detents) while the device is armed, without a jump of the force.
     #[cold]
     #[inline(never)]
     fn take_over(&mut self, law: &Law, scale: CountScale) {
@@ -220,7 +220,7 @@ impl Around {
                 new.environment
                     .take_over_from(law, &new.first, (&at, self.shown), new.per_tick);
             }
-            // Armed, and no tick yet.
+            // The device is armed, but no control period has run since.
             _ => new
                 .environment
                 .begin(law.guard.as_ref().map(Guarded::account)),
@@ -230,7 +230,8 @@ impl Around {
 }
 
 impl Scenery for Around {
-    // The wall alone pays for two questions: what it does itself is the longest thing that a tick does.
+    // For the single wall the functions below only add two comparisons. Its own control law is the longest computation of a control
+    // period.
     #[inline(always)]
     fn armed(&mut self, law: &mut Law, fresh: &Law) {
         if self.runs {
@@ -337,7 +338,8 @@ fn seen(environment: &Environment<Fixed32>) -> View<Fixed32> {
     })
 }
 
-/// Runs one control period of an environment. The function is never inlined, so that every program can count its processor cycles.
+/// Runs one control period of an environment (walls and detents). The function is never inlined, so that its processor cycles can
+/// be counted.
 #[inline(never)]
 fn environment_tick(
     environment: &mut Environment<Fixed32>,

@@ -27,7 +27,7 @@ const REST_AGAIN: u32 = 200 / STEP_MS;
 /// check it waits at most three seconds.
 const PATIENCE: u32 = 10_000 / STEP_MS;
 const PATIENCE_AGAIN: u32 = 3_000 / STEP_MS;
-/// Encoder counts by which a shaft at rest may jitter.
+/// Encoder counts within which a shaft counts as at rest.
 const JITTER: u64 = 4;
 
 /// The values of the board that one step of the unattended start looks at.
@@ -37,7 +37,7 @@ pub struct Glance {
     pub state: State,
     /// Whether the supply voltage is within its limits.
     pub is_supplied: bool,
-    /// The encoder's count.
+    /// The encoder's count, by which the shaft's rest is judged.
     pub count: i64,
     /// Whether the stop button is pressed.
     pub is_stop_pressed: bool,
@@ -45,7 +45,7 @@ pub struct Glance {
     pub desktop_spoke: bool,
 }
 
-/// The state of the unattended start.
+/// The state of the unattended start, from one step to the next.
 #[derive(Debug, Clone, Copy)]
 pub struct Autostart {
     told: SelfStart,
@@ -103,7 +103,7 @@ impl Autostart {
         let waits_for = match (now.state, is_first) {
             (State::Boot, true) => REST,
             (State::Ready, false) => REST_AGAIN,
-            // The command is on its way, or carried out.
+            // The command is being passed on or carried out.
             (State::Boot | State::Calibrating, false) => return None,
             (State::Fault(_), _) => return self.ends(SelfStart::Faulted, None),
             _ => return self.ends(SelfStart::NotReady, None),

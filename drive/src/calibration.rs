@@ -1,21 +1,22 @@
-//! Calibration, before the first torque. It measures the current sensors' offsets, the encoder's direction, and which count belongs
-//! to which electrical angle, and checks the number of pole pairs.
+//! Calibration, before the first torque. It measures the current sensors' offsets, the encoder's direction, and which encoder count
+//! belongs to which electrical angle, and checks the number of pole pairs.
 //!
 //! ```text
 //! Offsets -> Raise -> Settle -> Forward -> Back -> done
 //! ```
 //!
 //! 1. With the bridge off, it takes the mean of 1,024 readings of each current sensor. The mean must be near the schematic's value.
-//! 2. A current along a field that stands still is raised slowly. The rotor turns into the field, by at most half an electrical turn. A rotor
-//!    that stood against the field comes loose late and swings about it. The field waits as long as the rotor swings, up to three seconds.
+//! 2. A current along a field that stands still is raised slowly. The rotor turns into the field, by at most half an electrical
+//!    turn. A rotor that stood against the field comes loose late and swings about it. The field waits as long as the rotor swings,
+//!    up to three seconds.
 //! 3. The field turns one electrical turn and then one mechanical turn forward (`pole pairs` electrical turns), and all of it back;
-//!    the rotor follows. The first electrical turn of each way is not examined: it frees a rotor that happened to stand
-//!    against the field, and takes up friction. The counts moved in the mechanical turn give direction and pole pairs.
-//! 4. On the way, at each eighth of an electrical turn, the difference between field and count is taken. Friction makes the
-//!    rotor lag, on the way back in the other direction, so the mean of both ways is right. As the mean is over a whole turn, an eccentric
-//!    magnet does not change it.
+//!    the rotor follows. In the first electrical turn of each direction no samples are taken: it frees a rotor that happened to
+//!    stand against the field, and takes up friction. The counts moved in the mechanical turn give direction and pole pairs.
+//! 4. In both directions, at each eighth of an electrical turn, the angle between field and rotor is sampled. Friction makes the
+//!    rotor lag behind the field, in opposite directions on the way forward and back, so the mean of both is right. As the mean is
+//!    over a whole turn, an eccentric magnet does not change it.
 //!
-//! The result is used only if all of it is plausible. Every stage ends after a limited number of ticks.
+//! The result is used only if all of it is plausible. Every stage ends after a limited number of control periods.
 //!
 //! If the alignment of an absolute encoder is stored, the calibration checks that alignment instead (module `check`).
 
@@ -51,10 +52,10 @@ pub enum Reason {
     Uneven = 4,
     /// The current did not reach its commanded value: a phase is open, or the bus voltage is too low.
     NoCurrent = 5,
-    /// A push of the motor measurement hardly moved the shaft: it is held, or its friction is larger than the push.
-    Held = 6,
     /// In the motor measurement a current pulse hardly moved the shaft: it is held, or its friction is larger than the motor's
     /// torque.
+    Held = 6,
+    /// The rotor was not near the field at the electrical angle that the stored alignment gives.
     KeptWrong = 7,
     /// While the stored alignment was checked, the shaft did not move with the field: it is held or loaded, or the alignment is
     /// wrong.
@@ -70,7 +71,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// All reasons, in the order of their values.
+    /// All reasons, in the order of their numbers.
     pub const ALL: [Self; 11] = [
         Self::OffsetsLate,
         Self::PolePairs,
@@ -97,7 +98,7 @@ impl Reason {
 pub struct Alignment {
     /// Electrical angle in 1/65,536 of a turn at count 0 of the unwrapped encoder.
     pub offset: Angle,
-    /// Whether the electrical angle falls when the count rises.
+    /// Whether the electrical angle falls when the encoder count rises.
     pub against: bool,
 }
 
@@ -108,7 +109,7 @@ pub enum Progress {
     Running(CurrentCommand),
     /// The calibration is done; holds its result.
     Done(Alignment),
-    /// The calibration failed; holds the fault's code and value.
+    /// The calibration failed; holds the fault's code and the number that goes with it.
     Failed(FaultCode, i32),
 }
 
@@ -165,7 +166,7 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// Begins a calibration.
+    /// Begins a calibration with its first stage, the current sensors' offsets.
     #[must_use]
     pub const fn new(config: CalibrationConfig) -> Self {
         Self {
@@ -255,12 +256,14 @@ impl Calibration {
 
     fn offsets(&mut self, tick: u32, report: &CurrentReport) -> Progress {
         let config = &self.config;
-        // The loop forgets old ones in the first period that it sees the command, which is before the third tick.
+        // The current loop discards old offsets in the first PWM period in which it sees the command, which is before the third
+        // control period.
         if self.ticks >= 3
             && let Some(offsets) = report.offsets
             && self.may_begin()
         {
-            // Without sensors there is nothing that could be off; the bridge was off all the same, and a check has waited for rest.
+            // A board without current sensors has no offsets to check. The bridge was off for as long, and a check has waited until
+            // the shaft rests.
             #[cfg(feature = "voltage")]
             if !config.senses {
                 self.enter(Stage::Raise);
@@ -320,7 +323,7 @@ impl Calibration {
             (self.began, self.ended) = (count, count);
             return None;
         }
-        // Three quarters are less than any ripple takes away.
+        // Even with ripple the current is above three quarters of the commanded one.
         let least = Amps::from_bits(self.config.current.to_bits() >> 2)
             .saturating_mul(Amps::const_from_int(3));
         if report.current.d < least {
@@ -382,7 +385,7 @@ impl Calibration {
 
     fn forward(&mut self, count: i64) -> Option<Progress> {
         const TURN: i64 = 1 << 32;
-        // The count belongs to the field of the tick before: that one has acted.
+        // The count belongs to the field of the previous control period, which has acted since.
         let (field, inside) = (self.field_angle(), self.field >= TURN);
         if !inside {
             self.began = count;
@@ -410,7 +413,8 @@ impl Calibration {
         if moved < counts / 8 {
             return Some(failed(Reason::Uneven));
         }
-        // With one pole pair more, the field's turns would be a (p + 1)-th of a turn short: half of that decides.
+        // If the motor had one pole pair more than the settings' p, the shaft would move a (p + 1)-th of a turn less. Half of that
+        // is the limit.
         let twice = i64::from(self.config.pole_pairs)
             .saturating_add(1)
             .saturating_mul(2);
@@ -424,7 +428,7 @@ impl Calibration {
         if inside && passed {
             self.sample(field, count);
         }
-        // Where the forward turn began to be looked at.
+        // The field is back where the examined forward turn began.
         if field_turns(self.field) >= 1 {
             self.ended = count;
         }
@@ -445,7 +449,7 @@ impl Calibration {
             return failed(Reason::Unbalanced);
         }
         let spread = |fit: &Fit| fit.most.saturating_sub(fit.least);
-        // The wrong direction differs by whole turns, so that its spread is far larger.
+        // With the wrong direction of counting the angles differ by whole turns, so their spread is far larger.
         let against = spread(&self.against) < spread(&self.along);
         let fit = if against { &self.against } else { &self.along };
         if spread(fit) > SPREAD {

@@ -1,19 +1,19 @@
-//! When the encoder is read a second time in a control period (tick), and how the displacement in that period is divided between the
-//! old and the new force.
+//! When the encoder is read a second time in a control period (tick), and how the displacement in that period is divided between
+//! the old and the new force.
 //!
-//! The current loop gets the command of a control period one PWM period later, and the command acts from half a PWM period after that
-//! on. Then the current follows with the loop's own lag. Let `H(t)` be the fraction of a change of force that is still missing a time
-//! `t` after the encoder was read. When the force changes by `g` from `f₁`, the hand receives the energy `f₁ Δx - g ∫ H dx` in a
-//! control period with displacement `Δx`. A second reading after `q` PWM periods divides the displacement into two known parts,
-//! `Δx = u + w`. For all motions of the hand within these parts
+//! The current loop gets the command of a control period one PWM period later, and the command acts from half a PWM period after
+//! that on. Then the current follows with the loop's own lag. Let `H(t)` be the fraction of a change of force that is still missing
+//! a time `t` after the encoder was read. When the force changes by `g` from `f₁`, the hand receives the energy `f₁ Δx - g ∫ H dx`
+//! in a control period with displacement `Δx`. A second reading after `q` PWM periods divides the displacement into two known
+//! parts, `Δx = u + w`. For all motions of the hand within these parts
 //!
 //! ```text
 //! g ∫ H dx <= g (H₁ u + H₂ w) + g² V/4b,      H₁, H₂ the means of H over the parts,  V = ∫ (H - its mean in the part)² dt
 //! ```
 //!
-//! The device's damping `b` dissipates further energy in `u` and `w` themselves (Cauchy and Schwarz, as in `docs/energy-guard.md`). So
-//! the energy guard gets the position at which a sudden change of force would have the same effect, and charges `V` as the lag that
-//! remains.
+//! The device's damping `b` dissipates further energy in `u` and `w` themselves (Cauchy and Schwarz, as in `docs/energy-guard.md`).
+//! So the energy guard gets the position at which a sudden change of force would have the same effect, and charges `V` as the lag
+//! that remains.
 
 use crate::hardware::Hardware;
 use crate::settings::periods_per_tick;
@@ -28,7 +28,7 @@ use touchstone_protocol::{Decimal, DeviceSettings};
 /// Time from the sampling of the currents to each encoder reading, in quarters of a PWM period. The current loop's interrupt runs
 /// in between.
 const READ_AFTER_QUARTERS: u32 = 1;
-/// Fractional bits of the calculations in this module.
+/// Number of fractional bits of the fixed-point numbers in this module.
 const BITS: u32 = 28;
 const ONE: i64 = 1 << BITS;
 /// Largest fraction (a fiftieth) of a change of force that may still be missing when the next change begins.
@@ -44,7 +44,8 @@ struct Answer {
     step: i64,
     /// Current error at the sample before the last, on which the loop acts in the first half of a PWM period.
     before: i64,
-    /// Current error at the last sample. The sample at the start of the control period did not see the step yet.
+    /// Current error at the last sample. It is zero at first, because the sample at the start of the control period was taken
+    /// before the step of the command.
     last: i64,
     /// Fraction of the commanded change of force that is still missing; the module's text calls it `H`.
     missing: i64,
@@ -77,7 +78,7 @@ impl Answer {
 
     /// Fraction of the missing current that the winding gains in a quarter of a PWM period: `s/(1 + s)` with `s = R/4L T`, for
     /// resistance `R`, inductance `L` and PWM period `T`. This backward Euler step leaves at least as much current missing as the
-    /// exact exponential does. 0 for a motor whose values are not set, as it is never driven.
+    /// exact exponential does. 1 for a motor whose values are not set, which is never driven.
     #[cfg(feature = "voltage")]
     #[inline]
     fn winding(motor: &MotorSettings, is_untold: bool, quarters_per_s: Si) -> i64 {
@@ -94,7 +95,8 @@ impl Answer {
     /// Calculates the next quarter of a PWM period; returns the fraction of the change of force that is still missing at its end.
     #[inline(never)]
     fn next(&mut self) -> i64 {
-        // The voltage is there from its bottom on, one and a half periods after the tick's sample, and stays.
+        // The new voltage acts from the counter's bottom one and a half PWM periods after the sample of the control period on, and
+        // stays.
         #[cfg(feature = "voltage")]
         if let Some(share) = self.winding {
             if self.quarter >= 6 {
@@ -132,7 +134,7 @@ impl Part {
     fn add(&mut self, from: i64, to: i64) {
         self.quarters += 1;
         self.area += (from + to) / 2;
-        // The chord of a square is above it.
+        // The mean of both ends is an upper bound, because the square is convex.
         self.square += (times(from, from) + times(to, to)) / 2;
     }
 
@@ -157,7 +159,7 @@ fn times(a: i64, b: i64) -> i64 {
 /// When the encoder is read a second time in a control period, and the factors with which the reading is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChangeConfig {
-    /// PWM periods from the first encoder reading of a control tick to the second.
+    /// PWM periods from the first encoder reading of a control period to the second.
     pub read_at: u16,
     /// The displacement before the second reading counts by this fraction (in 2^-28) as made under the new force. The delay that
     /// the energy guard itself charges is not included.
@@ -207,7 +209,7 @@ impl ChangeConfig {
             answer.next();
         }
         for quarter in 0..tick {
-            // As soon as half of the change is there.
+            // The encoder is read as soon as half of the change of force has come.
             if quarter & 3 == 0 && read_at.is_none() && answer.missing <= ONE / 2 {
                 read_at = u16::try_from(quarter / 4).ok();
             }
@@ -219,11 +221,11 @@ impl ChangeConfig {
         }
         let read_at = read_at.filter(|_| answer.missing.abs() <= REST_MAX)?;
         let open = before.variance() + after.variance();
-        // The guard charges `lag (span - lag)/span`: the sixteenth more is what the parenthesis takes away, and some.
+        // The energy guard charges `lag (span - lag)/span`. The sixteenth added to the lag is more than that factor takes away.
         let lag = open + open / 16;
         let delay = before.area + after.area - lag;
         let span = i64::from(tick) * ONE - delay;
-        // The guard puts so much of the way after the change under the old force by itself.
+        // This fraction of the displacement after the change the energy guard itself counts as made under the old force.
         let own = (lag << BITS).checked_div(span)?;
         if lag - times(lag, own) < open {
             return None;
@@ -259,7 +261,7 @@ impl ChangeConfig {
     ) -> Position<Fixed32> {
         let under_new =
             |share: i32, way: Position<Fixed32>| i64::from(share) * i64::from(way.0.to_bits());
-        // Shares are some 1 at most: 29 bits and 32, and the sum of both fits.
+        // The fractions are about 1 at most: products of 29 and 32 bits, whose sum fits into 64 bits.
         let sum = under_new(self.before, until_read) + under_new(self.after, from_read);
         Position(fixed::types::I8F24::from_bits(crate::units::clamp_i32(
             sum >> BITS,

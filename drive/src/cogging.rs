@@ -18,12 +18,12 @@ use touchstone_protocol::settings::cogging::{CURRENT_BITS, CoggingMap};
 /// Number of table entries per turn, as a power of two. With the usual 84 cogging periods per turn that is 24 entries per period,
 /// and linear interpolation errs by at most 0.9 % of the amplitude.
 const PLACES_LOG2: u32 = 11;
-/// Table entries per turn.
+/// Number of entries in the table of currents, per turn of the shaft.
 pub const PLACES: usize = 1 << PLACES_LOG2;
 /// Number of low bits of a 16-bit angle that lie between two table entries and are interpolated.
 const REST_BITS: u32 = 16 - PLACES_LOG2;
-/// The map may use at most the current limit divided by this number. With more, too little current would be left for the wall's
-/// force.
+/// The cogging map may use at most the current limit divided by this number. With more, too little current would be left for the
+/// wall's force.
 pub const SHARE: i32 = 4;
 
 /// The constant `2π`.
@@ -43,7 +43,7 @@ pub struct Played {
 }
 
 impl Played {
-    /// Sums the map's harmonics into the table.
+    /// Calculates the table of currents as the sum of the cogging map's harmonics.
     #[cold]
     #[inline(never)]
     #[must_use]
@@ -58,14 +58,14 @@ impl Played {
         let mut sum = 0;
         for (place, entry) in (0..).zip(&mut table) {
             let value = sum_at(map, place);
-            // As a whole: a map that were cut off would take work in a turn.
+            // The whole map is scaled down: if only its peaks were cut off, it would do work over a turn.
             let value = if peak > most {
                 value * most / peak
             } else {
                 value
             };
             sum += value;
-            // Within the bits of the current limit.
+            // The value is within the current limit, so it fits into 16 bits.
             *entry = value as i16;
         }
         level(&mut table, sum);
@@ -76,8 +76,8 @@ impl Played {
         }
     }
 
-    /// The compensating current, positive in the direction of rising counts. Takes the position in counts from the encoder's zero,
-    /// and the speed.
+    /// The current that compensates the cogging; positive if its torque acts towards rising counts. Takes the position in counts
+    /// from the encoder's zero, and the speed.
     #[inline]
     #[must_use]
     pub const fn current(&self, place: i64, rad_per_s: I16F16) -> Amps {
@@ -85,7 +85,7 @@ impl Played {
         let angle = self.scale.angle(place).0.wrapping_add(ahead as u16);
         let at = (angle >> REST_BITS) as usize;
         let rest = (angle & ((1 << REST_BITS) - 1)) as i32;
-        // In range without a check: 11 bits.
+        // The indices are always in range: they have 11 bits.
         let (from, to) = (
             self.table[at & (PLACES - 1)] as i32,
             self.table[(at + 1) & (PLACES - 1)] as i32,
@@ -96,7 +96,7 @@ impl Played {
     }
 }
 
-/// Sum of the map's harmonics at one entry of the table.
+/// Sum of the cogging map's harmonics at one entry of the table of currents.
 fn sum_at(map: &CoggingMap, place: u32) -> i64 {
     let of = |it: &touchstone_protocol::CoggingHarmonic| {
         let angle = Angle((place.wrapping_mul(u32::from(it.order)) << REST_BITS) as u16);
@@ -112,7 +112,7 @@ fn level(table: &mut [i16; PLACES], sum: i64) {
     for entry in table {
         let more = i64::from(rest > 0);
         rest -= more;
-        // By a step or two: harmonics have no mean, and the entries are within a quarter of 16 bits.
+        // Changes entries by a step or two only, because harmonics have no mean. The entries are within a quarter of 16 bits.
         *entry = clamp_i32(i64::from(*entry) - each - more) as i16;
     }
 }
@@ -174,13 +174,13 @@ mod tests {
             let found: f64 = played.current(count, I16F16::ZERO).to_num();
             worst = worst.max((found - exact).abs());
         }
-        // A straight line is up to 0.83 % of the 22 mA off, a step of the current 0.12 mA.
+        // The linear interpolation errs by up to 0.83 % of the 22 mA, the current's step of 0.12 mA by half of it.
         assert!(worst < 3.5e-4, "{worst}");
     }
 
     #[test]
     fn a_turn_takes_no_work_and_no_map_is_more_than_a_quarter_of_the_limit() {
-        // The second is a map whose peaks meet on one side.
+        // In the second map the peaks of all harmonics meet on one side.
         for parts in [
             &[(84, 0.01, 0.003)][..],
             &[(5, 3.9, 0.0), (10, 3.9, 0.0)][..],
@@ -189,7 +189,7 @@ mod tests {
             let played = played(parts);
             assert_eq!(played.table.iter().map(|it| i64::from(*it)).sum::<i64>(), 0);
             let most = played.table.iter().map(|it| it.unsigned_abs()).max();
-            // Of 2 A, and two steps of levelling.
+            // A quarter of the 2 A limit, and two steps because the entries were shifted to add up to zero.
             assert!(f64::from(most.unwrap()) <= 0.5 * AMPERE + 2.0, "{most:?}");
         }
     }
@@ -197,14 +197,14 @@ mod tests {
     #[test]
     fn it_is_looked_up_where_the_shaft_will_be() {
         let played = played(&[(84, 0.02, 0.0)]);
-        // Two PWM periods, the current loop's 0.265 ms and half a tick.
+        // Two PWM periods, the current loop's lag of 0.265 ms, and half a control period.
         let lead_s = 100e-6 + 1.0 / (TAU * 600.0) + 0.5e-3;
         for speed in [-30.0, -5.0, 0.0, 5.0, 30.0] {
             for count in 0..1_000_i64 {
                 let angle = TAU * count as f64 / 16_384.0 + speed * lead_s;
                 let exact = 0.02 * (84.0 * angle).cos();
                 let found: f64 = played.current(count, I16F16::from_num(speed)).to_num();
-                // Angles of 16 bits: 84 · 9.6e-5 rad, and what the straight lines are off.
+                // The error of 16-bit angles, 84 · 9.6e-5 rad, and that of the linear interpolation.
                 assert!(
                     (found - exact).abs() < 5e-4,
                     "{speed} {count}: {found} {exact}"

@@ -1,4 +1,4 @@
-//! From a torque to a command for the drive: a current for this board's bridge, or a voltage for an external amplifier.
+//! Converts a torque to a command for the drive: a current for this board's bridge, or a voltage for an external amplifier.
 
 use crate::Amps;
 use crate::angle::Angle;
@@ -28,7 +28,7 @@ impl DacCode {
 pub enum DriveCommand {
     /// The drive is off: bridge off, amplifier disabled and its input at zero.
     Off,
-    /// A command for the current loop.
+    /// The three-phase bridge is driven; holds the current loop's command.
     Current(CurrentCommand),
     /// A code for the external amplifier, which is enabled.
     Analogue(DacCode),
@@ -37,7 +37,7 @@ pub enum DriveCommand {
 /// Position and motion of the rotor, for the drives that must know them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Rotor {
-    /// Number of the control period.
+    /// Number of the control period, as a sign of life for the current loop.
     pub tick: u32,
     /// Electrical angle of the rotor.
     pub angle: Angle,
@@ -45,7 +45,7 @@ pub struct Rotor {
     pub advance: i32,
     /// Whether the electrical angle falls when the encoder count rises.
     pub against: bool,
-    /// Fraction of the current limit that the temperature allows, in 1/65,536; at most 65,536.
+    /// Fraction of the current limit that the temperature allows, in 1/65,536 (65,536: the whole limit).
     pub derating: u32,
     /// Current that the cogging map adds, A; positive if its torque acts towards rising positions (`+x`).
     #[cfg(feature = "large")]
@@ -115,7 +115,7 @@ pub struct ThreePhase {
 }
 
 impl ThreePhase {
-    /// Computes the coefficients from the motor's settings.
+    /// Computes torque constant and its inverse from the motor's settings.
     ///
     /// # Errors
     /// The inverse of the torque constant does not fit its fixed-point format.
@@ -137,11 +137,11 @@ impl ThreePhase {
 impl Drive for ThreePhase {
     fn command(&self, torque: Force<Fixed32>, rotor: &Rotor) -> Driven {
         let along = Amps::from_bits(product(torque.0.to_bits(), self.amps_per_nm.to_bits(), 24));
-        // At most the limit, as the derating is at most 1.
+        // This is at most the limit, as the derating is at most 1.
         let left = (i64::from(self.limit.to_bits()) * i64::from(rotor.derating.min(1 << 16))) >> 16;
         let left = Amps::from_bits(clamp_i32(left));
         let added = rotor.added(left);
-        // With nothing added, within what is left; else the limit is on one side nearer and on the other further, and always around zero.
+        // Range of the wall's current. The cogging map's current shifts it, but it always includes zero.
         let (least, most) = (
             left.saturating_neg().saturating_sub(added),
             left.saturating_sub(added),
@@ -177,7 +177,7 @@ pub struct Analogue {
 }
 
 impl Analogue {
-    /// Computes the coefficient from the amplifier's settings.
+    /// Computes the codes of the analogue output per N·m from the amplifier's settings.
     ///
     /// # Errors
     /// The inverse of the full-scale torque does not fit its fixed-point format.
@@ -194,7 +194,7 @@ impl Analogue {
 
 impl Drive for Analogue {
     fn command(&self, torque: Force<Fixed32>, _rotor: &Rotor) -> Driven {
-        // 24 + 16 fractional bits to none, to the nearest.
+        // Removes 24 + 16 fractional bits, rounding to the nearest.
         let wide = i64::from(torque.0.to_bits()) * i64::from(self.codes_per_nm);
         let wanted = clamp_i32((wide + (1 << 39)) >> 40);
         let given = wanted.clamp(-2_047, 2_047);
@@ -265,7 +265,7 @@ mod tests {
             panic!("{driven:?}")
         };
         let limits = driven.limits;
-        // What is left is what the current gives, and never more.
+        // The reported torque is the one that the current gives, and never more than requested.
         let (left, given) = (
             driven.torque.0.to_num::<f64>(),
             0.25 * command.current.q.to_num::<f64>(),
@@ -287,7 +287,7 @@ mod tests {
 
     #[test]
     fn a_torque_is_a_current_by_the_torque_constant_and_direction() {
-        // 0.25 N·m/A, at most 2 A.
+        // The torque constant is 0.25 N·m/A, the current limit 2 A.
         for (nm, amps) in [(0.0, 0.0), (0.1, 0.4), (-0.1, -0.4), (0.49, 1.96)] {
             let (q, limits) = current(nm, ROTOR);
             assert!(
@@ -351,7 +351,8 @@ mod tests {
             (q, driven.torque.0.to_num::<f64>(), is_limited)
         };
         let near = |a: f64, b: f64| (a - b).abs() < 1e-4;
-        // Of 2 A the map has its part; the force that is told is that of the rest, and never another way or more than was asked.
+        // The cogging map uses a part of the 2 A. The reported force is that of the remaining current; it never has the other sign,
+        // nor is it more than requested.
         for (nm, map, derating, q, told, limited) in [
             (0.1, 0.05, 1 << 16, 0.45, 0.1, false),
             (0.5, 0.1, 1 << 16, 2.0, 0.475, true),
@@ -371,7 +372,7 @@ mod tests {
 
     #[test]
     fn the_analogue_output_spans_its_full_scale_around_the_middle() {
-        // 1 N·m at the upper end.
+        // The upper end of the range is 1 N·m.
         let drive = Analogue::new(&DeviceSettings::default().drive).unwrap();
         for (nm, code) in [
             (0.0, 2_048),

@@ -28,13 +28,13 @@ use touchstone_protocol::settings::{SettingsError, refused};
 pub struct Config {
     /// Coefficients of the current loop.
     pub current: CurrentConfig,
-    /// Limits whose violation is a fault.
+    /// Limits of the supervisor, whose violation is a fault.
     pub supervisor: SupervisorConfig,
     /// Coefficients of the calibration.
     pub calibration: CalibrationConfig,
     /// Coefficients of a motor measurement that follows the calibration.
     pub measurement: MeasurementConfig,
-    /// Coefficients of a cogging sweep that follows the calibration.
+    /// Coefficients of a cogging sweep (slow turn that measures the cogging torque) after the calibration.
     #[cfg(feature = "large")]
     pub sweep: crate::sweep::SweepConfig,
     /// Converts a torque to a current, or to a voltage for an external amplifier.
@@ -49,7 +49,7 @@ pub struct Config {
     pub electrical: ElectricalScale,
     /// Converts the analogue-to-digital converter's code to the temperature.
     pub thermistor: Thermistor,
-    /// The second encoder reading at the change of force; `None` where it is not used.
+    /// How the second encoder reading, at the change of force, is timed and used; `None` where it is not used.
     pub change: Option<ChangeConfig>,
     /// Growth per control period of the factor by which the torque is multiplied while it fades in, 2^-32.
     pub fade_step: u32,
@@ -66,8 +66,8 @@ impl Config {
         let motor = &settings.motor;
         let rate = Si::saturating_from_num(settings.timing.rate_hz);
         let ticks = settings.limits.fade_in_s.saturating_mul(rate);
-        // 32 fractional bits, so that the quotient's bits are the step; all at once below a tick.
-        // Rounded up, so that the last of these ticks has all of it.
+        // The quotient has 32 fractional bits, so its bits are the step. A time below a control period gives the whole torque at
+        // once. The step is rounded up, so that the torque is complete in the last of these periods.
         let fade_step = u32::try_from(quotient(Si::ONE, ticks).to_bits())
             .unwrap_or(u32::MAX)
             .saturating_add(1);
@@ -163,7 +163,7 @@ impl Configs {
         }
     }
 
-    /// Prepares a configuration for the next switch.
+    /// Stores a configuration to which the next calibration switches.
     pub(crate) const fn prepare(&mut self, config: Config) {
         if self.use_second {
             self.first = config;
@@ -173,7 +173,7 @@ impl Configs {
         self.has_next = true;
     }
 
-    /// Whether a configuration is prepared for the next switch.
+    /// Whether a configuration is stored to which the next calibration switches.
     #[cfg(feature = "large")]
     pub(crate) const fn has_next(&self) -> bool {
         self.has_next

@@ -4,10 +4,10 @@
 //! reading -> supervisor -> fault machine -> penetration -> law -> torque -> drive
 //! ```
 //!
-//! The law is [`touchstone_control::Controller`] over [`Fixed32`] numbers, as in the simulator. Its force depends only on three things:
-//! the encoder counts since the device was armed, the guard's energy account at that time, and the forces that were really commanded.
-//! Stages after the law reduce its force (fading in, current limit, temperature). They report the result to the law's estimator and its
-//! energy guard.
+//! The law is [`touchstone_control::Controller`] over [`Fixed32`] numbers, as in the simulator. Its force depends only on three
+//! things: the encoder counts since the device was armed, the guard's energy account at that time, and the forces that were really
+//! commanded. Stages after the law reduce its force (fading in, current limit, temperature). They report the result to the law's
+//! estimator and its energy guard.
 
 use crate::angle::Angle;
 #[cfg(feature = "large")]
@@ -36,7 +36,7 @@ use touchstone_protocol::{
     Command, Context, Event, FaultCode, Limit, Limits, Machine, MeasuringPart, Outputs, State,
 };
 
-/// The device: the coefficients computed from settings, and all memory of the control tick.
+/// The device: the coefficients computed from settings, and all memory from one control period to the next.
 #[derive(Debug, Clone)]
 pub struct Device {
     configs: Configs,
@@ -102,7 +102,7 @@ impl Device {
         }
     }
 
-    /// Reports a fault that another part of the firmware detected. The next tick latches the first reported fault.
+    /// Reports a fault that another part of the firmware detected. The next control period latches the first reported fault.
     ///
     /// [`FaultCode::SettingsInvalid`] stays until [`Device::configure`] succeeds: until then every calibration ends with that
     /// fault.
@@ -154,7 +154,7 @@ impl Device {
         self.configs.now().current
     }
 
-    /// State of the device.
+    /// State of the device, for example calibrating or armed.
     #[must_use]
     pub const fn state(&self) -> State {
         self.memory.machine.state()
@@ -166,7 +166,7 @@ impl Device {
         self.memory.machine.fault()
     }
 
-    /// The last tick's record.
+    /// The telemetry record of the last control period.
     #[must_use]
     pub const fn record(&self) -> &Record {
         &self.memory.record
@@ -216,12 +216,12 @@ impl Device {
             && self.configs.now().change.is_some()
     }
 
-    /// Runs one control tick with the single wall of the settings.
+    /// Runs one control period with the single wall of the settings.
     pub fn tick(&mut self, input: &ControlInput) -> ControlOutput {
         self.tick_with(input, &mut WallAlone)
     }
 
-    /// Runs one control tick with an environment of walls and detents.
+    /// Runs one control period with an environment of walls and detents.
     #[cfg(feature = "large")]
     pub fn tick_around(&mut self, input: &ControlInput, around: &mut Around) -> ControlOutput {
         self.tick_with(input, around)
@@ -277,7 +277,7 @@ impl Device {
 
         let reconfigure = self.change(before, after, progress, verdict.count, scenery);
         let last = (self.memory.record.penetration, self.memory.record.count);
-        // A fault may have switched off before this tick.
+        // A fault may have switched the outputs off before this control period.
         let acted = watch.driven && found.is_none() && verdict.count.is_some();
         self.observe(tick, input, verdict.count);
         if before == State::Armed && after != State::Armed {
@@ -293,7 +293,7 @@ impl Device {
         };
         self.finish(input, drive, limits, watched && verdict.count.is_none());
         ControlOutput {
-            // A tick without a reading to drive by is off as well, whatever the state.
+            // Without a usable encoder reading the outputs are off in every state.
             outputs: if drive == DriveCommand::Off {
                 Outputs::Off
             } else {
@@ -330,7 +330,7 @@ impl Device {
         if self.swept.running.is_some() {
             return self.swept(tick, count, self.map_here(scenery));
         }
-        // Built by its first tick and not by the one that takes its settings, which has enough to do.
+        // The calibration is built in its first control period, because the one that switches the settings already takes long.
         let progress = self
             .calibration
             .get_or_insert_with(|| Calibration::new(config.calibration))
@@ -432,8 +432,8 @@ impl Device {
         is_new
     }
 
-    /// Writes the values that telemetry reports in every state.
-    // A call would have the whole input in memory, and it is copied there.
+    /// Writes the values that are reported in every state into the telemetry record.
+    // Inlined, because a call would copy the whole input to memory.
     #[inline(always)]
     fn observe(&mut self, tick: u32, input: &ControlInput, count: Option<i64>) {
         let shaft = self.supervisor.shaft();
@@ -448,7 +448,7 @@ impl Device {
         record.current = input.current.current;
         record.bus = input.current.bus;
         record.timing = input.timing;
-        // Unless the law runs.
+        // These values hold unless the control law runs in this period.
         record.law_ran = false;
         record.force = Force::zero();
         record.torque = Force::zero();

@@ -98,7 +98,7 @@ struct Down<const N: usize> {
 }
 
 impl<const N: usize> Down<N> {
-    /// A box that holds zeros.
+    /// A mailbox that holds zeros.
     const fn new() -> Self {
         Self {
             first: zeros(),
@@ -112,7 +112,7 @@ impl<const N: usize> Down<N> {
     fn put(&self, values: &[u32; N]) {
         let second = !self.use_second.load(Ordering::Relaxed);
         store(if second { &self.second } else { &self.first }, values);
-        // On one core the order of the instructions is what an interrupt sees.
+        // On one core an interrupt sees memory in the order of the instructions.
         compiler_fence(Ordering::SeqCst);
         self.use_second.store(second, Ordering::Relaxed);
     }
@@ -135,13 +135,13 @@ impl<const N: usize> Down<N> {
 struct Up<const N: usize> {
     first: Words<N>,
     second: Words<N>,
-    /// Whether the last value is in the second place. The next field: whether the second place is being read.
+    /// Whether the last value is in the field `second`. The next field: whether `second` is being read.
     last_is_second: AtomicBool,
     reads_second: AtomicBool,
 }
 
 impl<const N: usize> Up<N> {
-    /// A box that holds zeros.
+    /// A mailbox that holds zeros.
     const fn new() -> Self {
         Self {
             first: zeros(),
@@ -172,8 +172,9 @@ impl<const N: usize> Up<N> {
         let second = self.last_is_second.load(Ordering::Relaxed);
         interrupt();
         self.reads_second.store(second, Ordering::Relaxed);
-        // On one core the order of the instructions is what an interrupt sees. From here on the place is whole, and stays so: what
-        // was written between the two lines above is older or newer than what was promised, but never half.
+        // On one core an interrupt sees memory in the order of the instructions. From here on the announced place holds a complete
+        // value, and the writer leaves it alone. A write between the two lines above makes the value older or newer, but never
+        // mixed.
         compiler_fence(Ordering::SeqCst);
         let words = if second { &self.second } else { &self.first };
         let mut values = [0; N];
@@ -226,7 +227,7 @@ mod tests {
                     up.put(&[written; WORDS]);
                 }
             };
-            // Whichever place is the last one's to begin with.
+            // Either of the two places may hold the last value at the start.
             put(1 + pattern % 2);
             let _ = up.get();
             put(pattern % 3);

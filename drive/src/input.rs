@@ -1,4 +1,4 @@
-//! Inputs of a control tick.
+//! Inputs of a control period.
 
 use crate::current::CurrentReport;
 use crate::encoder::EncoderReading;
@@ -8,7 +8,7 @@ use touchstone_protocol::Command;
 /// The values that the firmware read for a control period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ControlInput {
-    /// The encoder's reading.
+    /// The encoder's raw reading.
     pub encoder: EncoderReading,
     /// The current loop's report from its mailbox; the default value for a board without a current loop.
     pub current: CurrentReport,

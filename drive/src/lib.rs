@@ -9,8 +9,9 @@
 //! period. Neither waits, allocates, panics, reads a clock or a register, or calculates with floats. So both run the same on any
 //! host.
 //!
-//! Read the modules in this order: [`device`] for one control period, [`command`] for how its torque becomes a command, [`current`] for
-//! one PWM period. Then [`supervisor`] for the faults, and [`calibration`] for the values that must be known before the first torque.
+//! Read the modules in this order: [`device`] for one control period, [`command`] for how its torque becomes a command, [`current`]
+//! for one PWM period. Then [`supervisor`] for the faults, and [`calibration`] for the values that must be known before the first
+//! torque.
 //!
 //! | word | meaning | type |
 //! |---|---|---|

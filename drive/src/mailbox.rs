@@ -81,7 +81,7 @@ impl CurrentReport {
         let offsets = self.offsets.unwrap_or_default();
         let flags = pair(
             u16::from(code) | u16::from(self.trips) << 8,
-            // A spread has 12 bits.
+            // The spread of the offsets has 12 bits.
             offsets.spread.min(0x7FFF) << 1 | u16::from(self.offsets.is_some()),
         );
         [

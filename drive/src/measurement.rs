@@ -5,11 +5,11 @@
 //! Low -> High -> 4 x (Brake -> Push -> Coast) -> done
 //! ```
 //!
-//! 1. A current vector turns far faster than the rotor can follow, first with half of the calibration's current, then with all of it. In the
-//!    frame that turns with the current the voltage is constant: `ΔV/ΔI = R + jωL`. The voltage lost in dead time is the same at both
-//!    currents and cancels out.
-//! 2. A quarter of the calibration's current pushes the shaft up to a speed, in both directions. After each push the bridge is off, and the
-//!    knob coasts. The voltage of a push rises with the speed by the flux; the motion gives inertia, damping and friction.
+//! 1. A current vector turns far faster than the rotor can follow, first with half of the calibration's current, then with all of
+//!    it. In the frame that turns with the current the voltage is constant: `ΔV/ΔI = R + jωL`. The voltage lost in dead time is the
+//!    same at both currents and cancels out.
+//! 2. A quarter of the calibration's current pushes the shaft up to a speed, in both directions. After each push the bridge is off,
+//!    and the knob coasts. The voltage of a push rises with the speed by the flux; the motion gives inertia, damping and friction.
 //!
 //! Every stage ends after a fixed number of control periods. A push that does not move the shaft is a failure.
 
@@ -57,7 +57,7 @@ pub struct MeasurementConfig {
 }
 
 impl MeasurementConfig {
-    /// Computes the coefficients from validated settings.
+    /// Computes the coefficients of a motor measurement from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -66,7 +66,7 @@ impl MeasurementConfig {
         let current: Amps = narrow(settings.calibration.current_a);
         let hold = (rate / 2).max(1);
         let step = current.to_bits() / i32::try_from(hold).unwrap_or(i32::MAX);
-        // Half of what switches off: room for what a push adds until it is seen.
+        // Half of the speed at which the device switches off. That leaves room for the speed that a push adds until it is detected.
         let speed = of(settings.limits.max_speed_rad_per_s, 2);
         let push = of(settings.calibration.current_a, 4);
         Self {
@@ -107,14 +107,14 @@ pub struct Measurement {
     still: u32,
     last: i64,
     current: Amps,
-    /// Angle of the fast field, 2^-32 turns.
+    /// Angle of the fast rotating field, 2^-32 electrical turns.
     field: u32,
     /// Number of pushes of the shaft that are over.
     pushes: u8,
 }
 
 impl Measurement {
-    /// Begins a measurement with the shaft at this count.
+    /// Begins a measurement with the shaft at this encoder count.
     #[must_use]
     pub const fn new(config: MeasurementConfig, count: i64) -> Self {
         Self {
@@ -129,7 +129,7 @@ impl Measurement {
         }
     }
 
-    /// The present part of the measurement.
+    /// The part of the measurement that runs, for example a push or a coast.
     #[must_use]
     pub const fn part(&self) -> MeasuringPart {
         self.part
@@ -179,7 +179,7 @@ impl Measurement {
             tick,
             mode: CurrentMode::Drive,
             angle: Angle((self.field >> 16) as u16),
-            // A sixty-third of 2^32 is below 2^31.
+            // The cast is exact: a sixty-third of 2^32 is below 2^31.
             advance: FAST_FIELD as i32,
             current: Dq {
                 d: self.current,
@@ -188,7 +188,7 @@ impl Measurement {
         })
     }
 
-    /// Brakes the shaft until it is at rest.
+    /// Runs one control period of braking, until the shaft is at rest.
     fn brake(&mut self, speed: I16F16, rotor: &Rotor) -> Measuring {
         if self.still >= self.config.rest || self.ticks >= self.config.longest {
             if self.pushes >= PUSHES {
@@ -208,7 +208,7 @@ impl Measurement {
         let wanted = if self.pushes < PUSHES / 2 { fast } else { slow };
         let is_over = self.ticks >= self.config.longest;
         if speed.saturating_abs() >= wanted || is_over {
-            // A hand holds it, or friction is more than the push.
+            // A hand holds the shaft, or its friction is larger than the push.
             if speed.saturating_abs() < Amps::from_bits(wanted.to_bits() >> 3) {
                 return Measuring::Failed(Reason::Held);
             }

@@ -1,4 +1,4 @@
-//! Outputs of a control tick.
+//! Outputs of a control period.
 
 use crate::command::{DacCode, DriveCommand};
 use crate::current::CurrentCommand;
@@ -15,8 +15,8 @@ pub struct ControlOutput {
     pub drive: DriveCommand,
     /// Whether to clear the timer's break flag, because a command has ended the latched fault.
     pub clear_latches: bool,
-    /// Whether the settings of this calibration differ from those of the last one. The firmware then rebuilds the current loop from
-    /// [`crate::Device::current_config`] before its next sample; the bridge is off.
+    /// Whether a calibration begins with other settings than the last one. The firmware then rebuilds the current loop from
+    /// [`crate::Device::current_config`] before the loop's next sample; the bridge is off.
     pub reconfigure: bool,
     /// Whether the command in this period's input had an effect; `None` without a command.
     pub accepted: Option<bool>,

@@ -1,7 +1,7 @@
 //! The two current controllers, for the d and q axes: proportional and integral, with an integrator that cannot wind up.
 //!
-//! A winding obeys `L di/dt = v - R i - e`, with inductance `L`, resistance `R`, voltage `v` and back-EMF `e`. With the gains `k_p = ω
-//! L` and `k_i = ω R` the controller's zero cancels the winding's pole, and the loop is a first-order lag of bandwidth `ω`. The
+//! A winding obeys `L di/dt = v - R i - e`, with inductance `L`, resistance `R`, voltage `v` and back-EMF `e`. With the gains `k_p
+//! = ω L` and `k_i = ω R` the controller's zero cancels the winding's pole, and the loop is a first-order lag of bandwidth `ω`. The
 //! integrator contains the voltage limit; `i*` is the requested current, `s` the integral, `T` the PWM period:
 //!
 //! ```text
@@ -35,7 +35,7 @@ pub struct PiGains {
 const TWO_PI: Si = Si::lit("6.283185307");
 
 impl PiGains {
-    /// Gains of a loop that never drives a motor.
+    /// Gains of zero, for a loop that never drives a motor.
     pub const NONE: Self = Self {
         proportional: I16F16::ZERO,
         share: 0,
@@ -98,7 +98,7 @@ impl Pi {
             .saturating_add(self.integral);
         let given = wanted.min(limit).max(limit.saturating_neg());
         let way = i64::from(given.to_bits()) - i64::from(self.integral.to_bits());
-        // To the nearest step, so that a small error is not lost on one side only.
+        // Rounded to the nearest step, so that small errors are not lost in one direction only.
         let step = share_of(way, gains.share);
         self.integral = Volts::from_bits(clamp_i32(i64::from(self.integral.to_bits()) + step));
         (given, given != wanted)

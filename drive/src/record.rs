@@ -1,4 +1,4 @@
-//! The telemetry record of a control tick.
+//! The telemetry record of a control period.
 
 use crate::timing::TickTiming;
 use crate::transform::Dq;
@@ -8,7 +8,7 @@ use touchstone_control::law::Contact;
 use touchstone_control::{Energy, Fixed32, Force, Position};
 use touchstone_protocol::{Limits, State};
 
-/// The telemetry values of one control tick.
+/// The telemetry values of one control period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Record {
     /// Number of the control period, wrapping at 2^32; the first one is 1.

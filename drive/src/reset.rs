@@ -45,7 +45,7 @@ pub enum ResetReason {
     Panic(u32),
     /// Option bytes were loaded.
     OptionBytes,
-    /// A forbidden attempt to enter a low-power mode.
+    /// The program attempted to enter a low-power mode, which is forbidden.
     LowPower,
 }
 
@@ -86,7 +86,7 @@ impl ResetReason {
         }
     }
 
-    /// The fault that this reason means, with its value; `None` if the reason is no fault.
+    /// The fault that this reason stands for, with the number that goes with the fault; `None` if the reason is no fault.
     #[must_use]
     pub const fn fault(self) -> Option<(FaultCode, i32)> {
         match self {

@@ -3,12 +3,12 @@
 use crate::record::Record;
 use touchstone_protocol::{Limits, State};
 
-/// Number of records that the ring holds.
+/// Number of records that the ring buffer holds.
 pub const RECORDS: usize = 1_000;
-/// Bytes per record.
+/// Size of a record in the ring buffer, bytes.
 pub const BYTES: usize = 12;
 
-/// The values of one control tick that the ring keeps.
+/// The values of one control period that the ring buffer keeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CompactRecord {
     /// Low 16 bits of the control period's number.
@@ -47,7 +47,7 @@ fn short(bits: i32, shift: u32) -> i16 {
 }
 
 impl CompactRecord {
-    /// Makes a compact record of a tick's telemetry record.
+    /// Makes a compact record from the telemetry record of a control period.
     #[must_use]
     pub fn of(record: &Record) -> Self {
         Self {
@@ -90,7 +90,7 @@ impl CompactRecord {
         let [t0, t1, c0, c1, c2, f0, f1, i0, i1, lateness, limits, state] = *bytes;
         Self {
             tick: u16::from_le_bytes([t0, t1]),
-            // Into the upper bytes and down again, so that the sign is kept.
+            // The three bytes go into the upper bytes and are shifted down, which extends the sign.
             count: i32::from_le_bytes([0, c0, c1, c2]) >> 8,
             force: i16::from_le_bytes([f0, f1]),
             current: i16::from_le_bytes([i0, i1]),
@@ -101,7 +101,7 @@ impl CompactRecord {
     }
 }
 
-/// A ring of the last records; reading begins with the oldest.
+/// A ring buffer of the last records; reading begins with the oldest.
 #[derive(Debug, Clone)]
 pub struct Ring {
     records: [[u8; BYTES]; RECORDS],
@@ -179,7 +179,7 @@ impl Ring {
         self.frozen
     }
 
-    /// The number n if every n-th tick is stored.
+    /// The number n if every n-th control period is stored.
     #[must_use]
     pub const fn every(&self) -> u16 {
         self.skipped.saturating_add(1)

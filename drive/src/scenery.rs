@@ -11,7 +11,7 @@ type Law = Controller<Fixed32>;
 /// Position and displacement of the device in a control period.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Here {
-    /// The encoder's count.
+    /// Encoder count at the device's position.
     #[cfg_attr(
         not(feature = "large"),
         allow(dead_code, reason = "the wall alone has one surface")
@@ -23,10 +23,11 @@ pub(crate) struct Here {
     pub since_change: Option<Position<Fixed32>>,
 }
 
-/// The calls that a control period makes to the rendered wall or environment. The control law of the settings' wall belongs to the
-/// device, so it is passed in.
+/// The calls that a control period makes to what it renders: the single wall of the settings or an environment (walls and detents).
+/// The control law of the settings' wall belongs to the device, so it is passed in.
 pub(crate) trait Scenery {
-    /// Starts rendering after the device was armed: all memory is cleared except the energy in the guard's energy account.
+    /// Starts rendering after the device was armed. All memory is cleared, except the energy that the energy guard still lets the
+    /// wall give.
     fn armed(&mut self, law: &mut Law, fresh: &Law);
     /// Restarts the control law while the device stays armed, after a motion so large that no force is allowed.
     fn again(&mut self, law: &mut Law, fresh: &Law);
@@ -43,7 +44,7 @@ pub(crate) trait Scenery {
     fn is_beyond_reach(&self, law: &Law, penetration: Position<Fixed32>) -> bool;
     /// Internal values of the wall that the device touches, for telemetry.
     fn view(&self, law: &Law) -> View<Fixed32>;
-    /// Whether an environment runs in the place of the settings' single wall.
+    /// Whether an environment (walls and detents) is rendered in place of the settings' single wall.
     fn runs(&self) -> bool;
     /// Tells the rendered scene that a calibration has switched to other settings.
     fn calibrated(&mut self, law: &mut Law);
@@ -52,7 +53,7 @@ pub(crate) trait Scenery {
     fn played(&self) -> Option<&crate::cogging::Played>;
 }
 
-/// The single wall of the settings, without an environment.
+/// Renders only the single wall of the settings, without an environment of further walls and detents.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct WallAlone;
 

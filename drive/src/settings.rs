@@ -26,7 +26,8 @@ macro_rules! narrow {
     }};
 }
 
-/// Checks every setting against its range on this board. The wall's law is checked when its coefficients are computed.
+/// Checks every setting against its range on this board. The settings of the control law are checked when its coefficients are
+/// computed.
 ///
 /// # Errors
 /// The first setting that is out of range.

@@ -5,9 +5,9 @@
 //! Forward: a quarter of a turn to get going, two turns -> Backward: the same -> stand -> done
 //! ```
 //!
-//! A position loop follows a reference that moves at a quarter of a turn per second. The loop need not be stiff: the counts show where
-//! the shaft deviates, and the computer corrects for the inertia. Friction changes its sign with the direction and cogging does not, so
-//! the mean of both directions is the cogging alone. Two turns in each direction show how well the result repeats.
+//! A position loop follows a reference that moves at a quarter of a turn per second. The loop need not be stiff: the counts show
+//! where the shaft deviates, and the computer corrects for the inertia. Friction changes its sign with the direction and cogging
+//! does not, so the mean of both directions is the cogging alone. Two turns in each direction show how well the result repeats.
 
 use crate::Amps;
 use crate::calibration::Reason;
@@ -27,7 +27,7 @@ const HELD: i64 = 16;
 
 /// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
-/// Natural frequency `ω` of the position loop, rad/s: 20 Hz.
+/// Natural frequency of the sweep's position loop, rad/s (20 Hz).
 const OMEGA: Si = Si::lit("125.66");
 /// Damping of the position loop, as a fraction of critical damping.
 const DAMPING: Si = Si::lit("0.7");
@@ -57,8 +57,8 @@ pub struct SweepConfig {
 }
 
 impl SweepConfig {
-    /// Computes the coefficients from validated settings. The loop needs `law.estimator.inertia_kg_m2` to be right within a factor
-    /// of two.
+    /// Computes the coefficients of a cogging sweep from validated settings. The position loop needs `law.estimator.inertia_kg_m2`
+    /// to be right within a factor of two.
     #[must_use]
     pub fn new(settings: &DeviceSettings) -> Self {
         let rate = settings.timing.rate_hz.max(1);
@@ -67,7 +67,7 @@ impl SweepConfig {
         let speed = (per_second / i64::from(rate)).max(1);
         let constant = settings.motor.torque_constant_n_m_per_a;
         let inertia = settings.law.estimator.inertia_kg_m2;
-        // J ω / k_t, A·s/rad, and J ω² / k_t, A/rad.
+        // Inertia times frequency over torque constant: J ω / k_t, A·s/rad, and J ω² / k_t, A/rad.
         let once = quotient(inertia.saturating_mul(OMEGA), constant);
         let twice = once.saturating_mul(OMEGA);
         let counts_si = Si::saturating_from_num(counts);
@@ -116,7 +116,7 @@ pub struct Running {
 }
 
 impl Running {
-    /// Begins a sweep with the shaft at this count.
+    /// Begins a sweep with the shaft at this encoder count.
     #[must_use]
     pub const fn new(config: SweepConfig, count: i64) -> Self {
         Self {
@@ -130,7 +130,7 @@ impl Running {
         }
     }
 
-    /// The present part of the sweep; `None` while the shaft stands at the end.
+    /// The part of the sweep that runs (forward or backward); `None` while the shaft stands at the end.
     #[must_use]
     pub const fn part(&self) -> Option<MeasuringPart> {
         match self.way {
@@ -157,7 +157,7 @@ impl Running {
         let spring = clamp_i32(behind.saturating_mul(config.stiffness) >> 32);
         let most = i64::from(config.limit.to_bits()) << 32;
         let more = i64::from(spring) * config.integral;
-        // Not `clamp`, which panics where its ends are the wrong way round.
+        // Not `clamp`, because that panics if its lower end is above the upper one.
         self.integral = self.integral.saturating_add(more).min(most).max(-most);
         let wanted = clamp_i32((self.speed * config.rad_per_s) >> 32);
         let slower = wanted.saturating_sub(speed.to_bits());

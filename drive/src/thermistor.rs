@@ -28,7 +28,7 @@ pub const NTC_10K_3455_OVER_4K7: Thermistor = Thermistor {
 };
 
 impl Thermistor {
-    /// A board without a temperature sensor: every code gives no temperature.
+    /// Table for a board without a temperature sensor: no code gives a temperature.
     pub const NONE: Self = Self {
         points: [(u16::MAX, 0); 9],
     };
@@ -48,7 +48,7 @@ impl Thermistor {
                 let span = i32::from(above.0).saturating_sub(i32::from(below.0));
                 let rise = i32::from(above.1).saturating_sub(i32::from(below.1));
                 let way = i32::from(code).saturating_sub(i32::from(below.0));
-                // At most 2^16 · 2^16 before the shift of 8, so it is done in two steps.
+                // The product before the shift by 8 may be 2^16 · 2^16, so the calculation has two steps.
                 let share = (way << 8).checked_div(span)?;
                 let bits =
                     (i32::from(below.1) << 16).saturating_add(rise.saturating_mul(share) << 8);
@@ -83,7 +83,7 @@ mod tests {
             let shown = NTC_10K_3455_OVER_4K7
                 .celsius(code(exact).round() as u16)
                 .unwrap();
-            // A straight line for the curve between points 20 degrees apart: best where it matters.
+            // The error of a straight line between points 20 degrees apart. It is least in the range in which the limits are.
             let bound = if (20.0..100.0).contains(&exact) {
                 1.0
             } else {

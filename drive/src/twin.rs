@@ -35,7 +35,7 @@ pub struct Twin {
     /// Values of the previous record: its number, the device's state, and whether the control law ran.
     before: Option<(u32, Phase, bool)>,
     knows: Knows,
-    /// Fraction of the torque while it fades in, 2^-32.
+    /// Factor by which the torque is multiplied while it fades in, 2^-32.
     fade: u32,
     /// Whether the control law's force was not zero in its last period.
     pushes: bool,
@@ -85,11 +85,11 @@ impl Twin {
                 Knows::Little(0)
             };
         }
-        // The law does not run in a tick without a good reading.
+        // The control law does not run in a control period without a good encoder reading.
         if !ran {
             return None;
         }
-        // What else there is to touch is in no record.
+        // The records do not hold an environment (further walls, detents), so its forces cannot be computed.
         if limits.has(Limit::Beside) {
             self.knows = Knows::Little(0);
             return None;
@@ -134,11 +134,11 @@ impl Twin {
         let fading = self.fade < u32::MAX;
         self.fade = self.fade.saturating_add(self.config.fade_step);
         let torque = torque_of(force, fading.then_some(self.fade));
-        // By how much a warm power stage was held back is in no record.
+        // The records do not say by how much a warm power stage reduced the force.
         if limits.has(Limit::Temperature) && limits.has(Limit::Current) {
             self.knows = Knows::Little(0);
         }
-        // Angles are for the current loop: the torque does not depend on them.
+        // Only the current loop needs the angles; the torque does not depend on them.
         let rotor = Rotor {
             derating: 1 << 16,
             ..Rotor::default()
@@ -149,7 +149,7 @@ impl Twin {
                 driven.torque.0.to_bits().saturating_neg(),
             )));
         }
-        // A flick of a knob that nothing holds begins anew, and where the wall is off, as in the device.
+        // As in the device, the control law restarts after a fast motion of a free knob, and where the wall gives no force.
         let pushed = core::mem::replace(&mut self.pushes, force != Force::zero());
         let is_free = self.law.view().contact == Contact::Free;
         if self.law.tripped() {

@@ -15,7 +15,7 @@ pub(crate) const fn narrow(value: Si) -> I16F16 {
 #[inline(always)]
 pub(crate) const fn clamp_i32(value: i64) -> i32 {
     let low = value as i32;
-    // One comparison instead of two: this is in every product of the current loop.
+    // One comparison instead of two, because every product of the current loop calls this.
     if low as i64 == value {
         low
     } else if value < 0 {

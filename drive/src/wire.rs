@@ -56,7 +56,7 @@ impl From<&Record> for Telemetry {
             since_change_rad: record.since_change.0,
             force_n_m: record.force.0,
             offset_rad: record.offset.0,
-            // From 48 fractional bits to 32, and ±32,768 fits: exact but for the bits that are dropped.
+            // Converts 48 fractional bits to 32. The range of ±32,768 fits; only the lower bits are lost.
             energy_j: Decimal(
                 record
                     .energy

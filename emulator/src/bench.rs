@@ -48,7 +48,7 @@ impl Setup {
 
 /// An emulated device, the simulated world around it, and the computer's end of its serial port.
 pub struct Bench {
-    /// The emulated chip with its simulated world, into which faults can be injected.
+    /// The emulated chip with the simulated motor, knob and hand, into which faults can be injected.
     pub machine: Machine,
     /// The computer's end of the serial link.
     pub link: Link,
@@ -121,7 +121,7 @@ impl Bench {
         }
     }
 
-    /// Sends bytes to the device.
+    /// Sends bytes to the device's serial port.
     pub fn send(&mut self, bytes: &[u8]) {
         let now = self.now();
         self.machine.chip_mut().link().put(bytes, now);
@@ -143,7 +143,7 @@ impl Bench {
         answer.ok_or(what)
     }
 
-    /// Sends a request that must be granted.
+    /// Sends a request and returns the reply.
     ///
     /// # Errors
     /// The request was refused or not answered.
@@ -211,7 +211,7 @@ impl Bench {
     /// The device does not answer within half a second.
     pub fn boot(&mut self) -> Result<Reply, String> {
         self.run(20 * MS)?;
-        // What noise there was while the port was not set up.
+        // The zero byte ends a frame that noise may have begun while the port was not yet set up.
         self.send(&[0]);
         self.demand(Request::Hello)
     }
@@ -261,7 +261,7 @@ impl Bench {
         self.wait_for(Phase::Armed, 100 * MS)
     }
 
-    /// Whether the power bridge of the motor is on.
+    /// Whether the motor's power bridge is on.
     #[must_use]
     pub fn is_on(&self) -> bool {
         self.machine.chip().bridge.is_on()
@@ -306,7 +306,7 @@ impl Bench {
         let turn = std::f64::consts::TAU / counts;
         let world = &mut self.machine.chip_mut().world;
         let here = world.angle_rad();
-        // The shaft's angle at the surface, by what the device says of where it is.
+        // The shaft's true angle at the wall's surface, from the true angle now and the position that the device reports.
         let surface = here - f64::from(record.count) * turn + surface_rad;
         let give = 1.0 / hand.pad_stiffness + 1.0 / hand.stiffness;
         let inside = surface + torque_n_m * (give + 1.0 / stiffness);
@@ -317,7 +317,7 @@ impl Bench {
         Ok(())
     }
 
-    /// The simulated hand releases the knob.
+    /// Lets the simulated hand release the knob.
     pub fn release(&mut self) {
         self.machine.chip_mut().world.release();
     }
@@ -329,7 +329,7 @@ pub fn number(value: Si) -> f64 {
     value.to_num()
 }
 
-/// A smooth rise from 0 to 1 along a minimum-jerk curve, as a person's hand moves; `share` is the fraction (0 to 1) of the
+/// A smooth rise from 0 to 1 along a minimum-jerk curve, as a person's hand moves; `share` is the elapsed fraction (0 to 1) of its
 /// duration.
 #[must_use]
 pub fn minimum_jerk(share: f64) -> f64 {

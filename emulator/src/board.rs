@@ -1,4 +1,4 @@
-//! The circuit board around the chip: which pin measures which quantity, at which scale.
+//! The circuit board around the emulated chip: which pin measures which quantity, at which scale.
 
 mod told;
 
@@ -77,11 +77,11 @@ pub struct Wiring {
     pub forced: [Option<(Source, f64)>; 2],
     /// Whether the gate driver pulls the break input, or its own fault line on boards that have such a line.
     pub break_pulled: bool,
-    /// Mask of the comparators that report too much current whatever their shunt measures: bit 0 is COMP1.
+    /// Mask of the chip's comparators (bit 0: COMP1) that a test makes report over-current, independently of their shunt.
     pub comparators: u32,
     /// Value at which the incremental encoder's count stays; `None` while the count follows the shaft.
     pub encoder_held: Option<i64>,
-    /// Encoder counts that are added to the count of the incremental encoder.
+    /// Encoder counts that an injected fault adds to the count of the incremental encoder.
     pub encoder_moved: i64,
 }
 
@@ -103,7 +103,7 @@ pub struct Board {
     pub option_bytes: u32,
     /// Value of the chip's identification register DBGMCU_IDCODE.
     pub device_id: u32,
-    /// The chip's flash memory, bytes.
+    /// Size of the chip's flash memory, bytes.
     pub flash_bytes: usize,
     /// Size in bytes of the chip's contiguous memory: SRAM1, SRAM2, and the core-coupled memory (CCM) behind them, unless the
     /// program uses the CCM at its own address.
@@ -128,9 +128,9 @@ pub struct Board {
     pub break_a: f64,
     /// Pins that measure the shunts before their amplifiers: port and pin, and the motor phase.
     pub shunts: &'static [((usize, usize), usize)],
-    /// Voltage of the supply, V.
+    /// Voltage of the motor's supply, V.
     pub supply_v: f64,
-    /// Fraction (0 to 1) of a PWM period that a phase loses to dead time.
+    /// Fraction (0 to 1) of a PWM period that a phase loses to dead time, in which none of its transistors conducts.
     pub dead_share: f64,
     /// Properties of the motor and the knob that are mounted.
     pub parts: Parts,
@@ -194,7 +194,7 @@ impl Board {
         named.is_some_and(touchstone_protocol::Board::is_large)
     }
 
-    /// NUCLEO-G474RE with X-NUCLEO-IHM08M1.
+    /// The board NUCLEO-G474RE with the shield X-NUCLEO-IHM08M1.
     #[must_use]
     pub fn nucleo_g474re(encoder: Encoder) -> Self {
         Self {
@@ -218,14 +218,15 @@ impl Board {
                 (1, 8, Source::Temperature),
             ],
             gates: GateDriver::L6398,
-            // 680 ohm from the shunt and 6.8 kohm from 3.3 V, then 1 + 4.7 kohm/1 kohm.
+            // The shunt is connected through 680 ohm and the 3.3 V through 6.8 kohm. An amplifier with the gain 1 + 4.7 kohm/1 kohm
+            // follows.
             current: (REFERENCE_V * 0.68 / 7.48 * 5.7, -0.01 * 6.8 / 7.48 * 5.7),
             bus_divider: 9.31 / (169.0 + 9.31),
             driver_line: None,
             break_a: 20.0,
             shunts: &[],
             supply_v: 24.0,
-            // 0.5 us at both ends of 50 us.
+            // The dead time is 0.5 µs at both edges of a PWM period of 50 µs.
             dead_share: 0.01,
             parts: Parts::default(),
             field_turns_per_s: Si::lit("16"),
@@ -252,7 +253,7 @@ impl Board {
                 (1, 5, Source::Temperature),
             ],
             gates: GateDriver::Stspin830,
-            // 680 ohm from the shunt and 2.2 kohm from 3.3 V, then a gain of 2.
+            // The shunt is connected through 680 ohm and the 3.3 V through 2.2 kohm. An amplifier with a gain of 2 follows.
             current: (REFERENCE_V * 0.68 / 2.88 * 2.0, -0.33 * 2.2 / 2.88 * 2.0),
             bus_divider: 1.0 / 16.0,
             driver_line: Some(match link {
@@ -266,7 +267,7 @@ impl Board {
             walls: [Si::lit("1"), Si::lit("2")],
             press_n_m: 0.03,
             lean_n_m: 0.06,
-            // The rest is the NUCLEO's.
+            // All other fields are those of the NUCLEO.
             ..Self::nucleo_g474re(encoder)
         }
     }
@@ -283,7 +284,7 @@ impl Board {
             flash_bytes: same_chip.flash_bytes,
             ram_bytes: same_chip.ram_bytes,
             ccm_bytes: same_chip.ccm_bytes,
-            // The rest is the shield's, or the other NUCLEO's.
+            // All other fields are those of the same shield on the other NUCLEO.
             ..Self::nucleo_g474re_ihm16m1(encoder, link)
         }
     }
@@ -298,21 +299,21 @@ impl Board {
             // ADC1_IN1 is PA0.
             pins: &[(0, 1, Source::Bus)],
             gates: GateDriver::Drv8313,
-            // 100 kohm over 10 kohm.
+            // The supply voltage is divided by 100 kohm above and 10 kohm below.
             bus_divider: 1.0 / 11.0,
             driver_line: Some(BREAK_PIN),
-            // The least of IOCP.
+            // The smallest value of IOCP, the driver's over-current threshold, in the data sheet.
             break_a: 3.0,
-            // 90 ns in 50 us.
+            // The dead time is 90 ns in a PWM period of 50 µs.
             dead_share: 0.0018,
             parts: Parts::gimbal_on_mini(),
             told: Some(ToldMotor::GIMBAL),
-            // The rest is that of the board with the same motor.
+            // All other fields are those of the board with the same motor.
             ..Self::nucleo_g474re_ihm16m1(encoder, FaultLink::R37)
         }
     }
 
-    /// B-G431B-ESC1 with an incremental encoder.
+    /// The board B-G431B-ESC1 with an incremental encoder.
     #[must_use]
     pub fn b_g431b_esc1() -> Self {
         Self {
@@ -327,7 +328,7 @@ impl Board {
             flash_bytes: 128 * 1024,
             ram_bytes: 32 * 1024,
             ccm_bytes: 0,
-            // The amplifiers' outputs inside the chip, PA0, PB14.
+            // The three amplifier outputs are inside the chip. The other two inputs are PA0 and PB14.
             pins: &[
                 (0, 13, Source::Current(0)),
                 (1, 16, Source::Current(1)),
@@ -339,12 +340,12 @@ impl Board {
             current: (16.0 * 0.9 / 7.0, -0.003 * 64.0 / 7.0),
             bus_divider: 1.0 / 10.39,
             driver_line: None,
-            // The chip's comparators are all that there is.
+            // The board has no over-current protection of its own besides the chip's comparators.
             break_a: f64::INFINITY,
-            // PA1, PA7, PB0.
+            // The shunts of the phases are on PA1, PA7 and PB0.
             shunts: &[((0, 1), 0), ((0, 7), 1), ((1, 0), 2)],
             supply_v: 24.0,
-            // 0.5 us at both ends of 50 us.
+            // The dead time is 0.5 µs at both edges of a PWM period of 50 µs.
             dead_share: 0.01,
             parts: Parts::default(),
             field_turns_per_s: Si::lit("16"),
@@ -409,9 +410,9 @@ impl Board {
     pub fn driver_pulls(&mut self, world: &World) -> bool {
         let over = world.hardware_over_current();
         if self.gates == GateDriver::Drv8313 {
-            // Kept until the supply was off: its line for a reset is not wired.
+            // The driver keeps this error until its supply is switched off, because its reset line is not connected.
             self.wiring.break_pulled |= over;
-            // TTSD, 150 degrees at the least: over when it is cooler.
+            // The thermal shutdown threshold TTSD is at least 150 °C. This error ends when the driver is cooler.
             return self.wiring.break_pulled || world.temperature_c >= 150.0;
         }
         self.wiring.break_pulled || over

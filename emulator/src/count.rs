@@ -1,5 +1,5 @@
-//! Counts what the firmware costs: instructions and cycles of the control law, of the control interrupt and of the current loop,
-//! and the stack in use.
+//! Counts the firmware's costs: instructions and cycles of the control law, the control interrupt and the current loop, and the
+//! stack in use.
 
 use touchstone_control::{ChangeOfForce, Si};
 use touchstone_protocol::settings::DeviceSettings;
@@ -203,7 +203,7 @@ pub fn run(programs: &Programs) -> u8 {
 }
 
 /// Runs all workloads on a board with the first of its encoders, and some workloads with its other encoders, and prints the table.
-/// Returns whether every cost is within its budget, and a summary.
+/// Returns whether every cost is within its limit, and a summary.
 fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> {
     println!(
         "{:<36}{:>22}{:>24}{:>22}",
@@ -224,7 +224,8 @@ fn count(program: &Program, boards: &[Board]) -> Result<(bool, String), String> 
         bench.machine.chip_mut().core.by_place = vec![0; board.flash_bytes / 8];
         let booted = bench.boot().map(|_| ());
         table.row("start", booted, &mut bench, top);
-        // The workloads' walls are too stiff for a small knob, whose program is that of the NUCLEO.
+        // The walls of the other workloads are too stiff for a board with a small motor. Its program is the same as that of the
+        // NUCLEO.
         let (cases, faults) = match index {
             0 if board.has_small_motor() => (&CASES[..1], FAULTS),
             0 => (CASES, FAULTS),
@@ -382,7 +383,7 @@ fn calibrate(bench: &mut Bench, case: &Case, encoder: Encoder) -> Result<(), Str
 }
 
 fn play(bench: &mut Bench, case: &Case) -> Result<(), String> {
-    // The workloads are made for the press of the thesis with 0.1 N·m.
+    // The torques of the workloads assume the press of the thesis, which is 0.1 N·m. They are scaled to the press of this board.
     let share = bench.machine.chip().board.press_n_m / 0.1;
     bench.press(&case.hand, share * case.torque_n_m, case.ramp_s, 0.3)?;
     let time = (2.0 * case.ramp_s + 0.4) * 1e3;

@@ -9,7 +9,7 @@ pub struct Link {
     decoder: Decoder,
     next_id: u8,
     answers: Vec<(u8, Result<Reply, Refusal>)>,
-    /// Telemetry received so far.
+    /// Telemetry records received so far.
     pub telemetry: Vec<Telemetry>,
     /// Number of decoded frames whose content was not a valid message.
     pub not_understood: u64,
@@ -18,7 +18,7 @@ pub struct Link {
 }
 
 impl Link {
-    /// Decodes bytes from the device.
+    /// Decodes bytes from the device: stores answers and telemetry records.
     pub fn receive(&mut self, bytes: &[u8]) {
         self.bytes += bytes.len() as u64;
         for byte in bytes {

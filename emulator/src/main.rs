@@ -127,7 +127,7 @@ fn boards<'a>(mut options: &[&'a str]) -> Result<(Programs, Wanted<'a>), u8> {
     Ok((programs, wanted))
 }
 
-/// Runs a command that takes one program, and returns the exit code.
+/// Runs a command that takes one firmware program, and returns the exit code.
 fn other(command: &str, program: &Program, words: &[&str]) -> u8 {
     let said = |result: Result<String, String>| match result {
         Ok(text) => {
@@ -196,7 +196,7 @@ fn other(command: &str, program: &Program, words: &[&str]) -> u8 {
     }
 }
 
-/// The board whose program has this name. Boards that can read an AS5047P encoder get one.
+/// The board whose firmware program has this name. Boards that can read an AS5047P encoder get one.
 fn board_of(name: &str) -> Option<Board> {
     match name {
         "nucleo-g474re" => Some(Board::nucleo_g474re(Encoder::As5047p)),

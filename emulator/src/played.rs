@@ -40,7 +40,7 @@ pub struct HandDeed {
     pub rest_rad: Vec<f64>,
 }
 
-/// A programme of hand actions.
+/// A programme of hand actions, as `touchstone scorecard --programme` writes it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HandProgramme {
     /// Position of the wall's surface, rad.
@@ -121,7 +121,7 @@ fn hand_of(grip: &str) -> Result<Hand, String> {
 /// Columns of the recording: those of `touchstone monitor` that concern the wall, and those that only a test stand can measure.
 const COLUMNS: &str = "grip,deed,tick,time_s,count,penetration_rad,force_n_m,state,limits,angle_rad,velocity_rad_per_s,motor_force_n_m,absorbed_j,device_loss_j,surface_rad";
 
-/// Plays a programme on a board, each grip on a new device; returns the recording as text.
+/// Replays a programme of hand actions on a board, with a new device for each grip. Returns the recording as text.
 ///
 /// # Errors
 /// The step that failed.
@@ -211,7 +211,7 @@ impl Stand {
             ));
         }
         bench.calibrate()?;
-        // A light rotor coasts, and swings in a hand.
+        // Waits, because a light rotor coasts on and swings in the hand.
         bench.run(REST)?;
         let now = bench.now();
         let world = &mut bench.machine.chip_mut().world;
@@ -228,7 +228,8 @@ impl Stand {
             first_tick: None,
         };
         stand.bench.run(REST)?;
-        // Some way, on which counts and angles are told together; then to where it begins.
+        // The shaft moves a short way in both directions, to align the device's counts with the true angle. Afterwards it moves to
+        // the start of the motion.
         for to in [here + 0.1, here - 0.1] {
             stand.go(to);
             let course = stand.watch(700)?;
@@ -262,7 +263,7 @@ impl Stand {
         let world = &mut self.bench.machine.chip_mut().world;
         world.advance(now);
         let way = to - world.books().angle_rad;
-        // In whole mechanical steps, of which each moves the shaft by as much.
+        // The motion takes a whole number of mechanical steps, each of which moves the shaft by the same angle.
         let steps = (OUT_S * 1e6) as u64 / STEP_US;
         world.force(way / OUT_S);
         self.bench.run(steps * STEP_US * US)?;
@@ -364,7 +365,7 @@ impl Stand {
         let now = self.bench.now();
         let world = &mut self.bench.machine.chip_mut().world;
         world.advance(now);
-        // Held over a tick, as the simulator's is.
+        // The hand's rest point is constant within a control tick, as in the simulator.
         world.lead(move |time| {
             let tick = (time * rate_hz + 1e-6) as usize;
             rests.get(tick).copied().unwrap_or(last)

@@ -70,7 +70,7 @@ pub fn serve(
         let until = bench.now() + MS;
         let ran = bench.machine.run_until(until);
         let sent = std::mem::take(&mut bench.machine.chip_mut().link().sent);
-        // Looked at on its way, for the hand.
+        // The simulated hand needs the telemetry, so the bytes are also decoded here before they are sent on.
         bench.link.receive(&sent);
         let excess = bench.link.telemetry.len().saturating_sub(10);
         bench.link.telemetry.drain(..excess);
@@ -86,7 +86,7 @@ pub fn serve(
             .telemetry
             .last()
             .is_some_and(|record| record.phase == Phase::Armed);
-        // Whoever stops a device takes the hand off it: the next calibration turns the shaft.
+        // A user who stops a device also takes the hand off it, because the next calibration turns the shaft.
         if hand && was_armed && !is_armed {
             bench.release();
         }

@@ -16,9 +16,9 @@ use crate::peripheral::CORE_HZ;
 /// A signal to record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trace {
-    /// The pins of the power bridge with an active wall that renders no force, and the sampling times of the converters.
+    /// The pins of the power bridge while the device is armed but renders no force, and the sampling times of the converters.
     Pwm,
-    /// The phase currents at the beginning of a torque.
+    /// The phase currents at the beginning of a current pulse.
     Step,
     /// The shaft's angle and the current of one phase during a calibration.
     Calibration,
@@ -132,7 +132,7 @@ fn pwm(bench: &mut Bench) -> Result<String, String> {
             let (upper, lower) = pins.ok_or("a phase is not driven")?;
             let _ = write!(text, ",{},{}", u8::from(upper), u8::from(lower));
         }
-        // A sample stands in the row that follows its moment.
+        // A sample is written to the first row after the time of the sample.
         let samples = chip.samplings().into_iter().flatten();
         let new: Vec<_> = samples
             .filter(|(_, at)| (begin..=now).contains(at))

@@ -33,7 +33,7 @@ pub struct Readings {
 
 /// All data of the control interrupt. The main thread reads them and gives commands through [`CONTROL`].
 pub struct Control {
-    /// The device's logic, which makes all decisions.
+    /// The device's logic (crate `touchstone-drive`), which makes all decisions.
     pub device: Device,
     /// Number of control periods since the start.
     pub tick: u32,
@@ -83,7 +83,7 @@ fn tick_of(device: &mut Device, input: &ControlInput) -> ControlOutput {
     #[cfg(not(feature = "g474re"))]
     return device.tick(input);
     #[cfg(feature = "g474re")]
-    // SAFETY: once in a tick, and the control interrupt runs it.
+    // SAFETY: this is called once per tick, and only in the control interrupt.
     device.tick_around(input, unsafe { AROUND.mine() })
 }
 
@@ -160,7 +160,7 @@ impl Control {
             self.accepted = Some(output.accepted.unwrap_or(false));
         }
         self.drive(output.outputs, output.drive);
-        // SAFETY: nothing else holds it here, and the control interrupt runs it.
+        // SAFETY: this runs in the control interrupt, and no other reference exists here.
         let ring = unsafe { RING.mine() };
         if output.reconfigure {
             self.reconfigure();
@@ -194,7 +194,7 @@ impl Control {
     #[inline(always)]
     fn keep(&mut self) {
         if core::mem::take(&mut self.is_unkept) {
-            // SAFETY: nothing else holds it here, and the control interrupt runs it.
+            // SAFETY: this runs in the control interrupt, and no other reference exists here.
             unsafe { RING.mine() }.push(self.device.record());
             self.since_sent = self.since_sent.saturating_add(1);
         }
@@ -252,7 +252,7 @@ impl Control {
     }
 
     fn reconfigure(&mut self) {
-        // SAFETY: the control tick alone gives.
+        // SAFETY: only the control tick calls `give`.
         unsafe { CONFIG.give(self.device.current_config()) };
         self.encoder = self.next_encoder;
         board::magnetic::prepare(self.encoder);

@@ -5,7 +5,8 @@
 
 use core::arch::global_asm;
 
-// By the ARM run-time ABI: to r0, from r1, both whole words, r2 bytes; nothing is returned.
+// The ARM run-time ABI passes the destination in r0, the source in r1 and the number of bytes in r2. Both addresses are aligned to
+// words. Nothing is returned.
 global_asm!(
     ".syntax unified",
     ".section .text.__aeabi_memcpy4, \"ax\", %progbits",

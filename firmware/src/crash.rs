@@ -56,7 +56,7 @@ fn sum() -> u32 {
     (word::CRASHED..word::SUM).fold(RUNNING, |sum, index| sum.rotate_left(5) ^ read(index))
 }
 
-/// Switches the outputs off, writes the crash record and resets. No code in it formats, waits, or can panic.
+/// Switches the outputs off, writes the crash record and resets the processor. The function does not format text, wait or panic.
 fn die(kind: u32, place: u32, file: &'static str, status: u32) -> ! {
     pwm::outputs_off();
     analogue::off();

@@ -1,4 +1,4 @@
-//! Data that the interrupts pass to one another and to the thread.
+//! Data that the interrupts pass to one another and to the main thread.
 
 use core::sync::atomic::{AtomicBool, AtomicU32};
 

@@ -36,7 +36,7 @@ const CHANGE_LATE: u32 = pwm::HALF_PERIOD / 2;
 static LATE: AtomicBool = AtomicBool::new(false);
 static CURRENT: Owned<&'static mut CurrentLoop> = Owned::empty();
 
-/// Hands the current loop its state, sets the interrupts' priorities and enables the interrupts.
+/// Gives the current loop to its interrupt, sets the interrupts' priorities and enables the interrupts.
 ///
 /// # Safety
 /// Call it once, after [`CONTROL`] was filled.
@@ -64,11 +64,11 @@ pub unsafe fn start(current: &'static mut CurrentLoop) {
 fn ADC1_2() {
     let begun = cycles::now();
     let readings = board::readings();
-    // SAFETY: this is the handler that it belongs to, and calls it once.
+    // SAFETY: only this handler uses the value, and it calls `mine` once per run.
     let Some(current) = (unsafe { CURRENT.mine() }) else {
         return;
     };
-    // SAFETY: this priority alone takes.
+    // SAFETY: only code of this interrupt priority calls `take`.
     if let Some(config) = unsafe { CONFIG.take() } {
         current.reconfigure(config);
     }
@@ -150,7 +150,7 @@ fn LPTIM1() {
     // Read first: a tick that becomes due after this line belongs to the next run of the interrupt.
     let is_tick = TICK_DUE.load(Relaxed);
     let begun = cycles::now();
-    // SAFETY: this is the handler that it belongs to, and calls it once.
+    // SAFETY: only this handler uses the value, and it calls `mine` once per run.
     let Some(control) = (unsafe { CONTROL.mine() }) else {
         return;
     };

@@ -16,7 +16,7 @@ use defmt_rtt as _;
 )))]
 compile_error!("which board? --no-default-features --features <board>");
 
-// Two boards in one build would define the module twice.
+// If two boards were selected, this module would be defined twice and the build would fail.
 #[cfg(feature = "b-g431b-esc1")]
 #[path = "board/b_g431b_esc1.rs"]
 pub mod board;

@@ -1,5 +1,5 @@
-//! A magnetic encoder at the SPI port SPI3. The code uses the registers and every wait is bounded, because embassy-stm32's driver
-//! waits without a time limit.
+//! Reads a magnetic encoder at the SPI port SPI3. The code uses the registers itself and bounds every wait, because embassy-stm32's
+//! driver waits without a time limit.
 
 use core::sync::atomic::{AtomicU16, Ordering::Relaxed};
 
@@ -19,7 +19,7 @@ const SETTLE: u32 = 60;
 /// Number of polls of a flag before the encoder counts as silent. A frame takes 512 processor cycles, a poll at least 8.
 const POLLS: u32 = 130;
 
-/// Switches the port's clock on and resets the port.
+/// Switches the clock of the SPI port on and resets the port.
 pub fn start(_spi: Peri<'static, peripherals::SPI3>) {
     rcc::enable_and_reset::<peripherals::SPI3>();
 }

@@ -79,9 +79,9 @@ const fn dead_time_code(ns: u32) -> u8 {
 
 const _: () = {
     assert!(dead_time_code(500) == 85);
-    // 136 counts: 68 steps of two.
+    // 800 ns are 136 timer counts: 68 steps of two counts.
     assert!(dead_time_code(800) == 0x80 | 4);
-    // 340 counts: 43 steps of eight.
+    // 2 µs are 340 timer counts: 43 steps of eight counts.
     assert!(dead_time_code(2_000) == 0xc0 | 11);
     assert!(dead_time_code(5_000) == 0xe0 | 22);
 };
@@ -131,7 +131,8 @@ pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
     for channel in 0..4 {
         TIM1.ccmr_output(channel / 2).modify(|w| {
             w.set_ocpe(channel % 2, true);
-            // Channel 4 rises while the counter goes up, just before the top, where all lower transistors conduct.
+            // Channel 4 triggers the converters. It rises while the counter counts up, just before the top, where all lower
+            // transistors conduct.
             w.set_ocm(
                 channel % 2,
                 if channel == 3 {
@@ -180,9 +181,9 @@ pub fn start(_timer: Peri<'static, Timer>, bridge: Bridge) {
         w.set_bkf(
             0,
             match bridge.break_input {
-                // 8 cycles, 47 ns.
+                // A break must last 8 timer cycles, which are 47 ns.
                 BreakInput::Pin => FilterValue::FCK_INT_N8,
-                // 8 times 32 cycles, 1.5 us.
+                // A break must last 8 times 32 timer cycles, which are 1.5 µs.
                 BreakInput::Comparators(_) => FilterValue::FDTS_DIV32_N8,
             },
         );
@@ -250,7 +251,7 @@ pub fn silence_break() {
 /// Clears the flags of input break and system break, and enables the break's interrupt. A flag returns at once if its cause is
 /// still there. While the system break's flag is set, the timer does not accept `MOE` (RM0440, TIM1_SR.SBIF).
 pub fn clear_break() {
-    // Written and not modified: a zero clears a flag, a one has no effect.
+    // The register is written without reading it first, because a zero clears a flag and a one has no effect.
     TIM1.sr().write(|w| {
         w.0 = !0;
         w.set_bif(0, false);

@@ -17,9 +17,9 @@ use crate::shared::InThread;
 use crate::storage::{self, Storage};
 use crate::{analogue, board, pwm};
 
-/// The device as the main thread sees it, beside the control interrupt.
+/// Access to the device from the main thread, which runs beside the control interrupt.
 pub struct Thread {
-    /// The flash pages of the settings.
+    /// The flash pages in which the settings are stored.
     storage: Storage,
     /// Why the processor started.
     reset_reason: ResetReason,
@@ -36,7 +36,7 @@ pub fn control<R>(here: InThread, look: impl FnOnce(&mut Control) -> R) -> Optio
 }
 
 impl Thread {
-    /// The main thread's part of the device at the start.
+    /// Makes the main thread's access to the device, at the start.
     pub const fn new(storage: Storage, reset_reason: ResetReason, here: InThread) -> Self {
         Self {
             storage,

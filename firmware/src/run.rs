@@ -29,10 +29,11 @@ pub const SUPERVISION: Duration = Duration::from_millis(10);
 /// Runs the program after the board's set-up, with the serial port to the computer and the flash pages of the settings. It never
 /// returns.
 pub async fn run(spawner: Spawner, serial: BufferedUart<'static>, storage: Storage) -> ! {
-    // SAFETY: this is the executor's, in the thread.
+    // SAFETY: this function runs in the executor, which runs in the thread and not in an interrupt.
     let here = unsafe { InThread::new() };
     let current = start(spawner, serial, storage, here);
-    // SAFETY: once, and the control tick has its state. Only here: `start` needs the stack for itself.
+    // SAFETY: this is called once, after the control tick has received its state. It is called only here, because `start` needs the
+    // stack for itself.
     unsafe { interrupts::start(current) };
     supervise(here).await
 }
@@ -48,7 +49,7 @@ fn start(
 ) -> &'static mut CurrentLoop {
     watchdog::start();
     supply::start();
-    // SAFETY: once, at the start; nobody else uses the processor's own peripherals.
+    // SAFETY: this is called once, at the start. No other code uses the processor's own peripherals.
     cycles::start(&mut unsafe { cortex_m::Peripherals::steal() });
     let reason = ResetReason::of(&crash::take_reset_flags());
     defmt::info!(

@@ -32,7 +32,7 @@ pub struct Raw<const RANKS: usize> {
 pub const FAST: SampleTime = SampleTime::CYCLES6_5;
 /// Sample time for a current behind one of the chip's own amplifiers: 0.29 us of sampling.
 pub const AMPLIFIED: SampleTime = SampleTime::CYCLES12_5;
-/// Sample time for bus voltage and temperature, which come from dividers of some 10 kohm.
+/// Sample time for bus voltage and temperature: long, because they come from voltage dividers of some 10 kohm.
 pub const SLOW: SampleTime = SampleTime::CYCLES47_5;
 
 /// Starts ADC1 and ADC2. They run until the next reset: the function gives up their handles, because dropping a handle would stop

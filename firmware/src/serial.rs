@@ -31,7 +31,7 @@ const LOOK: Duration = Duration::from_micros(250);
 pub static SEND: ConstStaticCell<[u8; 768]> = ConstStaticCell::new([0; 768]);
 /// Buffer of received bytes that the task has not read yet; the port receives as many in 5 ms.
 pub static RECEIVE: ConstStaticCell<[u8; 512]> = ConstStaticCell::new([0; 512]);
-/// Buffer in which frames are encoded.
+/// Buffer in which the frame to be sent next is encoded.
 static FRAME: ConstStaticCell<[u8; FRAME_MAX]> = ConstStaticCell::new([0; FRAME_MAX]);
 /// Decoder of received frames, with its buffer.
 static DECODER: ConstStaticCell<Decoder> = ConstStaticCell::new(Decoder::new());

@@ -46,7 +46,7 @@ impl<T> Guarded<T> {
         }
     }
 
-    /// The value, for the control interrupt.
+    /// Access to the value for the control interrupt.
     ///
     /// # Safety
     /// Called once in each run of the control interrupt's handler and nowhere else.
@@ -73,7 +73,7 @@ impl<T> Guarded<T> {
         let result = look(unsafe { &mut *self.value.get() });
         compiler_fence(Ordering::SeqCst);
         self.taken.store(false, Ordering::Relaxed);
-        // SAFETY: back to what was.
+        // SAFETY: this restores the earlier value.
         unsafe { basepri::write(before) };
         result
     }
@@ -86,18 +86,18 @@ const NOTHING: u8 = 2;
 /// replaces one that was not taken yet.
 pub struct Latest<T> {
     places: [UnsafeCell<Option<T>>; 2],
-    /// Index of the value that was not taken yet.
+    /// Index of the value that the reader has not taken yet; [`NOTHING`] if there is none.
     waiting: AtomicU8,
     /// Index of the place that was written last.
     written: AtomicU8,
 }
 
-// SAFETY: the giver writes the place that was not published last, so that the taker, which may interrupt it but is not interrupted
-// by it, finds the other one whole.
+// SAFETY: the giver writes to the place that was not published last. The taker may interrupt the giver, but the giver cannot
+// interrupt the taker. So the taker always finds the other place complete.
 unsafe impl<T: Send> Sync for Latest<T> {}
 
 impl<T: Copy> Latest<T> {
-    /// A box without a value.
+    /// A box that holds no value yet.
     pub const fn new() -> Self {
         Self {
             places: [const { UnsafeCell::new(None) }; 2],
@@ -112,7 +112,7 @@ impl<T: Copy> Latest<T> {
     /// Only code of one interrupt priority calls this.
     pub unsafe fn give(&self, value: T) {
         let place = self.written.load(Ordering::Relaxed) ^ 1;
-        // SAFETY: the taker has no business with this place before it is published below, and there is one giver.
+        // SAFETY: the taker does not read this place before it is published below, and there is only one giver.
         unsafe { *self.places[usize::from(place & 1)].get() = Some(value) };
         compiler_fence(Ordering::SeqCst);
         self.written.store(place, Ordering::Relaxed);
@@ -130,7 +130,7 @@ impl<T: Copy> Latest<T> {
             return None;
         }
         self.waiting.store(NOTHING, Ordering::Relaxed);
-        // SAFETY: the giver is interrupted by this and at most writes the other place.
+        // SAFETY: the taker interrupts the giver, which at most was writing to the other place.
         unsafe { *self.places[usize::from(place & 1)].get() }
     }
 }
@@ -162,7 +162,7 @@ impl<T> Owned<T> {
         unsafe { *self.0.get() = Some(value) };
     }
 
-    /// The value, for the interrupt that owns it; `None` if the cell is empty.
+    /// Access to the value for the interrupt that owns it; `None` if the cell is empty.
     ///
     /// # Safety
     /// Called once in each run of one interrupt handler and nowhere else.

@@ -35,7 +35,7 @@ pub fn pages() -> Range<u32> {
 /// interrupted write and does not stop the program.
 pub static READING: AtomicBool = AtomicBool::new(false);
 
-/// The flash pages of the settings.
+/// The flash pages in which the settings are stored; `None` if they cannot be used.
 pub struct Storage(Option<Flash<'static, Blocking>>);
 
 /// Why the flash of the settings cannot be accessed.
@@ -57,8 +57,8 @@ impl NorFlashError for StorageError {
 }
 
 impl Storage {
-    /// Takes the flash. A chip with two banks must be configured for two banks, as it is delivered: with one bank its pages are
-    /// twice as large.
+    /// Takes the flash controller. A chip with two flash banks must be configured for two banks, as it is delivered: with one bank
+    /// its pages are twice as large.
     pub fn new(flash: Peri<'static, peripherals::FLASH>) -> Self {
         #[cfg(feature = "g474re")]
         if !embassy_stm32::pac::FLASH.optr().read().dbank() {

@@ -35,9 +35,9 @@ fn control_after_reading<R>(here: InThread, look: impl FnOnce(&mut Control) -> R
     }
 }
 
-/// Checks and computes an environment, and hands it to the control interrupt. Returns the time from which it applies. The
-/// computation runs before that interrupt is masked. Only the copy of some kilobytes is made while it is masked, after the control
-/// period's second encoder reading.
+/// Checks and computes an environment (walls, end stops, detents), and hands it to the control interrupt. Returns from when on it
+/// is rendered. The computation runs before that interrupt is masked. Only the copy of some kilobytes is made while it is masked,
+/// after the control period's second encoder reading.
 #[inline(never)]
 pub fn give(
     here: InThread,

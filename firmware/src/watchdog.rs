@@ -17,7 +17,7 @@ const PRESCALER: u32 = 16;
 /// single-bank chip; the supervision task feeds the watchdog every 10 ms.
 const LONGEST_MS: u32 = 100;
 
-/// Counts of the watchdog from a feeding to the reset.
+/// Number of watchdog counts from a feeding to the reset.
 const RELOAD: u32 = LONGEST_MS * LSI_HZ.0 / 1_000 / PRESCALER;
 
 const _: () = {

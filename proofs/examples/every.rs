@@ -1,8 +1,9 @@
 //! Tries all inputs of properties (statements about the code) that have few enough inputs: `every [NAME]`, `every --list`.
 //!
 //! Products and a root on three axes at 8 bits are too hard for the solvers, and have no more than 2^32 inputs. For quotients with
-//! 2^24 inputs, solvers take longer than trying each input. The property's body that runs here is the one that the tests run on samples. It
-//! is compiled with overflow checks and debug assertions (`--profile every`). So at this width it is a proof that needs no solver.
+//! 2^24 inputs, solvers take longer than trying each input. The property's body that runs here is the one that the tests run on
+//! samples. It is compiled with overflow checks and debug assertions (`--profile every`). So at this width it is a proof that needs
+//! no solver.
 //!
 //! ```text
 //! cargo xtask prove --every
@@ -78,8 +79,8 @@ const PROPERTIES: &[Row] = &[
 /// Most numbers that one input of a property consists of.
 const DIGITS: usize = 16;
 
-/// Source that gives all inputs, one after the other: each number of an input is a digit of one large number that counts up. There
-/// are some thousand million inputs, so the work for each input is kept small.
+/// A source that gives a property all inputs, one after the other: each number of an input is a digit of one large number that
+/// counts up. There are some thousand million inputs, so the work for each input is kept small.
 struct Every {
     /// Value and width in bits of each digit.
     digits: [(u64, u32); DIGITS],

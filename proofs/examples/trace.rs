@@ -32,7 +32,7 @@ fn main() -> Result<()> {
     out.flush()
 }
 
-/// Prints roots of integers of every length, and of squares and their neighbours, where the root changes.
+/// Prints integer square roots of numbers of every length, and of squares and their neighbours, where the root changes.
 fn roots(out: &mut impl Write, draws: u64) -> Result<()> {
     let mut random = Random(9);
     for _ in 0..draws {
@@ -251,7 +251,7 @@ fn settings_alone(out: &mut impl Write, draws: u64) -> Result<()> {
     Ok(())
 }
 
-/// Moves one setting to an end of its range, a little beyond it, or to a size that does not fit the format.
+/// Moves one setting of the guard to an end of its range, a little beyond it, or to a size that does not fit the format.
 fn strays(random: &mut Random, settings: &mut GuardSettings, device: &mut GuardedDevice) {
     let whole = Si::const_from_int;
     let end = |random: &mut Random, most: Si| {

@@ -181,8 +181,8 @@ property! {
     }
 }
 settings_property! {
-    /// P8 (settings): accepted settings give a spring with damping whose coefficients and memory satisfy what its properties
-    /// assume.
+    /// P8 (settings): settings that validation accepts give a spring with damping whose coefficients and memory satisfy what the
+    /// spring's properties assume.
     equation "accepted  =>  k, b >= 0, limit > 0, invariant"
     over "setting of the law"
     by cadical fn p8_spring_accepted32(s) {
@@ -198,7 +198,8 @@ settings_property! {
     }
 }
 settings_property! {
-    /// P8 (settings): accepted settings give a TDPA law whose coefficients and memory satisfy what its properties assume.
+    /// P8 (settings): settings that validation accepts give a TDPA law (time-domain passivity) whose coefficients and memory
+    /// satisfy what the law's properties assume.
     equation "accepted  =>  k, c >= 0, limit > 0, cap, invariant"
     over "setting of the law"
     by cadical fn p8_tdpa_accepted32(s) {
@@ -215,7 +216,8 @@ settings_property! {
     }
 }
 settings_property! {
-    /// P8 (settings): accepted settings give a force bounding law whose coefficients and memory satisfy what its properties assume.
+    /// P8 (settings): settings that validation accepts give a force bounding law whose coefficients and memory satisfy what the
+    /// law's properties assume.
     equation "accepted  =>  k, c, bound >= 0, limit > 0, cap, invariant"
     over "setting of the law"
     by cadical fn p8_fba_accepted32(s) {
@@ -230,8 +232,8 @@ settings_property! {
         cover!(s, true, "accepted");
     }
 }
-/// Checks that accepted settings give an SFA law that satisfies what its properties assume. The variant of the law is fixed, so
-/// that the model checker follows no other law.
+/// Checks that settings that validation accepts give an SFA law (successive force augmentation) that satisfies what its properties
+/// assume. The variant of the law is fixed, so that the model checker follows no other law.
 fn sfa_is_valid<S: Source>(s: &mut S, kind: LawKind) {
     let settings = any_settings(s, kind);
     let accepted = AnyLaw::<N>::new(&settings);
@@ -253,7 +255,8 @@ fn sfa_is_valid<S: Source>(s: &mut S, kind: LawKind) {
     cover!(s, true, "accepted");
 }
 settings_property! {
-    /// P8 (settings): accepted settings give an original SFA law that satisfies what its properties assume.
+    /// P8 (settings): settings that validation accepts give an original SFA law (successive force augmentation) that satisfies what
+    /// the law's properties assume.
     equation "accepted  =>  k, k_v as set, gain, 1/k_v >= 0, limit > 0, invariant"
     over "setting of the law"
     by cadical fn p8_sfa_accepted32(s) {
@@ -261,7 +264,8 @@ settings_property! {
     }
 }
 settings_property! {
-    /// P8 (settings): accepted settings give a continuous SFA law that satisfies what its properties assume.
+    /// P8 (settings): settings that validation accepts give a continuous SFA law (successive force augmentation) that satisfies
+    /// what the law's properties assume.
     equation "accepted  =>  k, k_v as set, gain, 1/k_v >= 0, limit > 0, invariant"
     over "setting of the law"
     by cadical fn p8_sfa_continuous_accepted32(s) {

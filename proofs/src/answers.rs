@@ -79,39 +79,48 @@ macro_rules! table {
     };
 }
 table!(
-    /// Table of recorded answers for products of settings.
+    /// The table that replaces products of settings when the model checker runs. It records the results that the code got, so that
+    /// the specification gets the same.
     products, 16, any
 );
 table!(
-    /// Table of recorded answers for quotients of settings.
+    /// The table that replaces quotients of settings when the model checker runs. It records the results that the code got, so that
+    /// the specification gets the same.
     quotients, 12, any
 );
 table!(
-    /// Table of recorded answers for products of numbers with 56 fractional bits.
+    /// The table that replaces products of numbers with 56 fractional bits when the model checker runs. It records the results that
+    /// the code got, so that the specification gets the same.
     long_products, 12, nth
 );
 table!(
-    /// Table of recorded answers for quotients of numbers with 56 fractional bits.
+    /// The table that replaces quotients of numbers with 56 fractional bits when the model checker runs. It records the results
+    /// that the code got, so that the specification gets the same.
     long_quotients, 3, nth
 );
 table!(
-    /// Table of recorded answers for ratios of two settings.
+    /// The table that replaces ratios of two settings when the model checker runs. It records the results that the code got, so
+    /// that the specification gets the same.
     ratios, 4, nth
 );
 table!(
-    /// Table of recorded answers for the displacement of a device over a time by a displacement per tick of 1 (`V`).
+    /// The table that replaces a sum when the model checker runs: the displacement of a device over a time by a displacement per
+    /// tick of 1 (`V`). It records the results that the code got, so that the specification gets the same.
     reaches, 5, nth
 );
 table!(
-    /// Table of recorded answers for the displacement of a device over a time by a push (acceleration) of 1 per tick² (`X`).
+    /// The table that replaces a sum when the model checker runs: the displacement of a device over a time by a push (acceleration)
+    /// of 1 per tick² (`X`). It records the results that the code got, so that the specification gets the same.
     drifts, 5, nth
 );
 table!(
-    /// Table of recorded answers for products of a weight (coefficient) and a part (the leading digits) of a state.
+    /// The table that replaces products of a weight (coefficient) and a part (the leading digits) of a state when the model checker
+    /// runs. It records the results that the code got, so that the specification gets the same.
     weights, 10, any
 );
 table!(
-    /// Table of recorded answers for square roots.
+    /// The table that replaces square roots when the model checker runs. It records the results that the code got, so that the
+    /// specification gets the same.
     roots, 1, nth
 );
 
@@ -145,13 +154,13 @@ pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Fi
         long_products::ask(a, b)
     })
 }
-/// Replaces [`crate::spec::settings::times`] under the model checker: the specification gets the result that the code got for equal
-/// arguments.
+/// Replaces [`crate::spec::settings::times`] when the model checker runs the specification: returns the value that the code got for
+/// equal arguments.
 pub fn times(a: Int, b: Int) -> Int {
     product(double(a), double(b)).into()
 }
-/// Replaces [`crate::spec::estimator_settings::long_times`] under the model checker: the specification gets the result that the
-/// code got for equal arguments.
+/// Replaces [`crate::spec::estimator_settings::long_times`] when the model checker runs the specification: returns the value that
+/// the code got for equal arguments.
 pub fn long_times(a: Int, b: Int) -> Int {
     long_products::ask(double(a), double(b)).into()
 }
@@ -165,13 +174,14 @@ pub fn over(a: Si, b: Si) -> Si {
         Si::from_bits(answer)
     }
 }
-/// Replaces [`crate::spec::settings::over`] under the model checker: the specification gets the result that the code got for equal
-/// arguments.
+/// Replaces [`crate::spec::settings::over`] when the model checker runs the specification: returns the value that the code got for
+/// equal arguments.
 pub fn specified_over(a: Int, b: Int) -> Int {
     let answer = quotient(double(a), double(b));
     if b <= 0 { MOST } else { answer.into() }
 }
-/// Replaces `saturating_div` of settings under the model checker: the code gets any result, and the same one for equal arguments.
+/// Replaces `saturating_div` of settings when the model checker runs the code: returns any value, and the same value for equal
+/// arguments.
 pub fn saturating_div<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> FixedI64<Frac> {
     assert!(b.to_bits() != 0, "nothing is divided by zero");
     FixedI64::from_bits(quotient(a.to_bits(), b.to_bits()))
@@ -181,8 +191,8 @@ pub fn checked_div<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Optio
     let answer = long_quotients::ask(a.to_bits(), b.to_bits());
     (b.to_bits() != 0).then_some(FixedI64::from_bits(answer))
 }
-/// Replaces [`crate::spec::estimator_settings::long_over`] under the model checker: the specification gets the result that the code
-/// got for equal arguments.
+/// Replaces [`crate::spec::estimator_settings::long_over`] when the model checker runs the specification: returns the value that
+/// the code got for equal arguments.
 pub fn long_over(a: Int, b: Int) -> Int {
     let answer = long_quotients::ask(double(a), double(b));
     if b == 0 { 0 } else { answer.into() }
@@ -191,19 +201,20 @@ pub fn long_over(a: Int, b: Int) -> Int {
 pub fn ratio_of_bits(a: i64, b: i64) -> Exact {
     Exact::from_bits(ratios::ask(a, b))
 }
-/// Replaces [`crate::spec::estimator_settings::ratio`] under the model checker: the specification gets the result that the code got
-/// for equal arguments.
+/// Replaces [`crate::spec::estimator_settings::ratio`] when the model checker runs the specification: returns the value that the
+/// code got for equal arguments.
 pub fn specified_ratio(a: Int, b: Int) -> Int {
     ratios::ask(double(a), double(b)).into()
 }
-/// Replaces [`DeviceInTicks::integrals`] under the model checker: the code gets any result, and the same one for equal arguments.
+/// Replaces [`DeviceInTicks::integrals`] when the model checker runs the code: returns any value, and the same value for equal
+/// arguments.
 pub fn integrals(device: &DeviceInTicks, time: Exact) -> (Exact, Exact) {
     let (loss, time) = (device.loss.to_bits(), time.to_bits());
     let (reach, drift) = (reaches::ask(loss, time), drifts::ask(loss, time));
     (Exact::from_bits(reach), Exact::from_bits(drift))
 }
-/// Replaces [`crate::spec::estimator_settings::integrals`] under the model checker: the specification gets the result that the code
-/// got for equal arguments.
+/// Replaces [`crate::spec::estimator_settings::integrals`] when the model checker runs the specification: returns the value that
+/// the code got for equal arguments.
 pub fn specified_integrals(loss: Int, time: Int) -> (Int, Int) {
     let (loss, time) = (double(loss), double(time));
     (
@@ -251,16 +262,18 @@ macro_rules! flows {
     };
 }
 flows!(
-    /// Table of recorded answers for the estimator's predictions (state transitions) over one tick.
+    /// The table that replaces the estimator's predictions (state transitions) over one tick when the model checker runs. It
+    /// records the results that the code got, so that the specification gets the same.
     over_ticks, 9
 );
 flows!(
-    /// Table of recorded answers for the estimator's predictions (state transitions) from a sample to the time when the next
-    /// command acts.
+    /// The table that replaces the estimator's predictions (state transitions) from a sample to the time when the next command acts
+    /// when the model checker runs. It records the results that the code got, so that the specification gets the same.
     aheads, 7
 );
 flows!(
-    /// Table of recorded answers for the estimator's correction gains.
+    /// The table that replaces the estimator's correction gains when the model checker runs. It records the results that the code
+    /// got, so that the specification gets the same.
     corrections, 3
 );
 fn told_of(device: &DeviceInTicks) -> [i64; 3] {
@@ -295,21 +308,23 @@ fn specified_of_words<const COMMANDS: usize>(words: &[i64]) -> estimator::Flow<C
         commands: core::array::from_fn(|i| [word(3 + 2 * i), word(4 + 2 * i)]),
     }
 }
-/// Replaces [`DeviceInTicks::tick`] under the model checker: the code gets any result, and the same one for equal arguments.
+/// Replaces [`DeviceInTicks::tick`] when the model checker runs the code: returns any value, and the same value for equal
+/// arguments.
 pub fn over_a_tick<N: Number>(device: &DeviceInTicks) -> Option<Flow<N, TAPS>> {
     over_ticks::ask(told_of(device)).map(|words| of_words(&words))
 }
-/// Replaces [`crate::spec::estimator_settings::over_a_tick`] under the model checker: the specification gets the result that the
-/// code got for equal arguments.
+/// Replaces [`crate::spec::estimator_settings::over_a_tick`] when the model checker runs the specification: returns the value that
+/// the code got for equal arguments.
 pub fn specified_over_a_tick(device: &Device) -> Option<estimator::Flow<3>> {
     over_ticks::ask(specified_of(device)).map(|words| specified_of_words(&words))
 }
-/// Replaces [`DeviceInTicks::ahead`] under the model checker: the code gets any result, and the same one for equal arguments.
+/// Replaces [`DeviceInTicks::ahead`] when the model checker runs the code: returns any value, and the same value for equal
+/// arguments.
 pub fn ahead<N: Number>(device: &DeviceInTicks) -> Option<Flow<N, UNDER_WAY>> {
     aheads::ask(told_of(device)).map(|words| of_words(&words))
 }
-/// Replaces [`crate::spec::estimator_settings::ahead`] under the model checker: the specification gets the result that the code got
-/// for equal arguments.
+/// Replaces [`crate::spec::estimator_settings::ahead`] when the model checker runs the specification: returns the value that the
+/// code got for equal arguments.
 pub fn specified_ahead(device: &Device) -> Option<estimator::Flow<2>> {
     aheads::ask(specified_of(device)).map(|words| specified_of_words(&words))
 }
@@ -322,13 +337,13 @@ pub fn correction<N: Number>(device: &DeviceInTicks, angle: Exact) -> Option<[We
         [flow.reach, flow.drift, flow.loss]
     })
 }
-/// Replaces [`crate::spec::estimator_settings::Device::correction`] under the model checker: the specification gets the result that
-/// the code got for equal arguments.
+/// Replaces [`crate::spec::estimator_settings::Device::correction`] when the model checker runs the specification: returns the
+/// value that the code got for equal arguments.
 pub fn specified_correction(device: &Device, angle: Int) -> Option<[Int; 3]> {
     let told = [double(device.loss), double(angle), 0];
     corrections::ask(told).map(|words| words.map(|word| Int::from(word as i32)))
 }
-/// Replaces [`EstimatorSettings::validate`] under the model checker: it accepts all settings.
+/// Replaces [`EstimatorSettings::validate`] when the model checker runs: it accepts all settings.
 pub fn accepted(_: &EstimatorSettings, _: u32, _: Si) -> Result<(), SettingsError> {
     Ok(())
 }
@@ -336,7 +351,8 @@ pub fn accepted(_: &EstimatorSettings, _: u32, _: Si) -> Result<(), SettingsErro
 pub fn weighed(weight: i32, part: i32) -> Wide64 {
     Wide64(at_limit(weight, part.into()))
 }
-/// Replaces [`crate::estimator::times`] under the model checker: the code gets any result, and the same one for equal arguments.
+/// Replaces [`crate::estimator::times`] when the model checker runs the code: returns any value, and the same value for equal
+/// arguments.
 pub fn at_limit(weight: i32, limit: i64) -> i64 {
     let answer = signed(weight.into(), limit, weights::ask(weight.into(), limit));
     // The product of two words is at most this.
@@ -348,8 +364,8 @@ pub fn at_limit(weight: i32, limit: i64) -> i64 {
 pub fn bounded<N: Number>(_: &Estimator<N>) -> bool {
     true
 }
-/// Replaces [`crate::spec::estimator_settings::bounded`] under the model checker: the specification gets the result that the code
-/// got for equal arguments.
+/// Replaces [`crate::spec::estimator_settings::bounded`] when the model checker runs the specification: always `true`, as in the
+/// code.
 pub fn specified_bounded(_: &crate::spec::estimator::Estimator) -> bool {
     true
 }

@@ -1,8 +1,9 @@
-//! Proves that `AnyLaw`, the law chosen at run time, calls the law of its variant in its tick, in its view and when it forgets its memory.
+//! Proves that `AnyLaw`, the law chosen at run time, calls the law of its variant in its tick, in its view and when it forgets its
+//! memory.
 //!
-//! Which law's tick is called does not depend on the values of products, quotients and roots. So the model checker replaces these, and
-//! the parts of a tick, by small functions of their arguments and memory, the same for both sides of the comparison. `refines.rs` and
-//! `refines_enhanced.rs` prove how a law uses the real operations.
+//! Which law's tick is called does not depend on the values of products, quotients and roots. So the model checker replaces these,
+//! and the parts of a tick, by small functions of their arguments and memory, the same for both sides of the comparison.
+//! `refines.rs` and `refines_enhanced.rs` prove how a law uses the real operations.
 //!
 //! ```text
 //! any law = the law      p11_any_law_*

@@ -1,7 +1,8 @@
-//! Properties at 8 bits of the steps between a virtual object and a law on three axes: displacement along a normal, surface point, friction.
+//! Properties at 8 bits of the steps between a virtual object and a law on three axes: displacement along a normal, surface point,
+//! friction.
 //!
-//! All inputs of each step are tried (`cargo xtask prove --every contact`). `m` is a displacement, `n` a normal, `x` a position, `e` a
-//! penetration and `z` a stretch; `'` marks the last tick.
+//! All inputs of each step are tried (`cargo xtask prove --every contact`). `m` is a displacement, `n` a normal, `x` a position,
+//! `e` a penetration and `z` a stretch; `'` marks the last tick.
 //!
 //! ```text
 //! m = -n'·(x - x'), rounded down, or e - e' where n = n'    p4_displacement
@@ -230,7 +231,7 @@ property! {
             assert!(squares(stretch) <= reach(kinetic) * reach(kinetic) && state.sliding);
             let shorter = stretch.iter().zip(z).all(|(cut, z)| cut.abs() <= z.abs() && cut * z >= 0);
             assert!(shorter);
-            // At most three quanta per axis are lost, and the stretch keeps its direction.
+            // At most three steps of the format are lost per axis, and the stretch keeps its direction.
             let lost = (reach(kinetic) - 5).max(0);
             let turned = stretch[0] * z[1] - stretch[1] * z[0];
             assert!(turned.abs() <= 3 * (z[0].abs() + z[1].abs()));
@@ -285,7 +286,7 @@ property! {
             panic!("nothing is held");
         };
         let left = less(at, anchor);
-        // The anchor is turned into the plane, and so is the stretch: two quanta per axis each.
+        // The anchor is turned into the plane, and so is the stretch: each loses up to two steps of the format per axis.
         assert!(of == normal && less(left, after).iter().all(|x| x.abs() <= 3));
         // On a surface that does not turn, the anchor stays bit for bit.
         let aside = [at[0] + 1, at[1], 0];

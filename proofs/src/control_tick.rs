@@ -1,6 +1,6 @@
-//! A device's control tick, from the readings to the drive's command, compared with its specification. The device's parts (law, limits, drive)
-//! may answer anything. The code calls them with the same arguments as the specification and calculates the same from the answers. Random
-//! tests run six ticks in a row with the real parts.
+//! A device's control tick, from the readings to the drive's command, compared with its specification. The device's parts (law,
+//! limits, drive) may answer anything. The code calls them with the same arguments as the specification and calculates the same
+//! from the answers. Random tests run six ticks in a row with the real parts.
 //!
 //! ```text
 //! output, memory = spec(memory, input, answers)     p11_control_tick
@@ -35,7 +35,8 @@ use touchstone_protocol::{DeviceSettings, Limit, Limits, Machine, Outputs, State
 use crate::device_parts::{end, of_specification};
 /// Number of control ticks that the comparison runs in a row: one under the model checker, six in random tests.
 const TICKS: usize = if cfg!(kani) { 1 } else { 6 };
-/// Does nothing in random tests. Under the model checker its namesake marks that the specification makes the calls from now on.
+/// Does nothing in random tests. Under the model checker, the function of this name in `device_parts` marks that from now on the
+/// specification makes the calls.
 #[cfg(not(kani))]
 fn of_specification() {}
 #[cfg(not(kani))]
@@ -176,7 +177,7 @@ fn position(bits: i32) -> Position<Fixed32> {
 fn any_position<S: Source>(s: &mut S) -> Position<Fixed32> {
     position(s.i32())
 }
-/// An option that is sometimes `None` in random tests; under the model checker always `Some`, to save a case.
+/// A value that is sometimes `None` in random tests. Under the model checker it is always `Some`, to save a case.
 fn some_sampled<S: Source, T>(s: &mut S, any: impl FnOnce(&mut S) -> T) -> Option<T> {
     if cfg!(kani) { None } else { some(s, any) }
 }
@@ -207,7 +208,7 @@ fn any_config<S: Source>(s: &mut S) -> Option<Config> {
 }
 fn any_memory<S: Source>(s: &mut S) -> Memory {
     let last = any_position(s);
-    // On samples mostly a short displacement, at which the law's force varies more.
+    // In tests on random samples the displacement is mostly short, since there the law's force varies more.
     let way = |s: &mut S| {
         if s.shortcut() {
             position(s.i16().into())
@@ -253,7 +254,7 @@ fn any_alignment<S: Source>(s: &mut S) -> Alignment {
         against: s.bool(),
     }
 }
-/// The contact phase that a byte stands for.
+/// The contact phase that a byte stands for, to make any phase from an arbitrary byte.
 pub(crate) const fn contact_of(byte: u8) -> Contact {
     match byte % 3 {
         0 => Contact::Free,

@@ -1,7 +1,8 @@
 //! The controller around a law: a tick is the law and then the energy guard, for any law. The controller keeps the force that later
 //! stages report to it.
 //!
-//! `f` is the force, `e` the penetration, `B` the energy in the guard's account and `C` the most that it holds; `'` marks the new value.
+//! `f` is the force, `e` the penetration, `B` the energy in the guard's account and `C` the most that it holds; `'` marks the new
+//! value.
 //!
 //! ```text
 //! f = guard(law(e, e - e(n-1)))                p11_controller_tick
@@ -27,7 +28,7 @@ use touchstone_control::{
 
 type N = Fixed8;
 
-/// A controller of a spring with zero stiffness.
+/// A controller with a spring of zero stiffness, measured positions and no guard.
 pub(crate) fn plain<N: Number>() -> Controller<N> {
     let none = Stiffness::zero();
     let spring = Spring {
@@ -237,8 +238,8 @@ pub fn guard_made<N: Number>(
 replaced_property! {
     [(touchstone_control::AnyLaw::new, crate::controller::law_made)
     (touchstone_control::Guard::new, crate::controller::guard_made)]
-    /// P8 (settings): with measured states, a controller consists of the law of its settings and, if switched on, the guard of its
-    /// settings, and commands no force. It is refused if law or guard is refused, and for no other reason.
+    /// P8 (settings): with measured positions, a new controller consists of the law of its settings and, if switched on, the guard
+    /// of its settings, and commands no force. It is refused if law or guard is refused, and for no other reason.
     equation "Controller(s) = (law(s), guard(s) where on, f = 0)"
     over "guard on or off, its account, count, force limit, desired stiffness; states as measured; under the checker a law and a guard that are what they were told, or none"
     by cadical fn p8_controller_made(s) {

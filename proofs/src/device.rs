@@ -57,8 +57,8 @@ property! {
 }
 
 property! {
-    /// P10 (fault machine): a fault's number on the wire identifies the fault, and other numbers are rejected. A new fault machine
-    /// is in its first state.
+    /// P10 (fault machine): a fault's number on the serial link identifies the fault, and other numbers are rejected. A new fault
+    /// machine is in its first state.
     equation "from_wire(to_wire(code)) = code; new: Boot, off"
     over "byte"
     fn p10_wire(s) {

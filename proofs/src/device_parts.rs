@@ -134,7 +134,7 @@ part!(beyond, 2, 1);
 part!(faded, 3, 1);
 part!(driven, 6, 10);
 
-/// Replaces `settings::validate` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `settings::validate` when the model checker runs: it accepts all settings.
 pub fn accepted(_: &DeviceSettings, _: &Hardware) -> Result<(), SettingsError> {
     Ok(())
 }
@@ -157,7 +157,8 @@ pub fn law_made<N: Number>(
     Ok(plain())
 }
 
-/// Replaces `Supervisor::inspect` under the model checker: the specification gets the result that the code got for equal arguments.
+/// Replaces `Supervisor::inspect` when the model checker runs the specification: returns the value that the code got for equal
+/// arguments.
 pub fn inspect(
     _: &mut Supervisor,
     _: &SupervisorConfig,
@@ -196,19 +197,20 @@ pub fn inspect(
         derating: derating as u32,
     }
 }
-/// Replaces `Supervisor::restart` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Supervisor::restart` when the model checker runs: it only records the call in the history of this tick.
 pub fn restart(_: &mut Supervisor) {
     done(1);
 }
-/// Replaces `Shaft::speed` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Shaft::speed` when the model checker runs: returns any value to the code, and the same value to the specification.
 pub fn speed(_: &Shaft, _: &ShaftConfig) -> Amps {
     Amps::from_bits(sped::ask([so_far()])[0] as i32)
 }
-/// Replaces `Shaft::advance` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Shaft::advance` when the model checker runs: returns any value to the code, and the same value to the specification.
 pub fn advance(_: &Shaft, _: &ShaftConfig) -> i32 {
     advanced::ask([0])[0] as i32
 }
-/// Replaces `Power::temperature` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Power::temperature` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn temperature(_: &Thermistor, report: &CurrentReport) -> Option<Celsius> {
     let [is_some, bits] = warm::ask([report.temperature.into()]);
     (is_some & 1 == 1).then(|| Celsius::from_bits(bits as i32))
@@ -231,7 +233,8 @@ fn words_of(report: &CurrentReport) -> [i64; 4] {
     let rest = pair(report.periods, report.bus.to_bits().cast_unsigned());
     [two(report.current), two(report.voltage), counts, rest]
 }
-/// Replaces `Calibration::tick` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Calibration::tick` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn calibrate(_: &mut Calibration, tick: u32, count: i64, report: &CurrentReport) -> Progress {
     let [a, b, c, d] = words_of(report);
     let answer = calibrated::ask([a, b, c, d, tick.into(), count]);
@@ -262,11 +265,13 @@ fn command_of(words: &[i64; 8]) -> CurrentCommand {
         },
     }
 }
-/// Replaces `ElectricalScale::angle` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `ElectricalScale::angle` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn angle(_: &ElectricalScale, count: i64) -> Angle {
     Angle(turned::ask([count])[0] as u16)
 }
-/// Replaces `CountScale::penetration` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `CountScale::penetration` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn penetration<N: Format>(_: &CountScale, count: i64) -> Position<N> {
     position(behind::ask([count])[0])
 }
@@ -275,7 +280,8 @@ fn position<N: Format>(bits: i64) -> Position<N> {
     kani::assume(N::of_signal(found.0) == i64::from(bits as i32));
     found
 }
-/// Replaces `ChangeConfig::since_change` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `ChangeConfig::since_change` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn since_change(
     _: &ChangeConfig,
     until: Position<Fixed32>,
@@ -284,11 +290,12 @@ pub fn since_change(
     let question = [until, from].map(|way| i64::from(way.0.to_bits()));
     Position(I8F24::from_bits(since::ask(question)[0] as i32))
 }
-/// Replaces `Controller::resume` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Controller::resume` when the model checker runs: it only records the call in the history of this tick.
 pub fn resume<N: Number>(_: &mut Controller<N>, _: &Controller<N>) {
     done(2);
 }
-/// Replaces `Controller::tick_with_change` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Controller::tick_with_change` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn law<N: Format>(
     _: &mut Controller<N>,
     e: Position<N>,
@@ -298,7 +305,7 @@ pub fn law<N: Format>(
     let answer = pushed::ask([done(3), N::of_signal(e.0), at_change.is_some().into(), at]);
     Force(position::<N>(answer[0]).0)
 }
-/// Replaces `Controller::view` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Controller::view` when the model checker runs: returns any value to the code, and the same value to the specification.
 pub fn view<N: Format>(_: &Controller<N>) -> View<N> {
     let [contact, has_energy, energy, offset] = viewed::ask([so_far()]);
     let found = N::any_energy(&mut Symbolic);
@@ -310,23 +317,26 @@ pub fn view<N: Format>(_: &Controller<N>) -> View<N> {
         mass: None,
     }
 }
-/// Replaces `Controller::commanded` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Controller::commanded` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn commanded<N: Format>(_: &mut Controller<N>, force: Force<N>) {
     told::ask([done(4), N::of_signal(force.0)]);
 }
-/// Replaces `Controller::switched_off` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Controller::switched_off` when the model checker runs: it only records the call in the history of this tick.
 pub fn switched_off<N: Number>(_: &mut Controller<N>) {
     done(5);
 }
-/// Replaces `Controller::tripped` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Controller::tripped` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn is_tripped<N: Number>(_: &Controller<N>) -> bool {
     tripped::ask([so_far()])[0] & 1 == 1
 }
-/// Replaces `Controller::is_beyond_reach` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `Controller::is_beyond_reach` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn is_beyond_reach<N: Format>(_: &Controller<N>, e: Position<N>) -> bool {
     beyond::ask([so_far(), N::of_signal(e.0)])[0] & 1 == 1
 }
-/// Replaces `torque_of` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `torque_of` when the model checker runs: returns any value to the code, and the same value to the specification.
 pub fn torque(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {
     let question = [
         i64::from(force.0.to_bits()),
@@ -335,7 +345,8 @@ pub fn torque(force: Force<Fixed32>, share: Option<u32>) -> Force<Fixed32> {
     ];
     Force(I8F24::from_bits(faded::ask(question)[0] as i32))
 }
-/// Replaces `AnyDrive::command` under the model checker: the code gets any result, and the specification the same one.
+/// Replaces `AnyDrive::command` when the model checker runs: returns any value to the code, and the same value to the
+/// specification.
 pub fn command(_: &AnyDrive, torque: Force<Fixed32>, rotor: &Rotor) -> Driven {
     let question = [
         torque.0.to_bits().into(),

@@ -1,9 +1,10 @@
-//! Division and roots at 32 bits when the model checker runs: any result that has proved facts, and the same result for equal arguments.
+//! Division and roots at 32 bits when the model checker runs: any result that has proved facts, and the same result for equal
+//! arguments.
 //!
 //! A quotient is here any number that has the facts of [`facts`], as a product is in [`crate::multiplied`]. The specification's
-//! next call gets the code's result if its arguments are equal. The part of the dividend that the quotient accounts for (quotient times
-//! divisor) is a product with the facts of products. A `divided_property!` replaces divisions and roots of code and specification by the
-//! functions of this file, and products by those of [`crate::multiplied`].
+//! next call gets the code's result if its arguments are equal. The part of the dividend that the quotient accounts for (quotient
+//! times divisor) is a product with the facts of products. A `divided_property!` replaces divisions and roots of code and
+//! specification by the functions of this file, and products by those of [`crate::multiplied`].
 //!
 //! ```text
 //! q b <= a, a - q b < b, and q < 2^31 where a < 2^31 b     p3_quotient, obligations/check.py
@@ -128,7 +129,7 @@ pub fn saturating_mul<Frac: LeEqU64>(a: FixedI64<Frac>, b: FixedI64<Frac>) -> Fi
     FixedI64::from_bits(any)
 }
 
-/// The facts of quotients and roots that the model checker assumes.
+/// The facts that the model checker assumes of quotients and roots.
 pub mod facts {
     /// Whether a result has the facts of a quotient; `part` is quotient times divisor. A quotient beyond a signed word has no such
     /// part.
@@ -226,13 +227,13 @@ mod by_one_quotient {
         Signal::from_bits(if negative { -size } else { size })
     }
 
-    /// Replaces [`touchstone_control::magnitude::divide_u32`] under the model checker: the code gets any result, and the same one
-    /// for equal arguments.
+    /// Replaces [`touchstone_control::magnitude::divide_u32`] when the model checker runs the code: returns any value, and the same
+    /// value for equal arguments.
     pub fn divide(wide: u64, by: u32) -> (u64, u64) {
         quotient(wide, by)
     }
-    /// Replaces [`touchstone_control::magnitude::Word::divides_within`] under the model checker: the code gets any result, and the
-    /// same one for equal arguments.
+    /// Replaces [`touchstone_control::magnitude::Word::divides_within`] when the model checker runs the code: returns any value,
+    /// and the same value for equal arguments.
     pub fn divides_within(by: u32, wide: u64) -> Option<(u32, u64)> {
         let (quotient, part) = quotient(wide, by);
         (quotient <= HIGHEST).then_some((quotient as u32, part))
@@ -247,7 +248,8 @@ mod by_one_quotient {
             inverse: 0,
         }
     }
-    /// Replaces [`Number::divide_by`] under the model checker: the code gets any result, and the same one for equal arguments.
+    /// Replaces [`Number::divide_by`] when the model checker runs the code: returns any value, and the same value for equal
+    /// arguments.
     pub fn divide_by(p: i64, k: &Reciprocal32) -> Signal {
         signed(quotient(p.unsigned_abs(), k.divisor).0, p < 0)
     }
@@ -263,7 +265,7 @@ mod by_one_quotient {
         };
         (signed(moved, false), Energy::from_bits(rest))
     }
-    /// Replaces [`crate::spec::over`] under the model checker: the specification gets the result that the code got for equal
+    /// Replaces [`crate::spec::over`] when the model checker runs the specification: returns the value that the code got for equal
     /// arguments.
     pub fn over(a: i128, b: i128) -> i128 {
         assert!(
@@ -303,7 +305,7 @@ mod by_one_quotient {
         }
         product
     }
-    /// Replaces [`crate::spec::times`] under the model checker: the specification gets the result that the code got for equal
+    /// Replaces [`crate::spec::times`] when the model checker runs the specification: returns the value that the code got for equal
     /// arguments.
     pub fn times(a: i128, b: i128) -> i128 {
         let (a, b) = (word(a), word(b));
@@ -329,14 +331,15 @@ mod by_one_quotient {
         ROOT[made].store(any, Relaxed);
         any
     }
-    /// Replaces [`Number::root`] under the model checker: the code gets any result, and the same one for equal arguments.
+    /// Replaces [`Number::root`] when the model checker runs the code: returns any value, and the same value for equal arguments.
     pub fn root(e: Energy) -> Signal {
         if e.to_bits() <= 0 {
             return Signal::ZERO;
         }
         signed(root_of(e.to_bits() as u64).into(), false)
     }
-    /// Replaces [`Number::root_of_four`] under the model checker: the code gets any result, and the same one for equal arguments.
+    /// Replaces [`Number::root_of_four`] when the model checker runs the code: returns any value, and the same value for equal
+    /// arguments.
     pub fn root_of_four(k: Gain) -> Gain {
         if k.to_bits() <= 0 {
             return Gain::ZERO;
@@ -344,8 +347,8 @@ mod by_one_quotient {
         let radicand = u64::from(k.to_bits() as u32) << (Gain::FRAC_NBITS + 2);
         Gain::from_bits(root_of(radicand).min(HIGHEST as u32) as i32)
     }
-    /// Replaces [`crate::spec::fba::root`] under the model checker: the specification gets the result that the code got for equal
-    /// arguments.
+    /// Replaces [`crate::spec::fba::root`] when the model checker runs the specification: returns the value that the code got for
+    /// equal arguments.
     pub fn specified_root(x: i128) -> i128 {
         if x <= 0 {
             return 0;

@@ -110,7 +110,7 @@ property! {
     }
 }
 
-/// Replaces [`product`] under the model checker: any result that has the facts of [`p3_parts_of_words`].
+/// Replaces [`product`] when the model checker runs: any result that has the facts of [`p3_parts_of_words`].
 #[cfg(kani)]
 pub fn any_product(a: i32, b: i32, shift: u32) -> i32 {
     let found = kani::any();

@@ -2,8 +2,9 @@
 //! memory.
 //!
 //! Each product of a weight (coefficient) and a part (leading digits of a state) is one unknown number for code and specification
-//! ([`crate::weighed`]). So the properties hold for any weights for which no sum overflows. `estimator::p3_*` show that for the weights that
-//! settings give. `x`, `d`, `g` are position, displacement per tick and push, `f` the commands, `e` the measured position.
+//! ([`crate::weighed`]). So the properties hold for any weights for which no sum overflows. `estimator::p3_*` show that for the
+//! weights that settings give. `x`, `d`, `g` are position, displacement per tick and push, `f` the commands, `e` the measured
+//! position.
 //!
 //! ```text
 //! apply(x, d, g, f) = spec(x, d, g, f)         p11_estimator_flow, p11_estimator_ahead
@@ -61,7 +62,7 @@ pub fn memory(of: &EstimatorState<N>) -> spec::Memory {
 }
 
 weighed_property! {
-    /// P11 (refinement): the motion predicted from one sample to the next, with three commands, equals the specification's.
+    /// P11 (refinement): the estimator's prediction from one sample to the next, with three commands, equals the specification's.
     equation "(x⁻, d⁻) = spec(x, d, g, f)"
     over "weights, motion in the invariant, commands"
     by minisat fn p11_estimator_flow(s) {
@@ -76,7 +77,7 @@ weighed_property! {
     }
 }
 weighed_property! {
-    /// P11 (refinement): the motion predicted from a sample to when the next command acts, with two commands, equals the
+    /// P11 (refinement): the estimator's prediction from a sample to when the next command acts, with two commands, equals the
     /// specification's.
     equation "(x, d) = spec(x, d, g, f)"
     over "weights, motion in the invariant, commands"
@@ -110,7 +111,7 @@ flowed_property! {
     }
 }
 corrected_property! {
-    /// P11 (refinement): a tick of the estimator equals the specification's, with results and memory.
+    /// P11 (refinement): a tick of the state estimator equals the specification's, with results and memory.
     equation "(memory', e', Δe') = spec(memory, e)"
     over "weights, memory in the invariant or before the first sample, measured position"
     by minisat fn p11_estimator_tick(s) {

@@ -73,7 +73,7 @@ fn flow_ok<const COMMANDS: usize>(flow: &Flow<N, COMMANDS>, ticks: i32, limit: i
         && taken(1)
 }
 
-/// Estimator with any weights; in random tests mostly weights that settings can give.
+/// An estimator with any weights (coefficients); in random tests mostly weights that settings can give.
 pub fn any<S: Source>(s: &mut S) -> Estimator<N> {
     let one = i64::from(ONE);
     let limit = Force(fixed::types::I8F24::from_bits(weight(
@@ -128,7 +128,8 @@ pub fn any_commands<S: Source>(s: &mut S, limit: Force<N>) -> [i32; TAPS] {
     core::array::from_fn(|_| s.i32().clamp(-most, most))
 }
 
-/// Any measured position; on some samples one near the expected position, as otherwise hardly any would be corrected.
+/// Any measured position. Some samples are near the expected position, as otherwise the estimator would hardly ever correct and
+/// mostly restart.
 pub fn any_measured<S: Source>(s: &mut S, before: &EstimatedMotion<N>) -> Position<N> {
     if !s.bool() {
         return Position(fixed::types::I8F24::from_bits(s.i32()));

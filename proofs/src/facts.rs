@@ -63,7 +63,7 @@ pub mod fact {
     pub fn affordable(moved: i64, rest: i64, e: i64) -> bool {
         moved >= 0 && rest >= 0 && rest <= e
     }
-    /// Facts of a root: it is not negative, and it is 0 if its argument is not positive.
+    /// Facts of a square root: it is not negative, and it is 0 if its argument is not positive.
     pub fn root(result: i64, e: i64) -> bool {
         result >= 0 && (e > 0 || result == 0)
     }
@@ -159,7 +159,7 @@ impl Number for Facts32 {
     fn sub_product(a: i64, b: i64) -> i64 {
         Fixed32::sub_product(a, b)
     }
-    // The model checker and every sampled test check that these two fit.
+    // The model checker and every test on random samples check that the sum and the difference fit.
     fn add_fitting(a: i64, b: i64) -> i64 {
         Fixed32::add_fitting(a, b)
     }
@@ -207,7 +207,7 @@ impl Number for Facts32 {
     fn sub_energy(a: Energy, b: Energy) -> Energy {
         Fixed32::sub_energy(a, b)
     }
-    // On samples mostly a short displacement, at which the law's force varies more.
+    // The model checker and every test on random samples check that the sum and the difference fit.
     fn add_energy_fitting(a: Energy, b: Energy) -> Energy {
         Fixed32::add_energy_fitting(a, b)
     }

@@ -1,8 +1,8 @@
-//! Properties of force bounding (FBA): the force is at most `sqrt(4 E c_i/T)`, so that no next displacement can make the energy negative. `E`
-//! is the energy, `c_i` the device's damping and `T` the control period.
+//! Properties of force bounding (FBA): the force is at most `sqrt(4 E c_i/T)`, so that no next displacement can make the energy
+//! negative. `E` is the energy, `c_i` the device's damping and `T` the control period.
 //!
-//! Let `b` be the number of fractional bits of a gain. In steps of the number formats, with `c = c_i/T`, three facts about the code give one
-//! fact of arithmetic:
+//! Let `b` be the number of fractional bits of a gain. In steps of the number formats, with `c = c_i/T`, three facts about the code
+//! give one fact of arithmetic:
 //!
 //! ```text
 //! f 2^b <= bound root      p5_force_below_bound
@@ -70,7 +70,7 @@ macro_rules! fba {
                 }
             }
             property! {
-                /// P5 (force bounding): the force of a tick is at most the largest that its energy allows.
+                /// P5 (force bounding): the force of a tick is at most the largest that the law's energy allows.
                 equation "f <= largest(E')"
                 over "valid configuration, memory in the invariant, position inside"
                 by $sums fn p5_tick_is_bounded(s) {

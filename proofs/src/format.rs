@@ -68,7 +68,7 @@ pub trait Format: Number {
     fn of_energy(x: Self::Energy) -> i64;
     /// The bits of a tension as an integer.
     fn of_tension(x: Self::Product) -> i64;
-    /// Energy cap that the proofs use for every law: a quarter of the format's range.
+    /// Largest energy that a law may store in the proofs: a quarter of the format's range.
     fn energy_cap() -> Energy<Self>;
 }
 

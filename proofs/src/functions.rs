@@ -30,7 +30,7 @@ mod memo {
     const ROWS: usize = 6;
     type Row = [AtomicI64; 5];
 
-    /// Record of one operation: per row three arguments and two results, of which some operations use fewer.
+    /// Record of one operation: each row has three arguments and two results, of which some operations use fewer.
     pub struct Memo {
         used: AtomicUsize,
         rows: [Row; ROWS],
@@ -205,7 +205,7 @@ impl Number for Functions32 {
     fn sub_energy(a: Energy, b: Energy) -> Energy {
         Facts32::sub_energy(a, b)
     }
-    // The model checker and every sampled test check that these two fit.
+    // The model checker and every test on random samples check that the sum and the difference fit.
     fn add_energy_fitting(a: Energy, b: Energy) -> Energy {
         Facts32::add_energy_fitting(a, b)
     }

@@ -4,15 +4,15 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize))]
 pub enum Board {
-    /// NUCLEO-G474RE with an X-NUCLEO-IHM08M1.
+    /// NUCLEO-G474RE with the motor driver shield X-NUCLEO-IHM08M1.
     NucleoG474re,
-    /// B-G431B-ESC1.
+    /// B-G431B-ESC1, a board with microcontroller and motor driver.
     BG431bEsc1,
-    /// NUCLEO-G474RE with an X-NUCLEO-IHM16M1.
+    /// NUCLEO-G474RE with the motor driver shield X-NUCLEO-IHM16M1.
     NucleoG474reIhm16m1,
-    /// NUCLEO-G474RE with a SimpleFOC Mini, which measures no current.
+    /// NUCLEO-G474RE with the motor driver board SimpleFOC Mini, which measures no current.
     NucleoG474reSimplefocMini,
-    /// NUCLEO-G431RB with an X-NUCLEO-IHM16M1: the kit P-NUCLEO-IHM03.
+    /// NUCLEO-G431RB with the motor driver shield X-NUCLEO-IHM16M1: the kit P-NUCLEO-IHM03.
     NucleoG431rbIhm16m1,
 }
 
@@ -38,7 +38,7 @@ impl Board {
         }
     }
 
-    /// Name of the board's microcontroller in `probe-rs`.
+    /// Name of the board's microcontroller in the flashing tool `probe-rs`.
     #[must_use]
     pub const fn chip(self) -> &'static str {
         match self {

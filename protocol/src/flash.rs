@@ -1,18 +1,18 @@
-//! The image of the settings in flash. Each flash page is a slot for one image, and the slots are written in turn. So a power failure
-//! at any write or erase loses only the image that was being written.
+//! The image of the settings in flash. Each flash page is a slot for one image, and the slots are written in turn. So a power
+//! failure at any write or erase loses only the image that was being written.
 //!
 //! ```text
 //! page:  sequence u32 | length u32 | image (stored.rs) | CRC-32 of all before | erased
 //! ```
 //!
-//! The device uses the newest complete slot. A write erases and fills the next slot, which is the oldest. A power failure damages that
-//! page only: the newest slot is not touched until another slot is complete. No state outside the slots needs repair.
+//! The device uses the newest complete slot. A write erases and fills the next slot, which is the oldest. A power failure damages
+//! that page only: the newest slot is not touched until another slot is complete. No state outside the slots needs repair.
 //!
 //! The crate sequential-storage is not used: its pages have a state in a byte at each end, and an interrupted erase leaves any
 //! pattern of bits. In a simulation of power failures (`tests/src/flash.rs`), some 2 of 100 that met an erase lost all settings.
 //!
-//! If the power fails while an STM32G4 programs a double word, reading that double word later may give an ECC error. The read then raises
-//! the NMI, whose handler has to clear the flag and return. The slot's CRC then rejects the data that were read.
+//! If the power fails while an STM32G4 programs a double word, reading that double word later may give an ECC error. The read then
+//! raises the NMI, whose handler has to clear the flag and return. The slot's CRC then rejects the data that were read.
 
 use crate::frame::crc_of;
 use crate::session::FlashError;
@@ -74,7 +74,7 @@ pub fn load<F: NorFlash>(
     Start::defaults(defaults, refused)
 }
 
-/// Writes an image into the next slot and reads it back to compare.
+/// Writes an image of the settings into the next slot and reads it back to compare.
 ///
 /// # Errors
 /// The flash reported an error, or the data read back differ. The settings stored before are still readable.

@@ -1,4 +1,5 @@
-//! Frames of the serial link: COBS-encoded, ended by a zero byte. A frame holds a postcard value and its CRC-32.
+//! Frames of the serial link: COBS-encoded, ended by a zero byte. A frame holds a message, encoded by the serialiser postcard, and
+//! its CRC-32.
 //!
 //! COBS leaves no zero byte inside a frame. So after any noise the next zero byte marks the end of a frame, and the receiver is in
 //! step again. The CRC is that of Ethernet and zip (ISO-HDLC), least significant byte first.
@@ -19,7 +20,7 @@ pub const ENCODED_MAX: usize = PAYLOAD_MAX + CRC_BYTES + 1 + (PAYLOAD_MAX + CRC_
 /// Longest frame with its ending zero byte, in bytes.
 pub const FRAME_MAX: usize = ENCODED_MAX + 1;
 
-/// The table of the CRC-32, in flash, which encoder and decoder share.
+/// The lookup table for the CRC-32, in flash, which encoder and decoder share.
 static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// The CRC-32 of `bytes`.

@@ -12,7 +12,7 @@ pub enum Limit {
     Voltage = 2,
     /// The force of the control law is at the largest force that the law's settings allow.
     Force = 3,
-    /// The torque is still fading in after arming.
+    /// The torque is still fading in after the outputs were switched on (arming).
     FadeIn = 4,
     /// The encoder's reading was bad in this tick. The outputs are off until a reading is good; too many bad ones in a row are a
     /// fault.
@@ -52,19 +52,19 @@ impl Limits {
     /// The empty set: no limit acts.
     pub const NONE: Self = Self(0);
 
-    /// The set with these bits from the wire; unknown bits are kept.
+    /// The set of limits from its bits on the serial link; unknown bits are kept.
     #[must_use]
     pub const fn from_wire(bits: u8) -> Self {
         Self(bits)
     }
 
-    /// The bits of the set for the wire.
+    /// The bits of the set of limits, for the serial link.
     #[must_use]
     pub const fn to_wire(self) -> u8 {
         self.0
     }
 
-    /// Whether `limit` acts.
+    /// Whether this limit acts, that is whether it is in the set.
     #[must_use]
     pub const fn has(self, limit: Limit) -> bool {
         self.0 & limit.bit() != 0

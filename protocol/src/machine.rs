@@ -10,7 +10,8 @@
 //! overwrite it, because the first one is the cause. Only the command `Stop` leaves a fault, to `Stopped`. From `Stopped` the way
 //! back to `Armed` leads through a calibration. A fault acts in every state, before any command of the same tick.
 
-/// Why the outputs were switched off. The numbers go over the wire and never change; a code that is not in use keeps its number.
+/// Why the outputs were switched off. The numbers go over the serial link and never change; a code that is not in use keeps its
+/// number.
 ///
 /// [`Context::value`] holds the measured value, in the unit that ends each code's comment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -61,8 +62,8 @@ pub enum FaultCode {
     /// The current sensors' readings at zero current are implausible. Value: the worst reading, counts of the analogue-to-digital
     /// converter.
     CurrentSensor = 20,
-    /// The motor is too hot by the model of its windings. Value: mean square of its current in ‰ of the square of the continuous
-    /// current.
+    /// The motor is too hot by the model of its windings. Value: mean square of its current, in thousandths of the square of the
+    /// current that it bears for ever.
     MotorHot = 21,
     /// The desktop sent no message for longer than allowed while the outputs may be on. Value: ms.
     HostSilent = 22,
@@ -106,13 +107,13 @@ impl FaultCode {
         Self::MotorModel,
     ];
 
-    /// The fault with this number on the wire; `None` for an unknown number.
+    /// The fault with this number on the serial link; `None` for an unknown number.
     #[must_use]
     pub fn from_wire(number: u8) -> Option<Self> {
         Self::ALL.get(usize::from(number).checked_sub(1)?).copied()
     }
 
-    /// The fault's number on the wire.
+    /// The fault's number on the serial link.
     #[must_use]
     pub const fn to_wire(self) -> u8 {
         self as u8

@@ -32,10 +32,11 @@ pub enum MeasuringPart {
 pub struct MeasuringTick {
     /// The step of the measurement.
     pub part: MeasuringPart,
-    /// d-axis current in the current loop's frame, mA. The q-axis current is [`crate::Telemetry::current_q_ma`].
+    /// Current along the rotor's field (d-axis), mA, in the frame of the current loop. The torque-making current is
+    /// [`crate::Telemetry::current_q_ma`].
     pub current_d_ma: i32,
-    /// d-axis voltage in the current loop's frame, mV.
+    /// Voltage along the rotor's field (d-axis), mV, in the frame of the current loop.
     pub voltage_d_mv: i32,
-    /// q-axis voltage in the current loop's frame, mV.
+    /// Voltage of the torque-making axis (q-axis), mV, in the frame of the current loop.
     pub voltage_q_mv: i32,
 }

@@ -51,7 +51,7 @@ pub enum Reply {
     /// Answer to `Start`: the data stored for the next start, and how the automatic start went.
     #[cfg(feature = "large")]
     Start(crate::settings::kept::StartReport),
-    /// Answer to `Cogging`: the stored map of the motor's cogging.
+    /// Answer to `Cogging`: the stored map of the motor's cogging torque.
     #[cfg(feature = "large")]
     Cogging(crate::settings::cogging::CoggingReport),
 }

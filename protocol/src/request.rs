@@ -34,7 +34,7 @@ pub enum Request<'a> {
     Set {
         /// The setting's path.
         path: &'a str,
-        /// The new value, encoded by postcard.
+        /// The new value, encoded by the serialiser postcard.
         value: &'a [u8],
     },
     /// Requests all settings.
@@ -86,11 +86,12 @@ pub enum Request<'a> {
     /// Requests the stored map of the motor's cogging torque.
     #[cfg(feature = "large")]
     Cogging,
-    /// Stores this cogging map, which was measured with the present settings, and uses it for compensation. Only in the state
-    /// `Ready`; `Save` writes it to flash.
+    /// Stores this map of the motor's cogging torque, which was measured with the present settings, and uses it for compensation.
+    /// Only in the state `Ready`; `Save` writes it to flash.
     #[cfg(feature = "large")]
     KeepCogging(crate::settings::cogging::CoggingMap),
-    /// Discards the stored cogging map. Not while the motor is driven (`Calibrating`, `Armed`); `Save` writes this to flash.
+    /// Discards the stored map of the motor's cogging torque. Not while the motor is driven (`Calibrating`, `Armed`); `Save` writes
+    /// this to flash.
     #[cfg(feature = "large")]
     ForgetCogging,
     /// Adds a slow turn of the shaft both ways, which measures the cogging, to the next calibration only.

@@ -71,10 +71,10 @@ pub trait Backend {
     fn started(&self) -> (bool, SelfStart) {
         (false, SelfStart::Off)
     }
-    /// Hands over the cogging map that the device compensates from now on; `None`: no compensation.
+    /// Hands over the map of the motor's cogging torque that the device compensates from now on; `None`: no compensation.
     #[cfg(feature = "large")]
     fn use_cogging(&mut self, _settings: &DeviceSettings, _map: Option<&CoggingMap>) {}
-    /// Hands over the cogging sweep that the next calibration includes.
+    /// Hands over whether and how the next calibration turns the shaft slowly to measure the cogging torque.
     #[cfg(feature = "large")]
     fn sweep(&mut self, _sweep: Sweep) {}
 }
@@ -95,7 +95,7 @@ pub struct Session {
     #[cfg(feature = "large")]
     cogging: Option<KeptCogging>,
     unsaved: bool,
-    /// Number and command of a request whose result is not known yet.
+    /// Number and command of a request whose result is not known yet, because the device has not carried it out.
     waiting: Option<(u8, DeviceCommand)>,
 }
 
@@ -149,7 +149,7 @@ impl Session {
         self
     }
 
-    /// Sets the cogging map that the device started with.
+    /// Sets the map of the motor's cogging torque that the device started with.
     #[cfg(feature = "large")]
     #[must_use]
     pub fn with_cogging(mut self, cogging: Option<KeptCogging>) -> Self {
@@ -164,7 +164,7 @@ impl Session {
         self.cogging.as_ref()
     }
 
-    /// The stored cogging map, if it was measured with the settings in use.
+    /// The stored map of the motor's cogging torque, if it was measured with the settings in use.
     #[cfg(feature = "large")]
     #[must_use]
     pub fn cogging(&self, board: crate::Board) -> Option<&CoggingMap> {
@@ -225,7 +225,7 @@ impl Session {
         }
     }
 
-    /// Returns the answer to the waiting command, after the device has accepted or refused it.
+    /// Returns the answer to the command that waits for the device, after the device has accepted or refused it.
     #[inline(never)]
     pub fn commanded(&mut self, accepted: bool, device: &impl Backend) -> Answered {
         let Some((id, command)) = self.waiting.take() else {

@@ -74,13 +74,13 @@ pub enum Refused {
 pub struct Start {
     /// The settings to use.
     pub settings: DeviceSettings,
-    /// The environment to render: walls, end stops and detents.
+    /// The environment that the knob renders: walls, end stops, detents and torque profile.
     #[cfg(feature = "large")]
     pub environment: Surround,
     /// The data stored for the next start: the encoder's alignment and whether the board starts by itself.
     #[cfg(feature = "large")]
     pub kept: KeptStart,
-    /// The cogging map, if one is stored.
+    /// The map of the motor's cogging torque, if one is stored.
     #[cfg(feature = "large")]
     pub cogging: Option<KeptCogging>,
     /// Why the defaults are used although an image was stored. The device then latches `SettingsInvalid`.

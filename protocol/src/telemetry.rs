@@ -29,7 +29,7 @@ pub struct Telemetry {
     /// Offset of the spring in the control law (successive force augmentation), rad; 0 for laws without an offset.
     #[serde(with = "bits")]
     pub offset_rad: I8F24,
-    /// Energy in joules that the control law's observer has summed.
+    /// Energy in joules that the control law's energy observer has summed.
     pub energy_j: Decimal,
     /// State of the device in this tick.
     pub phase: Phase,
@@ -78,7 +78,7 @@ impl Phase {
         Self::Stopped,
     ];
 
-    /// The state's name as text for people.
+    /// The name of the device's state as text for people.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -105,7 +105,8 @@ impl From<State> for Phase {
     }
 }
 
-/// The record of a fault on the wire. The code is a plain number, so that an older desktop can show a code that it does not know.
+/// The record of a fault on the serial link. The code is a plain number, so that an older desktop program can show a code that it
+/// does not know.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fault {
     /// Number of the fault: [`FaultCode::to_wire`].
@@ -134,7 +135,7 @@ impl From<Context> for Fault {
     }
 }
 
-/// Largest number of records in one answer to `Ring`.
+/// Largest number of ring-buffer records in one answer to the request `Ring`.
 pub const RING_CHUNK: usize = 24;
 
 /// Part of the ring buffer, which holds the records of the last second.

@@ -19,7 +19,7 @@ const DELAYS: [f64; 4] = [0.0, 0.1, 0.5, 1.0];
 /// Control periods in one evaluation of a simulated hand. The worst hand of a search is run again for `LONGER` periods.
 const TICKS: u32 = 500;
 const LONGER: u32 = 20_000;
-/// The guard's energy limits: capacity of its energy account in J, and force limit in N·m.
+/// The energy guard's limits: capacity of its energy account in J, and force limit in N·m.
 #[derive(Debug, Clone, Copy)]
 struct Account {
     capacity_j: f64,
@@ -41,7 +41,7 @@ impl Account {
         }
     }
 
-    /// Most energy in J that the guard lets a hand get out: the capacity, plus one encoder count times the largest force.
+    /// Most energy in J that the energy guard lets a hand get out: the capacity, plus one encoder count times the largest force.
     fn bound_j(self) -> f64 {
         self.capacity_j + self.force_limit_n_m * touchstone_tests::port::COUNT_RAD
     }
@@ -103,18 +103,18 @@ fn laws() -> Vec<(String, PortLaw)> {
     laws
 }
 
-/// One row of the result file: the worst hand of one type for one law and delay.
+/// One row of the result file: the worst hand of one type for one control law and delay.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Row {
     law: String,
     delay_ticks: f64,
     way: String,
     evaluations: u32,
-    /// Most energy in J that the hand gets out with the guard, beyond the energy that refills the guard's account.
+    /// Most energy in J that the hand gets out with the energy guard, beyond the energy that refills the guard's account.
     guarded_j: f64,
-    /// The same hand's energy in J, including the control period in which it exceeded the guard's speed limit, if it did.
+    /// The same hand's energy in J, including the control period in which it exceeded the energy guard's speed limit, if it did.
     overspeed_j: f64,
-    /// Most energy in J that a hand gets out in any half second without the guard.
+    /// Most energy in J that a hand gets out in any half second without the energy guard.
     bare_j: f64,
 }
 
@@ -187,7 +187,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Prints the worst type of hand for every law and delay.
+/// Prints the worst type of hand for every control law and delay.
 fn print(account: Account, laws: &[(String, PortLaw)], rows: &[Row]) {
     let total: u64 = rows.iter().map(|row| u64::from(row.evaluations)).sum();
     println!(

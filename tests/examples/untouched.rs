@@ -1,4 +1,4 @@
-//! Prints how low the guard's energy account falls while a hand holds, wiggles and trembles against a stable virtual wall.
+//! Prints how low the energy guard's account falls while a hand holds, wiggles and trembles against a stable virtual wall.
 //!
 //! `cargo run --release -p touchstone-tests --example untouched -- 3600` simulates an hour of each motion; the default is a minute.
 //! In rows named `counts` the guard charges half an encoder count for every change of force. In rows named `free` it charges none,

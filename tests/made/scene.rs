@@ -13,9 +13,9 @@ use touchstone_sim::scene::{Preset, Scene};
 /// Largest processor time in s that a generated scene may take if the program did not announce it as long. It is longer in builds
 /// without optimisation.
 const PATIENCE_S: f64 = if cfg!(debug_assertions) { 6.0 } else { 2.0 };
-/// Processor time that a scene announced as long may take, per second of the program's own estimate.
+/// Processor time that a simulation announced as long may take, per second of the program's own estimate.
 const SHARE: f64 = PATIENCE_S / work::LONG_S;
-/// Length of the run of a scene announced as long, in s of its estimated time.
+/// Length of the part that is simulated of a scene announced as long, in s of its estimated time.
 pub const TRIED_S: f64 = 0.2;
 
 fn number(seeded: &mut impl Choices, numbers: &[f64]) -> String {
@@ -23,7 +23,7 @@ fn number(seeded: &mut impl Choices, numbers: &[f64]) -> String {
     format!("{:e}", numbers[seeded.below(numbers.len())])
 }
 
-/// Names of scenes: ones that users choose, and ones that could do harm.
+/// Names of scene files: ones that users choose, and ones that could do harm.
 const TEXTS: [&str; 6] = [
     "\"\"",
     "\"a \\\"quoted\\\" name\"",
@@ -97,7 +97,7 @@ fn value(field: &Field, seeded: &mut impl Choices) -> String {
     }
 }
 
-/// Makes a random scene: returns the shipped scene to start from, and the changes `field=value`.
+/// Makes a random scene (description of a simulation): returns the shipped scene file to start from, and the changes `field=value`.
 pub fn made(seeded: &mut impl Choices) -> (&'static str, Vec<String>) {
     let base = seeded.of(&[
         "thesis-knob",
@@ -125,13 +125,13 @@ pub fn made(seeded: &mut impl Choices) -> (&'static str, Vec<String>) {
     (base, sets)
 }
 
-/// Result of trying a generated scene.
+/// Result of trying a generated scene file.
 pub enum Ended {
     /// The simulation ran to its end.
     Run,
-    /// The program refused the scene with a one-line message.
+    /// The program refused the scene file with a one-line message.
     Refused,
-    /// The program announced the scene as long, and only a part of it was simulated.
+    /// The program announced the simulation as long, and only a part of it was run.
     Long,
 }
 
@@ -145,7 +145,7 @@ fn processor_s(begun: Instant) -> f64 {
     ns.map_or_else(|| begun.elapsed().as_secs_f64(), |ns| 1e-9 * ns)
 }
 
-/// Builds and simulates a generated scene. Returns the result and the processor time in s.
+/// Reads and simulates a generated scene file. Returns the result and the processor time in s.
 pub fn tried(base: &str, sets: &[String]) -> (Ended, f64) {
     let one_line = |error: touchstone_sim::error::Error| {
         let text = error.to_string();

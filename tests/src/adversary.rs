@@ -4,8 +4,8 @@
 use crate::port::{Gripped, Hand, Imposed, Outcome, Port, TICK_S};
 use crate::search;
 
-/// Largest speed of a simulated hand: just below the guard's limit of 60 rad/s, because the measured speed may be wrong by an
-/// encoder count.
+/// Largest speed of a simulated hand: just below the energy guard's limit of 60 rad/s, because the measured speed may be wrong by
+/// an encoder count.
 pub const FASTEST_RAD_PER_S: f64 = 59.0;
 
 /// A type of simulated hand.
@@ -72,7 +72,7 @@ impl Way {
     }
 
     /// Searches for the worst hand of this type with this many evaluations. Returns its parameters, and the most energy in J that
-    /// it got beyond the energy that refills the guard's account.
+    /// it got beyond the energy that refills the energy guard's account.
     #[must_use]
     pub fn worst(self, port: &Port, evaluations: u32, ticks: u32, seed: u64) -> (Vec<f64>, f64) {
         search::largest(self.dimensions(), 0.5, evaluations, seed, |numbers| {

@@ -28,8 +28,8 @@ pub struct BoardLoop {
 }
 
 impl BoardLoop {
-    /// The current loop and law settings of the board Nucleo-G474RE by default. The guard's delay in the settings is the one that
-    /// the board calculates.
+    /// The current loop and the control law's settings of the board Nucleo-G474RE by default. The energy guard's delay in the
+    /// settings is the one that the board calculates.
     ///
     /// # Panics
     /// The board refuses its own default settings.

@@ -1,4 +1,4 @@
-//! Walls, detents and an encoder, as shared by the tests of environments.
+//! Walls, detents and an encoder that the tests of environments (several walls and detents on one knob) share.
 
 use crate::si::si;
 use touchstone_control::environment::{
@@ -6,13 +6,13 @@ use touchstone_control::environment::{
 };
 use touchstone_control::{CountScale, Reported, Settings, Si};
 
-/// Encoder counts per turn in the tests of environments.
+/// Encoder counts per turn in the tests of environments (several walls and detents on one knob).
 pub const COUNTS: u32 = 40_000;
 
 /// One encoder count, rad.
 pub const COUNT_RAD: f64 = std::f64::consts::TAU / COUNTS as f64;
 
-/// The encoder scale of the environment tests: [`COUNTS`] per turn, angle 0 at count 0.
+/// The scale of the tests' encoder: [`COUNTS`] per turn, angle 0 at count 0.
 ///
 /// # Panics
 /// Never.
@@ -66,7 +66,7 @@ pub fn detents() -> DetentSettings {
     }
 }
 
-/// Builds an environment from walls and detents.
+/// Builds an environment: several walls and, if given, detents on one knob.
 ///
 /// # Panics
 /// The environment is refused.

@@ -1,4 +1,5 @@
-//! A reference for the state estimator, calculated independently with matrices, and the devices on which tests compare the two.
+//! A reference for the state estimator (position and speed from a model of the device). It is calculated independently with
+//! matrices. Also has the devices on which tests compare the estimator with it.
 
 use std::f64::consts::TAU;
 
@@ -120,7 +121,7 @@ impl Reference {
         (ahead[0], ahead[1])
     }
 
-    /// Tells the estimator the commanded force, N·m, which begins to act after the delay.
+    /// Reports the commanded force to the estimator, N·m. The force begins to act after the delay.
     pub fn commanded(&mut self, force: f64) {
         self.commands.remove(0);
         self.commands.push(force);
@@ -151,7 +152,7 @@ pub const DEVICES: [DeviceRow; 7] = [
     (500, "90", "0.00001", "0", 1.5),
 ];
 
-/// The estimator's settings for a test device.
+/// The state estimator's settings for a test device.
 pub fn settings(&(rate, p, j, b, delay): &DeviceRow) -> EstimatorSettings {
     EstimatorSettings {
         bandwidth_hz: Si::from_str(p).unwrap(),
@@ -161,7 +162,7 @@ pub fn settings(&(rate, p, j, b, delay): &DeviceRow) -> EstimatorSettings {
     }
 }
 
-/// The estimator of the control crate for a test device.
+/// The control crate's state estimator for a test device.
 ///
 /// # Panics
 /// The estimator refuses its settings.
@@ -170,7 +171,7 @@ pub fn estimator<N: Number>(device: &DeviceRow) -> Estimator<N> {
     built.unwrap_or_else(|error| panic!("{device:?}: {error}"))
 }
 
-/// The estimator in matrix form for a test device, with parameters rounded as the settings round them.
+/// The state estimator in matrix form for a test device, with parameters rounded as the settings round them.
 pub fn reference(device: &DeviceRow) -> Reference {
     let given = settings(device);
     let rate = f64::from(device.0);
@@ -202,8 +203,8 @@ pub fn play(ticks: u32, seed: u64, mut tick: impl FnMut(f64, f64)) {
     }
 }
 
-/// How much an error in each state of the estimator is amplified in its outputs. Sums the outputs' magnitudes over all control
-/// periods after an error of 1.
+/// How much an error in each state of the estimator (position, speed, hand's acceleration) is amplified in its outputs. Sums the
+/// outputs' magnitudes over all control periods after an error of 1.
 pub fn amplification(matrices: &Reference, delay: f64) -> [[f64; 3]; 2] {
     let a = matrices.error_step();
     let mut power: [[f64; 3]; 3] =

@@ -19,7 +19,7 @@ pub mod variants;
 
 pub use touchstone_knob::knob;
 
-/// Returns the shipped scene of this name, with the control law's settings from the DLR thesis, which most tests use.
+/// Returns the shipped scene (description of a simulation) of this name, with the control law's settings from the DLR thesis.
 ///
 /// # Panics
 /// There is no scene of this name.

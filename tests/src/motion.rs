@@ -30,8 +30,8 @@ pub fn wiggle(depth_rad: f64, ticks: u32) -> Vec<f64> {
         .collect()
 }
 
-/// A motion into the wall in 200 control periods, a little back in 50 (which ends the first contact phase of the control law), and
-/// a hold for `ticks` periods.
+/// A motion into the wall in 200 control periods, a little back in 50, and a hold for `ticks` periods. The way back ends the phase
+/// in which the control law SFA starts with a soft wall.
 #[must_use]
 pub fn hold(depth_rad: f64, ticks: usize) -> Vec<f64> {
     let ramp = |tick: u32, of: u32| {

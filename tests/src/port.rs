@@ -1,5 +1,5 @@
-//! Simulates the mechanical port between device and hand, with exact energy bookkeeping: a hand, a control law, the guard, an
-//! encoder and a delay.
+//! Simulates the mechanical port between device and hand, with exact energy bookkeeping: a hand, a control law, the energy guard,
+//! an encoder and a delay.
 //!
 //! Each control period has two parts, before and after the force changes. In each part the position is linear in time, or follows
 //! from the masses of a simulated hand. The energy is summed in `f64` from the true motion, not from the measured one.
@@ -32,10 +32,10 @@ pub struct SpringDamper {
 #[derive(Debug, Clone, Copy)]
 #[expect(clippy::large_enum_variant, reason = "there is one for each port")]
 pub enum PortLaw {
-    /// A spring and damper in `f64`, which can request forces that no shipped law would request from the guard.
+    /// A spring and damper in `f64`. They can request forces from the energy guard that no shipped control law would request.
     SpringDamper(SpringDamper),
-    /// A control law of the control crate with its estimator, at 1 kHz. Guard and force limit in the settings are not used, because
-    /// the simulated port has its own.
+    /// A control law of the control crate with its state estimator, at 1 kHz. Guard and force limit in these settings are not used,
+    /// because [`Port`] has its own.
     Controlled(Settings),
 }
 
@@ -103,7 +103,7 @@ pub trait Hand {
     fn go(&mut self, tick: u32, late: bool, force_n_m: f64, seconds: f64) -> (f64, f64);
 }
 
-/// The simulated port: device, control law and guard, which a hand moves.
+/// The simulated port: device, control law and energy guard, which a hand moves.
 #[derive(Debug, Clone)]
 pub struct Port {
     /// Delay from the encoder's sample to the force in control periods, 0 to 1. Not used with a board's current loop.
@@ -116,11 +116,11 @@ pub struct Port {
     pub counts: bool,
     /// One encoder count, rad.
     pub count_rad: f64,
-    /// Whether the guard is configured with the size of an encoder count (else with 0).
+    /// Whether the energy guard is configured with the size of an encoder count (else with 0).
     pub told: bool,
     /// The control law that requests the force.
     pub law: PortLaw,
-    /// Settings of the guard; `None` for no guard.
+    /// Settings of the energy guard; `None` for no guard.
     pub guard: Option<GuardSettings>,
     /// Force limit of the control law, N·m.
     pub force_limit_n_m: f64,
@@ -131,17 +131,17 @@ pub struct Port {
 pub struct Outcome {
     /// Most energy that the hand got out in any window of time, J.
     pub worst_window_j: f64,
-    /// Most energy in J that the hand got out in any time window, minus the energy that refilled the guard's account in that
+    /// Most energy in J that the hand got out in any time window, minus the energy that refilled the energy guard's account in that
     /// window.
     pub above_refill_j: f64,
-    /// As `above_refill_j`, in J, but including the control period in which the device exceeded the guard's speed limit, if the run
-    /// ended so. The other energies exclude that period, as the guard's bound does.
+    /// As `above_refill_j`, in J, but including the control period in which the device exceeded the energy guard's speed limit, if
+    /// the run ended so. The other energies exclude that period, as the guard's bound does.
     pub with_overspeed_j: f64,
-    /// Lowest level of the guard's energy account, J.
+    /// Lowest level of the energy guard's account, J.
     pub lowest_account_j: f64,
-    /// Level of the guard's energy account at the end, J.
+    /// Level of the energy guard's account at the end, J.
     pub last_account_j: f64,
-    /// Number of control periods in which the guard changed the requested force.
+    /// Number of control periods in which the energy guard changed the requested force.
     pub changed_ticks: u32,
     /// Number of control periods that were simulated: fewer than requested if an over-speed ended the run.
     pub ticks: u32,
@@ -154,8 +154,8 @@ fn si(value: f64) -> Si {
 }
 
 impl Port {
-    /// The guard's usual settings in these tests: capacity 20 mJ, refill 0.5 mW, 80 % of the device's damping, and a delay in
-    /// control periods.
+    /// The energy guard's usual settings in these tests: an account of at most 20 mJ that is refilled by 0.5 mW, 80 % of the
+    /// device's damping, and a delay in control periods.
     #[must_use]
     pub fn settings(delay_ticks: f64) -> GuardSettings {
         GuardSettings {
@@ -165,8 +165,8 @@ impl Port {
         }
     }
 
-    /// A port with this control law, and the guard of [`Self::settings`] if `guarded` is true. `counts` says whether positions are
-    /// measured in encoder counts.
+    /// A port with this control law, and the energy guard of [`Self::settings`] if `guarded` is true. `counts` says whether
+    /// positions are measured in encoder counts.
     #[must_use]
     pub fn new(law: impl Into<PortLaw>, delay_ticks: f64, counts: bool, guarded: bool) -> Self {
         Self {
@@ -182,7 +182,7 @@ impl Port {
         }
     }
 
-    /// The properties of the device with which the guard is configured.
+    /// The properties of the device with which the energy guard is configured.
     #[must_use]
     pub fn device(&self) -> GuardedDevice {
         GuardedDevice {
@@ -196,7 +196,7 @@ impl Port {
         }
     }
 
-    /// Warnings that the guard's settings cause.
+    /// Warnings that the energy guard's settings cause.
     #[must_use]
     pub fn warnings(&self) -> [Option<Warning>; 2] {
         self.guard
@@ -381,7 +381,8 @@ impl<F: Fn(f64) -> f64> Gripped<F> {
     }
 }
 
-/// Torque of a hand that pushes with 0.1 N·m plus a sine of 0.03 N·m at `hz`, after a rise over 0.3 s. With 0 Hz the push is constant.
+/// Torque of a hand that pushes with 0.1 N·m plus a sine of 0.03 N·m at `hz`, after a rise over 0.3 s. With 0 Hz the push is
+/// constant.
 pub fn wiggle(hz: f64) -> impl Fn(f64) -> f64 {
     move |t| (t / 0.3).min(1.0) * (0.1 + 0.03 * (std::f64::consts::TAU * hz * t).sin())
 }

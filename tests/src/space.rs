@@ -110,7 +110,8 @@ pub fn angle(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// Settings of a control law in SI units for an omega.3 (haptic device with three axes) at 1 kHz. Its largest stable stiffness is 5
-/// N/mm (§5.2 of the DLR thesis); the knob's filter of the enhanced law is scaled in proportion to it.
+/// N/mm (§5.2 of the DLR thesis). The virtual mass and coupling of the enhanced law are scaled from those of the knob in proportion
+/// to it.
 #[must_use]
 pub fn omega(law: LawKind, k_desired_n_per_mm: f64) -> Settings {
     Settings {

@@ -9,16 +9,16 @@ use crate::space::{F, Push, at, dot, length, newton, push_in_n};
 
 /// Control period, s.
 pub const TICK_S: f64 = 1e-3;
-/// Damping that the guard relies on, N/mm per control period: 80 % of the device's. The simulated device has no more damping than
-/// that.
+/// Damping that the energy guard relies on, N/mm per control period: 80 % of the device's. The simulated device has no more damping
+/// than that.
 pub const TRUSTED_N_PER_MM_TICK: f64 = 0.8 * 2.5;
 /// One encoder count, mm.
 pub const COUNT_MM: f64 = 0.01;
-/// Displacement per control period, mm, above which the guard switches the force off.
+/// Displacement per control period, mm, above which the energy guard switches the force off.
 pub const FASTEST_MM: f64 = 1.0;
-/// Capacity of the guard's energy account, mJ.
+/// Capacity of the energy guard's account, mJ.
 pub const CAPACITY_MJ: f64 = 20.0;
-/// Power that refills the guard's energy account, mW.
+/// Power that refills the energy guard's account, mW.
 pub const REFILL_MW: f64 = 0.5;
 
 /// A control law: the requested force in N as a function of the position in mm.
@@ -32,7 +32,7 @@ pub fn ball(x: [f64; 3]) -> [f64; 3] {
     x.map(|part| force * part / r)
 }
 
-/// Force in N that drives the hand in circles. It gives energy in every circle, so that only the guard bounds it.
+/// Force in N that drives the hand in circles. It gives energy in every circle, so that only the energy guard bounds it.
 #[must_use]
 pub fn whirl(x: [f64; 3]) -> [f64; 3] {
     let [a, b, c] = x.map(|part| part / 2.0);
@@ -43,26 +43,26 @@ pub fn whirl(x: [f64; 3]) -> [f64; 3] {
     ]
 }
 
-/// The simulated port on three axes: device, control law and guard, which a hand moves.
+/// The simulated port on three axes: device, control law and energy guard, which a hand moves.
 #[derive(Debug, Clone, Copy)]
 pub struct Port {
     /// The control law that requests the force.
     pub law: Law,
     /// Delay from sample to force in control periods, 0 to 1.
     pub delay_ticks: f64,
-    /// Delay in control periods for which the guard is configured; `None` for no guard.
+    /// Delay in control periods for which the energy guard is configured; `None` for no guard.
     pub guard_delay: Option<f64>,
 }
 
 /// Result of simulating a hand on three axes; energies in mJ.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Outcome {
-    /// Most energy in mJ that the hand got out in any time window, minus the energy that refilled the guard's account in that
-    /// window.
+    /// Most energy in mJ that the hand got out in any time window, minus the energy that refilled the energy guard's account in
+    /// that window.
     pub above_refill: f64,
-    /// Number of control periods in which the guard reduced the force.
+    /// Number of control periods in which the energy guard reduced the force.
     pub shortened: u32,
-    /// Largest angle between the requested force and the force that the guard let through, rad.
+    /// Largest angle between the requested force and the force that the energy guard let through, rad.
     pub turned: f64,
 }
 
@@ -146,7 +146,7 @@ impl Port {
     }
 
     /// Searches for the worst hand of this type with this many evaluations. Returns its parameters, and the most energy in mJ that
-    /// it got beyond the energy that refills the guard's account.
+    /// it got beyond the energy that refills the energy guard's account.
     #[must_use]
     pub fn worst(&self, way: Way, evaluations: u32, ticks: u32, seed: u64) -> (Vec<f64>, f64) {
         search::largest(way.dimensions(), 0.5, evaluations, seed, |numbers| {
@@ -209,7 +209,7 @@ impl HandState {
         }
     }
 
-    /// Limits a displacement vector to the guard's speed limit over this many control periods.
+    /// Limits a displacement vector to the energy guard's speed limit over this many control periods.
     fn limited(step: [f64; 3], ticks: f64) -> [f64; 3] {
         // Leaves room for the counts by which a measurement may be wrong: the bound does not hold at an over-speed.
         let most = 0.97 * FASTEST_MM * ticks;

@@ -17,8 +17,8 @@ const REGULATES: [Regulate; 3] = [Regulate::Mass, Regulate::MassCompensated, Reg
 
 /// Every control law with every option, based on the given settings; each with a name for messages.
 ///
-/// The enhanced law's compensated regulator needs a desired stiffness `k_de` below the coupling stiffness `k_f`. For this option
-/// the coupling stiffness is set to twice `k_de`.
+/// One option of the enhanced law (SFA with a virtual mass), the compensated regulator, needs a desired stiffness `k_de` below the
+/// coupling stiffness `k_f`. For this option the coupling stiffness is set to twice `k_de`.
 #[must_use]
 pub fn all(base: &Settings) -> Vec<(String, Settings)> {
     let mut variants = Vec::new();

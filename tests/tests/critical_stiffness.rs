@@ -1,9 +1,9 @@
 //! Tests that the simulated control loop becomes unstable at the stiffness `K_max = b/(T/2 + t_d)`, with damping `b`, control
 //! period `T` and delay `t_d`. The largest stable stiffness of the loop is found by bisection.
 //!
-//! The spring law runs in the simulator as in any scene, in f64, with the exact angle, on a knob without a hand and without dry
-//! friction. A wall pushes one way only, so a constant torque presses the knob into it. The press moves the equilibrium inside the
-//! wall and changes nothing else in a linear loop. A stiffness is stable if the oscillation around the equilibrium does not grow.
+//! The control law is a spring, computed in f64 from the exact angle. The knob has neither a hand nor dry friction. A wall pushes
+//! one way only, so a constant torque presses the knob into it. The press moves the equilibrium inside the wall and changes nothing
+//! else in a linear loop. A stiffness is stable if the oscillation around the equilibrium does not grow.
 
 use touchstone_sim::run::chain::{Stage, Staged};
 use touchstone_sim::run::plan::Plan;

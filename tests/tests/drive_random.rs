@@ -1,6 +1,5 @@
-//! Tests the firmware's two interrupt functions (control tick and current loop) with a million random inputs. Nothing panics, with
-//! arithmetic overflow checked. Outputs are on only while calibrating or armed. Only stop and calibration lead from a fault back to
-//! armed.
+//! Tests the firmware's two interrupt functions (control tick and current loop) with a million random inputs. Nothing panics or
+//! overflows. Outputs are on only while calibrating or armed. Only stop and calibration lead from a fault back to armed.
 
 use touchstone_drive::encoder::{Asked, Frames};
 use touchstone_drive::hardware::{B_G431B_ESC1, IHM08M1, IHM16M1, SIMPLEFOC_MINI};

@@ -135,8 +135,8 @@ fn what_a_scene_does_not_name_costs_no_instruction() {
     );
 }
 
-/// Number of instructions that an effect may cost beyond its own calculation. They are two function calls, and the check whether
-/// the effect changed the torque, which is then reported to estimator and guard.
+/// Number of instructions that an effect, such as friction, may cost beyond its own calculation. They are two function calls, and
+/// the check whether the effect changed the torque.
 const STAGE: f64 = 32.0;
 
 /// The columns of a simulation's trace, as bits.
@@ -159,7 +159,7 @@ fn trace(scene: &Scene) -> Trace {
     run::run(scene, true).unwrap().trace.unwrap()
 }
 
-/// Whether a changed setting changes any bit of the simulation of a scene.
+/// Whether a changed setting changes any bit of a simulation's results.
 fn changes(scene: &Scene, setting: &str) -> bool {
     let changed = scene.with_overrides(&[setting]).unwrap();
     bits(&trace(scene)) != bits(&trace(&changed))

@@ -1,5 +1,5 @@
-//! Checks the energies of a wall over ten million control periods: the control law's own sum, the energy that crossed the port
-//! between device and hand, and where that energy went.
+//! Checks the energies of a wall over ten million control periods: the control law's own sum, the energy that passed between device
+//! and hand, and where that energy went.
 
 use touchstone_control::observer::{ExactObserver, ThesisObserver};
 use touchstone_control::{CountScale, Force, Position, Settings, Si};
@@ -89,7 +89,7 @@ struct Observers {
     exact: ExactObserver<f64>,
     thesis: ThesisObserver<f64>,
     contact: u64,
-    /// Energy in J that crossed the port, as the simulated device calculates it.
+    /// Energy in J that passed between device and hand, as the simulated device calculates it.
     port: Sum,
 }
 

@@ -1,5 +1,5 @@
-//! Tests that the energy guard keeps its bound: in no window of time does a hand get out more than the account's capacity and
-//! refill. Holds for every delay and control law, also against hands that a search has optimised.
+//! Tests that the energy guard keeps its bound: in no time window does a hand get out more than the guard's energy account holds
+//! plus what refills it. The bound holds for every delay and control law, also against hands that a search has optimised.
 
 use std::f64::consts::TAU;
 use touchstone_control::{ChangeOfForce, GuardSettings, Settings, Si};
@@ -13,7 +13,8 @@ const REFILL_W: f64 = 0.0005;
 /// Energy of half an encoder count at each end of a time window, under 0.33 N·m, the largest force that the energy account allows.
 const ENCODER_J: f64 = 0.34 * COUNT_RAD;
 
-/// Mean delay, in control periods of 1 ms, from a board's sample until its force acts: 0.1, and 0.265 of a current loop of 600 Hz.
+/// Mean delay from a board's encoder sample until its force acts, in control periods of 1 ms: 0.1 until the motor voltage changes,
+/// plus 0.265 for a current loop of 600 Hz.
 const LATE_TICKS: f64 = 0.365;
 
 const STIFF: SpringDamper = SpringDamper { k: 20.0, b: 0.055 };
@@ -46,8 +47,8 @@ fn a_motion_at_20_hz_gets_out_no_more_than_promised() {
     }
 }
 
-/// Checks a hand that presses, rests and then leaves faster than the guard's speed limit. The guard switches the force off one
-/// control period later, so the energy of that period comes on top of the bound. At 50 rad/s, below the limit, there is no such
+/// Checks a hand that presses, rests and then leaves faster than the energy guard's speed limit. The guard switches the force off
+/// one control period later, so the energy of that period comes on top of the bound. At 50 rad/s, below the limit, there is no such
 /// energy.
 #[test]
 fn a_tick_of_overspeed_counts_by_itself() {
@@ -84,8 +85,8 @@ fn a_tick_of_overspeed_counts_by_itself() {
     );
 }
 
-/// Shows that the tests in this file can fail: against a guard that is configured for no delay, a search finds a hand that gets out
-/// more than the bound.
+/// Shows that the tests in this file can fail: against an energy guard that is configured for no delay, a search finds a hand that
+/// gets out more than the bound.
 #[test]
 fn a_guard_that_does_not_know_the_delay_does_not_hold() {
     for delay in [0.1, 0.5, 1.0] {
@@ -100,9 +101,9 @@ fn a_guard_that_does_not_know_the_delay_does_not_hold() {
     }
 }
 
-/// Compares two guards on a board with 0.1 ms until a voltage acts and a current loop of 0.265 ms. One reads positions once per
-/// control period and is configured for no delay. The other is configured for the delay and also reads the position when the force
-/// changes. The control law is the shipped one without its virtual damping.
+/// Compares two energy guards on a board whose motor voltage changes 0.1 ms after the encoder sample and whose current loop takes
+/// 0.265 ms. One guard reads positions once per control period and is configured for no delay. The other is configured for the
+/// delay and also reads the position when the force changes. The control law is the shipped one without its virtual damping.
 #[test]
 fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
     let shipped = GuardSettings::default();
@@ -135,9 +136,9 @@ fn a_board_s_delay_that_is_not_told_lets_an_adversary_take_more() {
     }
 }
 
-/// Checks a board as shipped: its current loop, and a second encoder reading when half of a change of force has taken place. Only
-/// the part of a change after the control period is not counted. With the same guard but without that reading, the same search gets
-/// more energy out. The hands found in that search are also run against the shipped board.
+/// Checks the energy bound of a board as shipped: with its current loop, and with a second encoder reading halfway through each
+/// change of force. Without this second reading, the same search finds hands that get more energy out. These hands are also run
+/// against the shipped board.
 #[test]
 fn a_board_that_reads_when_the_force_changes_keeps_the_promise() {
     let (board, law) = BoardLoop::shipped();
@@ -254,7 +255,7 @@ fn no_motion_goes_uncounted_where_positions_end() {
     assert!(worst > 0.5 * CAPACITY_J, "{worst}");
 }
 
-/// Checks that the guard's bound also holds if the encoder is read a second time, when the force changes.
+/// Checks that the energy guard's bound also holds if the encoder is read a second time, when the force changes.
 #[test]
 fn measuring_the_change_of_force_holds_as_well() {
     for delay in [0.1, 0.5, 0.9] {
@@ -272,7 +273,7 @@ fn measuring_the_change_of_force_holds_as_well() {
     }
 }
 
-/// Checks that a hand that holds (0 Hz), wiggles or trembles for ten seconds does not empty the guard's energy account. The example
+/// Checks that a hand that holds (0 Hz), wiggles or trembles for ten seconds does not empty the energy guard's account. The example
 /// `untouched -- 3600` simulates an hour.
 #[test]
 fn a_good_wall_is_left_untouched() {

@@ -1,4 +1,4 @@
-//! Tests of environments with walls on both sides, several walls and detents: what they guarantee together, for fast and abrupt
+//! Tests of environments (several walls on both sides and detents on one knob): what they guarantee together, for fast and abrupt
 //! motions and with every control law.
 
 use touchstone_control::environment::{
@@ -334,8 +334,8 @@ fn a_knob_is_the_same_ten_thousand_turns_on() {
     }
 }
 
-/// Checks that an environment feels the same after the knob was turned ten thousand times in steps: it keeps no memory of the way.
-/// A wall is off where the knob is deeper inside it than the format of positions reaches.
+/// Checks that walls and detents feel the same after the knob was turned ten thousand times in steps: the code keeps no memory of
+/// the way. A wall is off where the knob is deeper inside it than the format of positions reaches.
 #[test]
 fn a_knob_that_was_turned_there_is_the_same() {
     let settings = Settings::default();

@@ -8,7 +8,7 @@ use touchstone_tests::random::Random;
 use touchstone_tests::si::si;
 
 const RATE_HZ: u32 = 1_000;
-/// Rate at which the force difference of a replaced environment fades, N·m/s.
+/// Rate in N·m/s at which the force difference fades after walls or detents were replaced.
 const RATE: &str = "0.5";
 
 fn settings(law: LawKind, states: StatesKind) -> Settings {
@@ -30,7 +30,8 @@ fn laws() -> impl Iterator<Item = Settings> {
         })
 }
 
-/// Environments that the tests replace by one another: empty, walls near and far and on either side, detents.
+/// Environments (sets of walls and detents) that the tests replace by one another: empty, walls near and far and on either side,
+/// detents.
 fn environments(settings: &Settings) -> Vec<Environment<Fixed32>> {
     let near = wall("0.05", Side::Above);
     let below = wall("0.09", Side::Below);
@@ -58,8 +59,9 @@ fn newton_metres(force: Force<Fixed32>) -> f64 {
     force.0.to_num()
 }
 
-/// Checks that replacing an environment adds the difference of forces in the first control period, and lets it fade at the rate.
-/// The force is compared with that of the new environment alone. Both run without a guard, which would react to the added force.
+/// Checks that replacing an environment (walls and detents) adds the difference of forces in the first control period, and lets it
+/// fade at the rate. The force is compared with that of the new environment alone. Both run without an energy guard, which would
+/// react to the added force.
 #[test]
 fn a_change_adds_what_is_let_go_of_and_nothing_else() {
     let mut random = Random::new(7);
@@ -127,8 +129,8 @@ fn a_change_adds_what_is_let_go_of_and_nothing_else() {
     );
 }
 
-/// Checks that a hand at rest feels no faster change of force than the rate, whatever appears or disappears. The law is a spring,
-/// because other laws also change the force themselves.
+/// Checks that a hand at rest feels no faster change of force than the rate, whatever wall or detent appears or disappears. The
+/// control law is a spring, because other laws also change the force themselves.
 #[test]
 fn a_hand_that_rests_feels_the_rate_and_no_more() {
     let settings = settings(LawKind::Spring, StatesKind::Measured);
@@ -164,8 +166,8 @@ fn a_hand_that_rests_feels_the_rate_and_no_more() {
     assert_eq!(reached as usize, all.len() * all.len());
 }
 
-/// Checks that replacing a wall without an environment, as a board runs it, gives the same forces as replacing an environment with
-/// only that wall.
+/// Checks the change from a single wall to an environment (several walls and detents). The forces are the same as for the change
+/// from an environment with only that wall.
 #[test]
 fn a_wall_alone_hands_over_as_an_environment_of_it_does() {
     let mut touched = 0;

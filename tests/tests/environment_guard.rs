@@ -29,8 +29,8 @@ impl Audit {
         }
     }
 
-    /// Moves the device to `at` (rad) under the last force; then `force` (N·m) acts. `refill` is the energy in J that the guard's
-    /// account gains per control period.
+    /// Moves the device to `at` (rad) under the last force; then `force` (N·m) acts. `refill` is the energy in J that the energy
+    /// guard's account gains per control period.
     fn step(&mut self, at: f64, force: f64, refill: f64) {
         // A force against +x is work for the hand on the way to -x.
         self.taken -= self.force * (at - self.at) + refill;
@@ -40,8 +40,8 @@ impl Audit {
     }
 }
 
-/// Checks the guard's bound for a hand that goes into one wall within a control period and out within the next, then into another
-/// wall. On each way out, a wall without a guard gives more than the hand put in.
+/// Checks the energy guard's bound for a hand that goes into one wall within a control period and out within the next, then into
+/// another wall. On each way out, a wall without a guard gives more than the hand put in.
 #[test]
 fn one_account_answers_for_all_walls_and_detents() {
     let mut settings = Settings {
@@ -216,9 +216,9 @@ fn a_knob_turns_on_without_end() {
     assert!(!environment.tripped() && pushes > 200_000);
 }
 
-/// Checks the guard's bound for 400 torque profiles with random points, each between two walls. A random hand moves as fast as the
-/// guard counts, 0.06 rad per control period. Such a profile changes its force between any two positions, as a hostile force field
-/// would.
+/// Checks the energy guard's bound for 400 torque profiles with random points, each between two walls. A random hand moves as fast
+/// as the guard counts, 0.06 rad per control period. Such a profile changes its force between any two positions, as a hostile force
+/// field would.
 #[test]
 fn one_account_answers_for_hostile_profiles() {
     let mut settings = Settings {

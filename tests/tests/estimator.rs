@@ -1,4 +1,5 @@
-//! Compares the state estimator with an independent matrix form, and tests its guarantees.
+//! Compares the state estimator (position and speed from a model of the device) with an independent matrix form, and tests its
+//! guarantees.
 
 use std::f64::consts::TAU;
 use touchstone_control::estimator::EstimatorState;

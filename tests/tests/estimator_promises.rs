@@ -1,4 +1,5 @@
-//! Tests of the state estimator where its assumptions fail: a wrong inertia, jumps, settings out of range.
+//! Tests the state estimator (position and speed from a model of the device) where its assumptions fail: a wrong inertia, jumps,
+//! settings out of range.
 
 use touchstone_control::estimator::EstimatorState;
 use touchstone_control::{

@@ -71,8 +71,8 @@ fn the_force_stays_within_its_limit<N: Reported>() {
     }
 }
 
-/// Checks that forces push outwards. Only two laws may pull, and only inside the wall: TDPA with the exact energy observer (against
-/// a deficit), and the enhanced law with its virtual mass.
+/// Checks that forces push outwards. Only two control laws may pull, and only inside the wall: TDPA (time-domain passivity) with
+/// the exact energy observer, against an energy deficit, and the enhanced law, with its virtual mass.
 fn a_wall_pushes<N: Reported>() {
     let mut random = Random::new(7);
     let path = walk::<N>(&mut random, 20_000);
@@ -88,8 +88,8 @@ fn a_wall_pushes<N: Reported>() {
     }
 }
 
-/// Checks that a law without an offset of the surface gives no force outside the wall. Equation (2.15) of the thesis that this
-/// project implements allows laws with an offset to push there.
+/// Checks that a control law that does not shift the wall's surface gives no force outside the wall. Equation (2.15) of the thesis
+/// that this project implements allows the laws that shift it (by an offset) to push there.
 fn laws_without_an_offset_give_no_force_outside<N: Reported>() {
     let mut random = Random::new(8);
     let path = walk::<N>(&mut random, 20_000);
@@ -124,7 +124,7 @@ fn the_same_input_gives_the_same_force<N: Reported>() {
     }
 }
 
-/// Checks that a law clears its memory outside the wall, farther out than any offset of the surface.
+/// Checks that a control law clears its memory outside the wall, farther out than it can shift the wall's surface.
 fn leaving_clears_the_memory<N: Reported>() {
     let mut random = Random::new(6);
     for (name, _, fresh) in walls::<N>() {

@@ -19,7 +19,7 @@ fn traced(scene: &Scene) -> Trace {
     run(scene, true).unwrap().trace.unwrap()
 }
 
-/// Checks that every shipped haptic effect is quiet at rest, and stays within the guard's energy account.
+/// Checks that every shipped haptic effect is quiet at rest, and stays within the energy guard's account.
 #[test]
 fn every_feel_is_quiet_under_every_grip() {
     for name in scene::feels() {
@@ -45,7 +45,7 @@ fn every_feel_is_quiet_under_every_grip() {
 }
 
 /// Checks that a hand that turns at 2 rad/s feels every haptic effect unreduced: the energy that sampling gives is then within the
-/// power that refills the guard's account. If the knob is spun faster, clicks get softer.
+/// power that refills the energy guard's account. If the knob is spun faster, clicks get softer.
 #[test]
 fn a_hand_that_turns_calmly_gets_all_of_a_feel() {
     for name in scene::feels() {

@@ -1,4 +1,4 @@
-//! Tests that the settings which `touchstone setup` writes keep the guard's energy bound on a board, whatever an imported law file
+//! Tests that the settings which `touchstone setup` writes keep the energy guard's bound on a board, whatever an imported law file
 //! contains. The bound also holds for a hand that was optimised against the guard in that file.
 
 use touchstone_control::{ChangeOfForce, GuardSettings, Si};
@@ -10,9 +10,9 @@ use touchstone_tests::adversary::Way;
 use touchstone_tests::board_loop::BoardLoop;
 use touchstone_tests::port::{Port, SpringDamper};
 
-/// Settings from an imported law file. Its guard is configured for positions read once per control period, and for a delay of one
-/// and a half PWM periods, a fifth of the board's. The damping that the guard relies on (0.8 of the configured one) is all that the
-/// device has.
+/// Settings from an imported law file. Its energy guard is configured for positions read once per control period, and for a delay
+/// of one and a half PWM periods, a fifth of the board's. The damping that the guard relies on (0.8 of the configured one) is all
+/// that the device has.
 fn of_a_file() -> DeviceSettings {
     let mut settings = DeviceSettings::defaults(Board::NucleoG474re);
     let guard = &mut settings.law.guard;
@@ -22,7 +22,7 @@ fn of_a_file() -> DeviceSettings {
     settings
 }
 
-/// The simulated port between board and hand, with a guard of these settings, and the guard's settings.
+/// The simulated port between board and hand, with an energy guard of these settings, and the guard's settings.
 fn port(settings: &DeviceSettings) -> (Port, GuardSettings) {
     let (board, _) = BoardLoop::shipped();
     let (law, change) = law_settings(settings, hardware(Board::NucleoG474re)).unwrap();

@@ -19,7 +19,8 @@ fn at(rad: f64) -> Position<Fixed32> {
 }
 
 /// Checks control laws that ring and kick, under three simulated grips (light, medium, firm) and without a hand, with several
-/// delays. The hand gets out at most the account's capacity, its refill, the encoder's share, and the kinetic energy of the device.
+/// delays. The hand gets out at most what the guard's energy account holds, what refills it, the error of the encoder, and the
+/// device's kinetic energy.
 #[test]
 fn no_law_gives_more_than_the_account() {
     let (capacity_j, refill_w) = (0.045, 0.0005);
@@ -120,7 +121,8 @@ fn counted<N: Reported>(wall: &mut Controller<N>, count: i64) -> f64 {
 }
 
 /// Simulates a hand that moves to and fro at the end of the range of positions, and switches the motor on again after each
-/// over-speed. Returns the most energy in J beyond the refill in any time window, and how often the motor was switched on again.
+/// over-speed. Returns the most energy in J that it got in any time window beyond the refill of the guard's account, and how often
+/// the motor was switched on again.
 fn wandering<N: Reported>(settings: &Settings, end_rad: f64, seed: u64) -> (f64, u32) {
     let fresh = Controller::<N>::new(settings).unwrap();
     let mut wall = fresh;
@@ -154,8 +156,8 @@ fn wandering<N: Reported>(settings: &Settings, end_rad: f64, seed: u64) -> (f64,
     (most, armed)
 }
 
-/// Checks that the guard counts every motion under a force, in every number format, also for a hand that crosses the end of the
-/// range of positions and switches the motor on again after each over-speed.
+/// Checks that the energy guard counts every motion under a force, in every number format, also for a hand that crosses the end of
+/// the range of positions and switches the motor on again after each over-speed.
 #[test]
 fn no_way_across_the_end_of_positions_goes_uncounted() {
     let mut settings = Settings::thesis();
@@ -180,8 +182,9 @@ fn no_way_across_the_end_of_positions_goes_uncounted() {
     }
 }
 
-/// Simulates a hand that has the motor switched off now and then; `told` says whether this is reported to the guard. Returns the
-/// most energy in J beyond the refill in any time window, and how much of it the hand got under the last force before a switch-off.
+/// Simulates a hand that has the motor switched off now and then; `told` says whether this is reported to the energy guard. Returns
+/// the most energy in J that it got in any time window beyond the refill of the guard's account, and how much of it the hand got
+/// under the last force before a switch-off.
 fn switching_off(told: bool, seed: u64) -> (f64, f64) {
     let mut settings = Settings::thesis();
     settings.guard.on = true;

@@ -1,5 +1,6 @@
-//! Tests that `proofs/coq/Boards.v` describes the shipped boards' guards. Its numbers must equal the guard coefficients from each
-//! board's default settings, with the delay and lag of the board's current loop, and the device that they assume.
+//! Tests that `proofs/coq/Boards.v` describes the energy guards of the shipped boards. Its numbers must equal the guard
+//! coefficients from each board's default settings, with the delay and lag of the board's current loop, and the device that they
+//! assume.
 
 use touchstone_control::{Fixed32, Guard};
 use touchstone_drive::{change, wire};

@@ -1,11 +1,11 @@
-//! Tests a numerical integrator that a scene file names in place of the exact solution of the motion. The integrator's result
-//! converges to the exact solution, and scenes that name no integrator do not pay for it.
+//! Tests a numerical integrator that a scene file (description of a simulation) names in place of the exact solution of the motion.
+//! The integrator's result converges to the exact solution, and simulations without a named integrator do not pay for it.
 
 use touchstone_sim::run;
 use touchstone_sim::scene::{Choice as _, Integrator, Scene};
 
-/// A scene of a press without encoder and friction, with a linear control law in floating point. Small differences of the motion
-/// are then not amplified.
+/// Description of a simulated press without encoder and friction, with a linear control law in floating point. Small differences of
+/// the motion are then not amplified.
 fn smooth() -> Scene {
     Scene::load("press-hold")
         .unwrap()

@@ -87,8 +87,8 @@ fn the_force_is_the_simulators_to_the_bit() {
     }
 }
 
-/// Checks that the guard does not reduce the force of an ordinary press if it is configured for the board's delay and reads the
-/// encoder a second time when the force changes.
+/// Checks that the energy guard does not reduce the force of an ordinary press if it is configured for the board's delay and reads
+/// the encoder a second time when the force changes.
 #[test]
 fn a_guard_that_is_told_changes_no_force_of_a_press() {
     for (k, kind) in [

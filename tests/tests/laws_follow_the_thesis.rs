@@ -22,8 +22,9 @@ fn sfa(update: LawKind, first_contact: FirstContact) -> Sfa<f64> {
     law
 }
 
-/// Checks equations (2.16) and (2.17) of the thesis that this project implements. The first contact phase ends at tick `n_r`, with
-/// the force that the desired stiffness `k_de` gives in that tick, not in the tick before.
+/// Checks equations (2.16) and (2.17) of the thesis that this project implements, for the control law SFA. The first contact phase,
+/// while the wall is soft, ends in control period `n_r`, with the force that the desired stiffness `k_de` gives in that period, not
+/// in the one before.
 #[test]
 fn the_first_contact_hands_over_the_force_of_its_own_tick() {
     let law = sfa(LawKind::Sfa, FirstContact::KeepForce);
@@ -45,8 +46,8 @@ fn the_first_contact_hands_over_the_force_of_its_own_tick() {
     assert!((state.offset.0 - offset).abs() < 1e-8, "{:?}", state.offset);
 }
 
-/// Checks equation (2.14c), third line from below, of the thesis that this project implements. If the displayed stiffness is the
-/// desired one, the law does not change its offset of the surface.
+/// Checks equation (2.14c), third line from below, of the thesis that this project implements, for the control law SFA. If the
+/// displayed stiffness is the desired one, the law does not shift the wall's surface.
 #[test]
 fn the_offset_stays_where_the_stiffness_is_right() {
     for kind in [LawKind::Sfa, LawKind::SfaContinuous] {
@@ -79,7 +80,7 @@ fn the_offset_stays_where_the_stiffness_is_right() {
     assert_eq!(law.offset(&state, Position(0.01)), Position(0.05));
 }
 
-/// Checks that a hand that presses a wall at the force limit and trembles there does not change the law's offset of the surface.
+/// Checks that the control law SFA does not shift the wall's surface while a hand presses at the force limit and trembles there.
 /// When the hand lets go, the wall is where it was.
 #[test]
 fn leaning_at_the_force_limit_winds_up_no_offset() {
@@ -115,8 +116,8 @@ fn leaning_at_the_force_limit_winds_up_no_offset() {
     }
 }
 
-/// Checks that the enhanced law never pulls inside the wall, however fast the hand leaves the law's virtual mass behind. The energy
-/// of this mass, energy loan included, changes only by the work of the force on it.
+/// Checks that the enhanced control law never pulls inside the wall, however fast the hand leaves the law's virtual mass behind.
+/// The energy of this mass, including the energy that the law may lend, changes only by the work of the force on it.
 #[test]
 fn the_enhanced_law_never_pulls_inside_the_wall() {
     let stiff = Settings {
@@ -167,8 +168,7 @@ fn the_enhanced_law_never_pulls_inside_the_wall() {
     }
 }
 
-/// Checks that the enhanced law lends no energy with the energy observer in the thesis' form, which reaches its force by its own
-/// energy sum.
+/// Checks that the enhanced control law lends the hand no energy if it uses the energy observer in the thesis' form.
 #[test]
 fn the_published_observer_has_no_loan() {
     for (observer, lent) in [(ObserverForm::Thesis, false), (ObserverForm::Exact, true)] {

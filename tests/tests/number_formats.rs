@@ -1,7 +1,8 @@
-//! Compares the enhanced law in every number format with the same law in f64, on the same encoder counts.
+//! Compares the enhanced control law (a force behind a virtual mass) in every number format with the same law in f64, on the same
+//! encoder counts.
 //!
-//! The counts are recorded from a closed loop with the default format, for each scene of the thesis, and then given to all formats.
-//! A difference then comes from the format and not from another motion.
+//! The counts are recorded from a simulated closed loop with the default format, for each case of the thesis, and then given to all
+//! formats. A difference then comes from the format and not from another motion.
 
 use touchstone_control::{CountScale, Fixed16, Fixed32, LawKind, Reported, Si};
 use touchstone_lab::thesis::{COUNTS, GRIPS, STIFFNESSES, cell};
@@ -55,7 +56,7 @@ fn largest(a: &[f64], b: &[f64]) -> (f64, usize) {
         )
 }
 
-/// The scenes of the thesis' comparison with the enhanced law, each with its name.
+/// The simulations of the thesis' comparison with the enhanced control law, each with its name.
 fn scenes() -> Vec<(String, Scene)> {
     let base = thesis("thesis-knob");
     let mut scenes = Vec::new();
@@ -74,7 +75,8 @@ fn scenes() -> Vec<(String, Scene)> {
     scenes
 }
 
-/// Largest difference in N·m between this number format and f64 over all scenes. The difference for each scene is printed.
+/// Largest difference of the force in N·m between this number format and f64 over all simulations. Prints the difference for each
+/// of them.
 fn worst<N: Reported>() -> f64 {
     let mut worst = (0.0, String::new());
     for (name, scene) in scenes() {

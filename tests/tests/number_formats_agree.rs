@@ -16,8 +16,8 @@ use touchstone_tests::si::si;
 /// rounded.
 const STIFFNESS: f64 = 4.703_125;
 
-/// Settings of a wall whose coefficients are the same numbers in all formats, except for the square root in the law FBA and the
-/// offset steps of the enhanced law.
+/// Settings of a wall whose coefficients are the same numbers in all formats. Exceptions are the square root in the control law FBA
+/// and the steps by which the enhanced law shifts the surface.
 fn wall(law: LawKind) -> Settings {
     Settings {
         law,
@@ -39,14 +39,15 @@ fn wall(law: LawKind) -> Settings {
     }
 }
 
-/// One control period of the same law in both number formats.
+/// One control period of the same control law in two number formats.
 #[derive(Debug, Clone, Copy, Default)]
 struct Tick {
     e: f64,
     /// Displacement in this control period, rad; `moved_before` is the displacement in the period before.
     moved: f64,
     moved_before: f64,
-    /// Force, observed energy and offset of the surface. Each is given first in the format under test, then in the 32-bit format.
+    /// Force, observed energy, and the shift of the wall's surface by the control law. Each is given first in the format under
+    /// test, then in the 32-bit format.
     force: [f64; 2],
     energy: [f64; 2],
     offset: [f64; 2],
@@ -57,7 +58,7 @@ impl Tick {
     fn energy_size(&self) -> f64 {
         self.energy[0].abs().max(self.energy[1].abs())
     }
-    /// Whether the law gave another force than a plain spring, in either format.
+    /// Whether the control law gave another force than a plain spring, in either number format.
     fn held_back(&self) -> bool {
         let spring = (STIFFNESS * self.e).min(0.5);
         self.force
@@ -128,10 +129,10 @@ fn springs<N: Grain>() {
     }
 }
 
-/// Bound for the law TDPA, with stiffness `k`, penetration `e`, displacement `Δ` and observed energy `E`. `q` is the rounding error
-/// of a force. Let the energies of the two formats differ by `B`. Outwards `f = min(k e, E/|Δ|)` and inwards `f = max(k e,
-/// -E/|Δ|)`, so `f` changes by at most `1/|Δ|` per energy. The forces differ by at most `B/|Δ| + q` if one of them was corrected,
-/// and by `q` if none was.
+/// Derives by how much two number formats of the control law TDPA may differ, with stiffness `k`, penetration `e`, displacement `Δ`
+/// and observed energy `E`. `q` is the rounding error of a force. Let the energies of the two formats differ by `B`. Outwards `f =
+/// min(k e, E/|Δ|)` and inwards `f = max(k e, -E/|Δ|)`, so `f` changes by at most `1/|Δ|` per energy. The forces differ by at most
+/// `B/|Δ| + q` if one of them was corrected, and by `q` if none was.
 ///
 /// The next energy is `E + f Δ'`. A motion in the same direction reduces the energies' difference, by at most `|Δ'|/|Δ|` of it; a
 /// reversal adds to it. The force's rounding adds `q |Δ'|`, and a floating-point sum its own rounding.
@@ -164,10 +165,11 @@ fn tdpa<N: Grain>() {
     assert!(corrected > 10, "{}: {corrected} corrections only", N::NAME);
 }
 
-/// Bound for the law FBA, `f = min(k e, G sqrt(E))` with `G = sqrt(4 c_i/T)`, device damping `c_i`, control period `T`, observed
-/// energy `E` and stiffness `k`. Each format rounds `G` down, so the two differ by at most `g`; the root is rounded down by less
-/// than the force's rounding error `q`. If the energies differ by `B`, the forces differ by at most `G (sqrt(E) - sqrt(E - B)) + g
-/// sqrt(E) + (G + 1) q`. This holds because the root is concave and its secant below `E` is the steepest.
+/// Derives by how much two number formats of the control law FBA may differ. Its force is `f = min(k e, G sqrt(E))` with `G =
+/// sqrt(4 c_i/T)`, device damping `c_i`, control period `T`, observed energy `E`, stiffness `k` and penetration `e`. Each format
+/// rounds `G` down, so the two differ by at most `g`; the root is rounded down by less than the force's rounding error `q`. If the
+/// energies differ by `B`, the forces differ by at most `G (sqrt(E) - sqrt(E - B)) + g sqrt(E) + (G + 1) q`. This holds because the
+/// root is concave and its secant below `E` is the steepest.
 ///
 /// The next energy adds `f Δ'` (displacement `Δ'`) and the damper's energy, rounded by `q |Δ'|`. Inwards the force's error adds to
 /// `B`; outwards it reduces `B`, at most down to the other sign.
@@ -203,10 +205,11 @@ fn fba<N: Grain>() {
     assert_tight(N::NAME, largest, inwards);
 }
 
-/// Bound for the law SFA, which moves its surface in steps. The soft stiffness `k_v = 1` and the step's gain are the same in all
-/// formats, and steps lie on the grid. The formats differ in the rounding of the first contact phase's last force. They also differ
-/// in the decision "too soft", which may fall either way if it is that close. Such a control period moves the offsets apart by `2
-/// gain |Δ|`, with displacement `Δ` and `gain = k_c/k_v - 1 = 0.5`; the step itself is rounded once.
+/// Derives by how much two number formats of the control law SFA may differ, which shifts its surface in steps. The soft stiffness
+/// `k_v = 1` and the step's gain are the same in all formats, and steps lie on the grid. The formats differ in the rounding of the
+/// last force while the wall is soft. They also differ in the decision "too soft", which may fall either way if it is that close.
+/// Such a control period moves the two surfaces apart by `2 gain |Δ|`, with displacement `Δ` and `gain = k_c/k_v - 1 = 0.5`; the
+/// step itself is rounded once.
 fn sfa<N: Grain>() {
     for (law, first_contact) in [
         (LawKind::Sfa, FirstContact::KeepForce),
@@ -238,10 +241,11 @@ fn sfa<N: Grain>() {
     }
 }
 
-/// Bound for the enhanced law at rest. Its offset of the surface moves by steps `κ |k_de e - f|` (desired stiffness `k_de`,
-/// penetration `e`, force `f`), with `κ = c/k_de` as the format holds it. The offset stops where a step is rounded to nothing:
-/// below one step of a format that truncates, and below half the distance of two offsets if the format rounds to nearest. Each
-/// format then shows `k_de` up to a dead band of `step/κ`, and two formats may rest at opposite ends of their dead bands.
+/// Derives by how much two number formats of the enhanced control law may differ at rest. The law shifts its surface by steps `κ
+/// |k_de e - f|` (desired stiffness `k_de`, penetration `e`, force `f`), with `κ = c/k_de` as the format holds it. The surface
+/// stops where a step is rounded to nothing: below one step of a format that truncates, and below half the distance of two
+/// positions if the format rounds to nearest. Each format then shows `k_de` up to a dead band of `step/κ`, and two formats may rest
+/// at opposite ends of their dead bands.
 fn enhanced_at_rest<N: Grain>(lost_step: f64) {
     let band = |lost: f64| lost / (lost * (0.0625 / STIFFNESS / lost).floor());
     // A float holds κ nearly exactly; its error is far below the following terms.
@@ -261,7 +265,7 @@ fn enhanced_at_rest<N: Grain>(lost_step: f64) {
     });
 }
 
-/// Bound for the enhanced law from touch to release, with the default settings: the force differs from that in f64 by less than
+/// Checks the enhanced control law from touch to release with the default settings. Its force differs from that in f64 by less than
 /// 1e-4 N·m, which is this project's own requirement.
 fn enhanced_all_the_way<N: Grain>() {
     for first_contact in [FirstContact::ZeroOffset, FirstContact::KeepForce] {

@@ -17,7 +17,7 @@ struct Port {
     held: i128,
     /// `Σ f(n-1) Δe(n)`, with force `f` and penetration `e`: the energy that the wall absorbed.
     exact: i128,
-    /// `Σ f(n) Δe(n)`, with force `f` and penetration `e`: the energy as the thesis' observer calculates it.
+    /// `Σ f(n) Δe(n)`, with force `f` and penetration `e`: the energy as the energy observer of the DLR thesis calculates it.
     thesis: i128,
 }
 
@@ -77,9 +77,10 @@ fn walk(random: &mut Random, ticks: usize) -> Vec<i32> {
         .collect()
 }
 
-/// Checks that the law TDPA with the thesis' observer gives the same forces as a plain spring. For every force `f` that grows with
-/// the penetration `e`, with potential `G`, `f(n) Δe(n) >= G(e(n)) - G(e(n-1))`. So the thesis' sum over a spring, limited or not,
-/// is never negative, and the law corrects nothing. This holds if the sum uses positions and not a filtered velocity.
+/// Checks that the control law TDPA with the thesis' energy observer gives the same forces as a plain spring. For every force `f`
+/// that grows with the penetration `e`, with potential `G`, `f(n) Δe(n) >= G(e(n)) - G(e(n-1))`. So the thesis' sum over a spring,
+/// limited or not, is never negative, and the law corrects nothing. This holds if the sum uses positions and not a filtered
+/// velocity.
 #[test]
 fn tdpa_with_the_thesis_observer_is_the_plain_spring() {
     let mut tdpa = Port::new(&tdpa(ObserverForm::Thesis));
@@ -144,9 +145,9 @@ fn tdpa_with_the_exact_observer_sees_the_port_to_the_bit() {
     }
 }
 
-/// Checks the law TDPA with the exact energy observer, which assumes that the next displacement is like the last. If the motion
-/// goes on at least as fast, an energy deficit is gone after one control period, except for the rounding of the force. This does
-/// not hold if the force limit cuts the correction short.
+/// Checks the control law TDPA with the exact energy observer, which assumes that the next displacement is like the last. If the
+/// motion goes on at least as fast, an energy deficit is gone after one control period, except for the rounding of the force. This
+/// does not hold if the force limit cuts the correction short.
 #[test]
 fn tdpa_with_the_exact_observer_repairs_a_deficit_while_the_motion_goes_on() {
     let mut port = Port::new(&tdpa(ObserverForm::Exact));
@@ -177,9 +178,9 @@ fn tdpa_with_the_exact_observer_repairs_a_deficit_while_the_motion_goes_on() {
     assert!(repaired > 1_000, "{repaired} repairs only");
 }
 
-/// Checks a motion that reverses in every control period. Each correction by the law TDPA with the exact observer is then wrong,
-/// and gives away up to the force limit times the displacement. No sum of past energy can prevent it. The law FBA prevents it,
-/// because its limit holds for every next displacement.
+/// Checks a motion that reverses in every control period. Each correction by the control law TDPA with the exact energy observer is
+/// then wrong, and gives away up to the force limit times the displacement. No sum of past energy can prevent it. The control law
+/// FBA prevents it, because its limit holds for every next displacement.
 #[test]
 fn a_motion_that_turns_at_every_tick_defeats_tdpa_with_the_exact_observer_but_not_fba() {
     let (near, far) = (167_772_i32, 201_327_i32); // 10 and 12 mrad
@@ -203,9 +204,9 @@ fn a_motion_that_turns_at_every_tick_defeats_tdpa_with_the_exact_observer_but_no
     assert!(fba >= 0, "{fba}");
 }
 
-/// Checks that the energy `E` of the law FBA never gets negative. Its limit is `f <= sqrt(4 E c_i/T)`, with device damping `c_i`
-/// and control period `T`. The next energy `E - f |Δe| + (c_i/T) Δe²` is then a square and not negative. The law rounds the
-/// damper's energy down by less than one force step times the displacement; its sum may be too small by that much.
+/// Checks that the observed energy `E` of the control law FBA never gets negative. Its limit is `f <= sqrt(4 E c_i/T)`, with device
+/// damping `c_i` and control period `T`. The next energy `E - f |Δe| + (c_i/T) Δe²` is then a square and not negative. The law
+/// rounds the damper's energy down by less than one force step times the displacement; its sum may be too small by that much.
 #[test]
 fn fba_keeps_its_energy_whatever_comes_next() {
     let mut port = Port::new(&Settings {

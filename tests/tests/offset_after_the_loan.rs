@@ -1,6 +1,6 @@
-//! Tests what a minute of leaning on the enhanced law's wall leaves behind once the hand has used up the energy that the law lends.
-//! The law's offset of the surface grows while the energy holds the virtual mass. The wall is too stiff until the offset has shrunk
-//! again. `docs/hard-cases.md` explains it.
+//! Tests what a minute of leaning on the wall of the enhanced control law leaves behind. Once the hand has used up the energy that
+//! the law may lend it, the law shifts the wall's surface outwards for as long as the hand leans. The wall is then too stiff until
+//! the surface has moved back. `docs/hard-cases.md` explains it.
 
 use std::f64::consts::TAU;
 use touchstone_control::{
@@ -76,8 +76,8 @@ fn while_the_loan_lasts_a_lean_leaves_nothing_behind() {
     }
 }
 
-/// Documents the size of a known weakness of the enhanced law: after the lent energy is used up, its offset grows for as long as a
-/// hand leans. Whoever removes the weakness must change this test.
+/// Documents the size of a known weakness of the enhanced control law: after the lent energy is used up, the law shifts the wall's
+/// surface for as long as a hand leans. Whoever removes the weakness must change this test.
 #[test]
 fn once_the_loan_is_spent_the_offset_winds_up_for_as_long_as_a_hand_leans() {
     let thesis = Settings::thesis();
@@ -95,8 +95,8 @@ fn once_the_loan_is_spent_the_offset_winds_up_for_as_long_as_a_hand_leans() {
     assert!((4.5..5.2).contains(&sixty.offset_rad) && (28.0..35.0).contains(&sixty.settled_s));
 }
 
-/// Checks that the offset hardly grows with the energy observer in the thesis' form. This observer counts the energy leak of
-/// sampling as a gain, so the lent energy is never used up.
+/// Checks that the enhanced control law hardly shifts the wall's surface if it uses the energy observer in the thesis' form. This
+/// observer counts the energy leak of sampling as a gain, so the energy that the law may lend is never used up.
 #[test]
 fn the_published_form_does_not_wind_up() {
     let published = Settings {

@@ -14,7 +14,7 @@ fn settings() -> Settings {
     settings
 }
 
-/// An environment with a torque profile and nothing else.
+/// A knob with a torque profile (torque over angle) and no wall.
 fn drawn<N: Reported>(profile: &ProfileSettings) -> Environment<N> {
     let settings = settings();
     built::<N>(&settings, &[], None)
@@ -183,7 +183,8 @@ fn a_mirrored_profile_gives_mirrored_forces() {
     body::<f64>();
 }
 
-/// Checks that a torque profile that drives the knob in every turn gives the hand the energy in the guard's account, and no more.
+/// Checks that a torque profile that drives the knob in every turn gives the hand the energy in the energy guard's account, and no
+/// more.
 #[test]
 fn the_guard_pays_for_a_profile_that_is_a_motor() {
     let mut settings = Settings::thesis();

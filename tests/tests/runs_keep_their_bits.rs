@@ -45,7 +45,7 @@ impl Hash {
     }
 }
 
-/// The scene with each of the 32 combinations of five effects: encoder, torque limit, amplifier steps, delay, dry friction.
+/// The simulation with each of the 32 combinations of five effects: encoder, torque limit, amplifier steps, delay, dry friction.
 fn combinations(scene: &Scene) -> Vec<Scene> {
     let mut all = Vec::new();
     for choice in 0..32_u32 {

@@ -7,7 +7,7 @@ use touchstone_sim::run::{self};
 use touchstone_sim::scene::{Preset, Scene};
 
 const GRIPS: [&str; 3] = ["light", "medium", "firm"];
-/// Test cases: a change of the scene file, and the resulting delay in seconds.
+/// Test cases: a change of the simulation's settings, and the resulting delay in seconds.
 const CASES: [(&str, f64); 9] = [
     ("timing.computational_delay_s=0", 0.0),
     ("encoder.counts_per_rev=16384", 0.0),
@@ -19,7 +19,7 @@ const CASES: [(&str, f64); 9] = [
     ("timing.computational_delay_s=5e-4", 5e-4),
     ("timing.computational_delay_s=1e-3", 1e-3),
 ];
-/// Changes that give a scene the dry friction and encoder of the simulated knob in the DLR thesis.
+/// Changes that give a simulation the dry friction and encoder of the simulated knob in the DLR thesis.
 const KNOB: [&str; 2] = [
     "device.friction.kinetic_n_m=3e-4",
     "encoder.counts_per_rev=40000",
@@ -137,7 +137,7 @@ fn a_moving_hand_feels_the_stiffness() {
     }
 }
 
-/// Checks that the energy guard changes no bit of the results in any shipped scene.
+/// Checks that the energy guard changes no bit of the results in any shipped simulation (scene file).
 #[test]
 fn the_guard_leaves_the_shipped_scenes_alone() {
     for name in touchstone_sim::scene::names() {

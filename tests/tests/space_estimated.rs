@@ -119,8 +119,8 @@ fn at_rest_the_place_is_the_measured_one() {
     }
 }
 
-/// Checks that the estimator uses the force that was commanded in the end: if it is told that no force was commanded, it predicts
-/// another motion.
+/// Checks that the state estimator uses the force that was commanded in the end: if the reported force is 0, it predicts another
+/// motion.
 #[test]
 fn a_force_that_did_not_act_is_told() {
     let law = UNIT.law::<F>(&omega(LawKind::Spring, 5.0)).expect("law");

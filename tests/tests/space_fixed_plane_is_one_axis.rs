@@ -97,8 +97,8 @@ fn every_law_gives_the_bits_of_one_axis() {
     assert!(pushing > compared / 3, "{pushing} of {compared} push");
 }
 
-/// Checks one law per axis on a plane at right angles to one axis. The law of this axis gives the bits of the one-axis law, and the
-/// other two laws see no penetration, under every rule for the end of a contact.
+/// Checks one control law per axis on a plane at right angles to one axis. The law of this axis gives the bits of the one-axis law,
+/// and the other two laws see no penetration, under every rule for the end of a contact.
 #[test]
 fn per_axis_agrees_with_magnitude_on_a_horizontal_plane() {
     let plane = planes()[0];

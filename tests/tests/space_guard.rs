@@ -52,8 +52,8 @@ fn no_hand_in_space_gets_out_more_than_promised() {
     assert!(worst_turn < 3.0 * 6e-8 / 0.01);
 }
 
-/// Shows that the tests in this file can fail: a guard that is configured for no delay does not keep its bound on a device with a
-/// delay.
+/// Shows that the tests in this file can fail: an energy guard that is configured for no delay does not keep its bound on a device
+/// with a delay.
 #[test]
 fn a_guard_that_does_not_know_the_delay_does_not_hold() {
     let (_, got) = port(ball, 0.5, Some(0.0)).worst(Way::Policy, 1500, 500, 2);
@@ -105,8 +105,8 @@ fn overspeed_in_any_direction_switches_off() {
     );
 }
 
-/// Checks that the guard allows no force near the end of a coordinate's range, after it has counted the energy of the motion under
-/// the earlier forces.
+/// Checks that the energy guard allows no force near the end of a coordinate's range, after it has counted the energy of the motion
+/// under the earlier forces.
 #[test]
 fn the_end_of_positions_in_any_direction_takes_the_force_away() {
     let guard = guard();
@@ -135,8 +135,8 @@ fn the_end_of_positions_in_any_direction_takes_the_force_away() {
     }
 }
 
-/// Checks that the guard counts less energy for a motion if a smaller force than the allowed one was commanded. A report of a
-/// larger force has no effect.
+/// Checks that the energy guard counts less energy for a motion if a smaller force than the allowed one was commanded. A report of
+/// a larger force has no effect.
 #[test]
 fn what_is_commanded_smaller_is_booked_smaller() {
     let guard = guard();

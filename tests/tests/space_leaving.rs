@@ -1,6 +1,6 @@
-//! Tests when a contact ends if each axis has its own control law (§4.4.1 of the DLR thesis). Each figure of that section is a
-//! test, under three rules: each axis ends its contact alone (decoupled), all end as soon as one does (any axis), or all end when
-//! the penetration is longer than the offset's projection on it (projection).
+//! Tests when a contact ends if each axis has its own control law (§4.4.1 of the DLR thesis), which shifts the surface on its axis
+//! by an offset. Each figure of that section is a test, under three rules. Each axis ends its contact alone (decoupled), all end as
+//! soon as one does (any axis), or all end when the penetration is longer than the offset's projection on it (projection).
 
 use touchstone_control::space::environment::Cuboid;
 use touchstone_control::space::{Along, Leaving, PerAxis, Rule, SurfacePoint};
@@ -25,8 +25,8 @@ struct Hand {
 }
 
 impl Hand {
-    /// A hand that touches the top of the box 1 mm from the box's right edge, and rests 0.3 mm deep until the laws' offset has
-    /// grown.
+    /// A hand that touches the top of the box 1 mm from the box's right edge, and rests 0.3 mm deep until the control laws have
+    /// shifted the surface outwards.
     fn pressing(leaving: Leaving) -> Self {
         let law = UNIT
             .law::<F>(&omega(LawKind::EnhancedSfa, 25.0))
@@ -66,8 +66,8 @@ impl Hand {
     }
 }
 
-/// Checks Fig. 4.7 of the DLR thesis: the hand leaves the box through its side. If each axis ends its contact alone, the vertical
-/// offset goes on pushing in free air. If all axes end their contact together, no force remains.
+/// Checks Fig. 4.7 of the DLR thesis: the hand leaves the box through its side. If each axis ends its contact alone, the law of the
+/// vertical axis goes on pushing in free air. If all axes end their contact together, no force remains.
 #[test]
 fn figure_4_7_a_force_remains_after_the_side_is_left() {
     for leaving in RULES {
@@ -83,9 +83,9 @@ fn figure_4_7_a_force_remains_after_the_side_is_left() {
     }
 }
 
-/// Checks Fig. 4.8 of the DLR thesis: the hand is a little above the box's top, within the law's offset, and a little past its
-/// edge. The axis across that edge has no offset and ends its contact. With the rule that all axes then end their contact, the
-/// force drops at once.
+/// Checks Fig. 4.8 of the DLR thesis. The hand is a little above the box's top, but within the shift of the surface by the control
+/// law, and a little past the box's edge. The axis across that edge has no shift and ends its contact. With the rule that all axes
+/// then end their contact, the force drops at once.
 #[test]
 fn figure_4_8_a_small_coordinate_drops_the_force() {
     for leaving in RULES {
@@ -105,8 +105,8 @@ fn figure_4_8_a_small_coordinate_drops_the_force() {
     }
 }
 
-/// Checks Fig. 4.9 of the DLR thesis. With the rule "projection" the contact ends exactly where the distance from the surface
-/// equals the projection of the law's offset on this distance.
+/// Checks Fig. 4.9 of the DLR thesis. With the rule "projection" the contact ends exactly where the distance from the object equals
+/// the projection of the surface's shift (by the control laws) on this distance.
 #[test]
 fn figure_4_9_the_projection_ends_the_contact_at_the_offset() {
     let mut hand = Hand::pressing(Leaving::Projection);

@@ -19,10 +19,10 @@ struct Press {
     /// True energy that the wall absorbed, J, calculated with the exact velocity between the samples.
     true_j: f64,
     thesis_j: f64,
-    /// Sum of the exact observer after the hand has left the wall, J.
+    /// Sum of the exact energy observer after the hand has left the wall, J.
     exact_j: f64,
-    /// Sum of the exact observer at the last sample inside the wall, J. For a law that clears its memory on leaving it is the last
-    /// sum.
+    /// Sum of the exact energy observer at the last sample inside the wall, J. It is the last sum for a control law that clears its
+    /// memory when the hand leaves.
     exact_inside_j: f64,
 }
 

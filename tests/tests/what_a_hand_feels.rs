@@ -6,7 +6,7 @@ use touchstone_sim::run::{self};
 use touchstone_tests::thesis;
 
 /// Simulates a hand that moves at 4 Hz inside a spring of 0.5 N·m/rad, half of this knob's largest stable stiffness, without
-/// encoder and friction. Returns the measures.
+/// encoder and friction. Returns the measured values, such as the displayed stiffness.
 fn spring(delay_s: f64) -> Summary {
     let mut scene = thesis("press-wiggle-release")
         .with_overrides(&[

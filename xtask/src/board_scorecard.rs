@@ -16,9 +16,9 @@ const LOOP: [&str; 2] = [
     "timing.computational_delay_s=0.00005",
 ];
 /// Positions of the wall's surface between two encoder counts, in fractions of a count from the scene file's position. The board
-/// runs once at each, so that a figure is a scatter: at a single position, two of nine figures lay outside the desktop's scatter.
+/// runs once at each, so that each figure has a range: at a single position, two of nine figures lay outside the desktop's range.
 const PLACES: [&str; 4] = ["0", "0.25", "0.5", "0.75"];
-/// Largest relative deviation at which a figure of the board still counts as equal to the desktop's.
+/// Largest relative deviation (a tenth) at which a figure of the board still counts as equal to the desktop's.
 const SAME: &str = "0.1";
 
 /// Compares board and desktop for all grips and actions of the simulated hand if `is_whole`; otherwise only for a press with a

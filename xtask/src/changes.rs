@@ -23,7 +23,7 @@ pub struct Entry {
 pub struct Change {
     /// Path of the file, relative to the workspace's folder.
     pub file: String,
-    /// Text that must occur exactly once.
+    /// Text that is replaced. It must occur exactly once in the file.
     pub find: String,
     /// Text that takes the place of `find`.
     pub replace: String,

@@ -49,7 +49,8 @@ pub fn run(args: &[String]) -> Outcome {
     }
 }
 
-/// Runs the emulator's own tests, then the firmware-in-the-loop checks with the options `words`, then a press of the scorecard.
+/// Runs the emulator's own tests, then the firmware-in-the-loop checks with the options `words`, then one press of the scorecard
+/// (scripted actions of a simulated hand).
 fn with_a_press(words: &[&str], boards: &[&str]) -> Outcome {
     match emulator::test() {
         Outcome::Ok(_) => {}

@@ -24,7 +24,7 @@ pub const BOARDS: [&str; 5] = [
 /// Boards with 128 KiB of flash memory, whose firmware is compiled for small size instead of speed.
 const SMALL_FLASH: [&str; 2] = ["nucleo-g431rb-ihm16m1", "b-g431b-esc1"];
 
-/// The board whose firmware and fault reactions the middle gate (`cargo xtask test`) checks.
+/// The reference board: the one that `cargo xtask test` builds firmware for and whose fault reactions it checks.
 pub const REFERENCE: &str = "nucleo-g474re-ihm16m1";
 /// The part of `cargo xtask firmware` that the middle gate (`cargo xtask test`) runs: one board.
 pub const ONE_BOARD: Share = Share::Part(

@@ -41,7 +41,7 @@ const SUBJECTS: [Subject; 2] = [
     },
 ];
 
-/// Option that checks only the source; the quick and the middle gate use it.
+/// Option that checks only the source; `cargo xtask test` without `--full` uses it.
 const SOURCE: &str = "--source";
 pub const GATES: Gates = Gates::part(
     &[SOURCE],

@@ -31,7 +31,7 @@ pub struct Shard {
 impl Shard {
     pub const ALL: Self = Self { index: 1, of: 1 };
 
-    /// Whether this part contains the mutant with this number.
+    /// Whether this part of the list contains the mutant (wrong change) with this number.
     pub fn has(self, number: usize) -> bool {
         number % self.of == self.index % self.of
     }

@@ -6,7 +6,7 @@ use crate::outcome::Outcome;
 pub struct Step {
     pub name: &'static str,
     pub about: &'static str,
-    /// The part of the step that each gate runs.
+    /// For each gate (test run of one extent), the part of the step that it runs.
     pub gates: Gates,
     pub run: fn(&[String]) -> Outcome,
 }
@@ -14,11 +14,11 @@ pub struct Step {
 /// The gates, which are test runs of increasing extent: `cargo xtask test --quick`, `cargo xtask test`, `cargo xtask test --full`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Gate {
-    /// The gate for daily work.
+    /// The gate for daily work, `cargo xtask test --quick`.
     Quick,
-    /// The gate that a person waits for before a change is accepted, and that CI runs.
+    /// The gate that must pass before a change is accepted, `cargo xtask test`; CI runs it too.
     Test,
-    /// The gate that takes a night.
+    /// The gate that takes a night, `cargo xtask test --full`.
     Full,
 }
 
@@ -35,9 +35,9 @@ pub struct Gates {
 pub enum Share {
     /// The whole step.
     Whole,
-    /// The gate runs the step with these arguments; the text names what the gate leaves out.
+    /// The gate (test run) calls the step with these arguments; the text names what the gate leaves out.
     Part(&'static [&'static str], &'static str),
-    /// The gate leaves the step out.
+    /// The gate (test run) leaves the step out.
     LeftOut,
 }
 
@@ -69,7 +69,7 @@ impl Gates {
         }
     }
 
-    /// The part that a gate runs.
+    /// The part of the step that a gate (test run of one extent) runs.
     pub const fn of(self, gate: Gate) -> Share {
         match gate {
             Gate::Quick => self.quick,
@@ -78,14 +78,14 @@ impl Gates {
         }
     }
 
-    /// Whether any gate runs at least a part of the step.
+    /// Whether any gate (test run) runs at least a part of the step.
     pub fn is_tested(self) -> bool {
         self != Self::NONE
     }
 }
 
 impl Share {
-    /// The arguments with which the gate runs the step; `None` if the gate leaves it out.
+    /// The arguments with which the gate (test run) calls the step; `None` if the gate leaves the step out.
     pub fn args(self) -> Option<Vec<String>> {
         match self {
             Share::LeftOut => None,
@@ -94,7 +94,7 @@ impl Share {
         }
     }
 
-    /// Text that names what the gate leaves out of the step; `None` if nothing is left out.
+    /// Text that names what the gate (test run) leaves out of the step; `None` if nothing is left out.
     pub fn left_out(self) -> Option<&'static str> {
         match self {
             Share::Whole => None,

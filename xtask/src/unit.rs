@@ -9,7 +9,7 @@ use crate::outcome::Outcome;
 use crate::shell;
 use crate::step::Gates;
 
-/// Option that all gates but the full one pass to this step.
+/// Option with which all test runs but `cargo xtask test --full` call this step.
 const QUICK: &str = "--quick";
 pub const GATES: Gates = Gates::part(
     &[QUICK],

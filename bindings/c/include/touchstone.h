@@ -37,8 +37,8 @@
 #define TS_WALL_WORDS 160
 
 /*
- Result of a call. `TS_OK` is 0. With any other result the output (force or energy) is 0, so that firmware that ignores it drives no
- motor.
+ Result of a call. `TS_OK` is 0. With any other result the output (force or energy) is 0, so that firmware that ignores it drives
+ no motor.
  */
 typedef enum {
   /*
@@ -66,7 +66,7 @@ typedef enum {
    */
   TS_BAD_VALUE = 5,
   /*
-   The device moved faster than the guard's setting `overspeed`. The output force stays 0 until the guard or the wall is
+   The device moved faster than the energy guard's setting `overspeed`. The output force stays 0 until the guard or the wall is
    resumed: switch the motor off.
    */
   TS_OVERSPEED = 6,
@@ -87,7 +87,7 @@ typedef struct {
    */
   uint32_t rate_hz;
   /*
-   Largest force that the guard lets through, N·m (N).
+   Largest force that the energy guard lets through, N·m (N).
    */
   ts_si force_limit;
   /*
@@ -99,15 +99,15 @@ typedef struct {
    */
   ts_si damping;
   /*
-   Fraction (0 to 1) of the measured damping that the guard relies on.
+   Fraction (0 to 1) of the measured damping that the energy guard relies on.
    */
   ts_si share_of_damping;
   /*
-   Most energy that the guard's energy account holds, in J, at most 16. It is the most that a hand can get out at once.
+   Most energy that the energy guard's account holds, in J, at most 16. It is the most that a hand can get out at once.
    */
   ts_si capacity;
   /*
-   Power that refills the guard's energy account, in W, at most 1. It is the most that a hand can get out in the long run.
+   Power that refills the energy guard's account, in W, at most 1. It is the most that a hand can get out in the long run.
    */
   ts_si refill;
   /*
@@ -215,7 +215,8 @@ ts_status ts_guard_tick_with_change(ts_guard *guard,
                                     ts_force *allowed);
 
 /*
- Reports to the guard that your program commanded a smaller force than the allowed one. A larger force counts as the allowed one.
+ Reports to the energy guard that your program commanded a smaller force than the allowed one. A larger force counts as the
+ allowed one.
  */
 ts_status ts_guard_commanded(ts_guard *guard,
                              ts_force force);
@@ -226,13 +227,13 @@ ts_status ts_guard_commanded(ts_guard *guard,
 ts_status ts_guard_switched_off(ts_guard *guard);
 
 /*
- Resumes a guard after the motor was switched off, or after the device was faster than `overspeed`. The energy account keeps its
- level: switching on again does not fill it.
+ Resumes an energy guard after the motor was switched off, or after the device was faster than `overspeed`. The energy account
+ keeps its level: switching on again does not fill it.
  */
 ts_status ts_guard_resume(ts_guard *guard);
 
 /*
- Reads the guard's energy account, the energy that the hand may still get out, in J times 2^48. It is negative after an
+ Reads the energy guard's account, the energy that the hand may still get out, in J times 2^48. It is negative after an
  over-speed, until the refilling power and the device's damping have made up for the difference.
  */
 ts_status ts_guard_account(ts_guard *guard,
@@ -253,7 +254,7 @@ ts_status ts_settings_set(ts_settings *settings,
                           const char *value);
 
 /*
- Sets the encoder's resolution, which speed estimator and guard use: counts per turn with all edges counted, at least 1.
+ Sets the encoder's resolution, which speed estimator and energy guard use: counts per turn with all edges counted, at least 1.
  */
 ts_status ts_settings_set_counts_per_rev(ts_settings *settings, uint32_t counts_per_rev);
 
@@ -286,7 +287,7 @@ ts_status ts_wall_tick(ts_wall *wall,
                        ts_force *force);
 
 /*
- Reports to the wall's estimator and guard the commanded force, if it was smaller than the force that `ts_wall_tick` gave.
+ Reports to the wall's estimator and energy guard the commanded force, if it was smaller than the force that `ts_wall_tick` gave.
  */
 ts_status ts_wall_commanded(ts_wall *wall,
                             ts_force force);
@@ -298,7 +299,7 @@ ts_status ts_wall_switched_off(ts_wall *wall);
 
 /*
  Resumes the wall when the motor is switched on again, with the same settings or changed ones. Estimator and control law start
- anew; the guard's energy account keeps its level.
+ anew; the energy guard's account keeps its level.
  */
 ts_status ts_wall_resume(ts_wall *wall,
                          ts_settings *settings);

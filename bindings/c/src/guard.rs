@@ -38,17 +38,17 @@ assert_room!(ts_guard);
 pub struct ts_guard_config {
     /// Control periods (calls of `ts_guard_tick`) per second, 1 to 100,000.
     pub rate_hz: u32,
-    /// Largest force that the guard lets through, N·m (N).
+    /// Largest force that the energy guard lets through, N·m (N).
     pub force_limit: ts_si,
     /// Step of one encoder count, or twice the largest error of a measured position, in rad (m), at most 0.1.
     pub count: ts_si,
     /// Measured damping of the device alone, without a hand, N·m·s/rad (N·s/m).
     pub damping: ts_si,
-    /// Fraction (0 to 1) of the measured damping that the guard relies on.
+    /// Fraction (0 to 1) of the measured damping that the energy guard relies on.
     pub share_of_damping: ts_si,
-    /// Most energy that the guard's energy account holds, in J, at most 16. It is the most that a hand can get out at once.
+    /// Most energy that the energy guard's account holds, in J, at most 16. It is the most that a hand can get out at once.
     pub capacity: ts_si,
-    /// Power that refills the guard's energy account, in W, at most 1. It is the most that a hand can get out in the long run.
+    /// Power that refills the energy guard's account, in W, at most 1. It is the most that a hand can get out in the long run.
     pub refill: ts_si,
     /// Largest speed at which the energy bound holds, rad/s (m/s). Above it the guard allows no force until `ts_guard_resume`.
     pub overspeed: ts_si,
@@ -216,7 +216,8 @@ pub extern "C" fn ts_guard_tick_with_change(
     tick(guard, moved, before_change, wanted, allowed)
 }
 
-/// Reports to the guard that your program commanded a smaller force than the allowed one. A larger force counts as the allowed one.
+/// Reports to the energy guard that your program commanded a smaller force than the allowed one. A larger force counts as the
+/// allowed one.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_commanded(guard: *mut ts_guard, force: ts_force) -> ts_status {
@@ -242,8 +243,8 @@ pub extern "C" fn ts_guard_switched_off(guard: *mut ts_guard) -> ts_status {
     )
 }
 
-/// Resumes a guard after the motor was switched off, or after the device was faster than `overspeed`. The energy account keeps its
-/// level: switching on again does not fill it.
+/// Resumes an energy guard after the motor was switched off, or after the device was faster than `overspeed`. The energy account
+/// keeps its level: switching on again does not fill it.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_guard_resume(guard: *mut ts_guard) -> ts_status {
@@ -257,7 +258,7 @@ pub extern "C" fn ts_guard_resume(guard: *mut ts_guard) -> ts_status {
     )
 }
 
-/// Reads the guard's energy account, the energy that the hand may still get out, in J times 2^48. It is negative after an
+/// Reads the energy guard's account, the energy that the hand may still get out, in J times 2^48. It is negative after an
 /// over-speed, until the refilling power and the device's damping have made up for the difference.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]

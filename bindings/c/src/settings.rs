@@ -55,7 +55,7 @@ pub extern "C" fn ts_settings_set(
     }
 }
 
-/// Sets the encoder's resolution, which speed estimator and guard use: counts per turn with all edges counted, at least 1.
+/// Sets the encoder's resolution, which speed estimator and energy guard use: counts per turn with all edges counted, at least 1.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_settings_set_counts_per_rev(

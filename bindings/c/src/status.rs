@@ -3,8 +3,8 @@
 use crate::memory;
 use core::ffi::c_char;
 
-/// Result of a call. `TS_OK` is 0. With any other result the output (force or energy) is 0, so that firmware that ignores it drives no
-/// motor.
+/// Result of a call. `TS_OK` is 0. With any other result the output (force or energy) is 0, so that firmware that ignores it drives
+/// no motor.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(non_camel_case_types, clippy::upper_case_acronyms)]
@@ -21,7 +21,7 @@ pub enum ts_status {
     TS_UNKNOWN_SETTING = 4,
     /// The text is not a valid value of the setting.
     TS_BAD_VALUE = 5,
-    /// The device moved faster than the guard's setting `overspeed`. The output force stays 0 until the guard or the wall is
+    /// The device moved faster than the energy guard's setting `overspeed`. The output force stays 0 until the guard or the wall is
     /// resumed: switch the motor off.
     TS_OVERSPEED = 6,
 }

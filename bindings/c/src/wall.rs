@@ -67,7 +67,7 @@ pub extern "C" fn ts_wall_tick(
     }
 }
 
-/// Reports to the wall's estimator and guard the commanded force, if it was smaller than the force that `ts_wall_tick` gave.
+/// Reports to the wall's estimator and energy guard the commanded force, if it was smaller than the force that `ts_wall_tick` gave.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_commanded(wall: *mut ts_wall, force: ts_force) -> ts_status {
@@ -94,7 +94,7 @@ pub extern "C" fn ts_wall_switched_off(wall: *mut ts_wall) -> ts_status {
 }
 
 /// Resumes the wall when the motor is switched on again, with the same settings or changed ones. Estimator and control law start
-/// anew; the guard's energy account keeps its level.
+/// anew; the energy guard's account keeps its level.
 #[unsafe(no_mangle)]
 #[allow(unsafe_code)]
 pub extern "C" fn ts_wall_resume(wall: *mut ts_wall, settings: *mut ts_settings) -> ts_status {

@@ -159,12 +159,12 @@ impl PyGuard {
         self.inner.switched_off();
     }
 
-    /// Resumes the guard after the motor was switched off or after an over-speed; the energy account keeps its level.
+    /// Resumes the energy guard after the motor was switched off or after an over-speed; the energy account keeps its level.
     fn resume(&mut self) {
         self.inner = Guarded::new(self.inner.guard).resumed(&self.inner);
     }
 
-    /// Level of the guard's energy account: energy in J that the hand may still get out.
+    /// Level of the energy guard's account: energy in J that the hand may still get out.
     #[getter]
     fn account_j(&self) -> f64 {
         self.inner.account().0.to_num()
@@ -261,7 +261,7 @@ impl PyWall {
         Ok(PyArray1::from_vec(py, forces))
     }
 
-    /// Reports to the wall's estimator and guard that a smaller force than the wall's was commanded.
+    /// Reports to the wall's estimator and energy guard that a smaller force than the wall's was commanded.
     fn commanded(&mut self, force_n_m: f64) -> PyResult<()> {
         self.inner.commanded(force(force_n_m)?);
         Ok(())
@@ -272,7 +272,7 @@ impl PyWall {
         self.inner.switched_off();
     }
 
-    /// Resumes the wall after the motor was switched off. Estimator and control law start anew; the guard's energy account keeps
+    /// Resumes the wall after the motor was switched off. Estimator and control law start anew; the energy guard's account keeps
     /// its level.
     fn resume(&mut self) -> PyResult<()> {
         let fresh = Controller::new(&self.settings)
@@ -281,7 +281,7 @@ impl PyWall {
         Ok(())
     }
 
-    /// Level of the guard's energy account: energy in J that the hand may still get out; `None` if the guard is off.
+    /// Level of the energy guard's account: energy in J that the hand may still get out; `None` if the guard is off.
     #[getter]
     fn account_j(&self) -> Option<f64> {
         self.inner
@@ -290,7 +290,7 @@ impl PyWall {
             .map(|guard| guard.account().0.to_num())
     }
 
-    /// Whether the guard has switched the force off because the device was too fast.
+    /// Whether the energy guard has switched the force off because the device was too fast.
     #[getter]
     fn tripped(&self) -> bool {
         self.inner.tripped()

@@ -1,10 +1,9 @@
-//! Replaces an environment (walls and detents) by another while a hand touches it.
+//! Replaces an environment (walls, detents, torque profile) by another while a hand touches it.
 //!
-//! **No jump of the force.** The first tick of the new environment commands the last force of the old one. The difference between
-//! the old force and the new environment's own force `g` is added to `g` and fades at a set rate `r`: `f(n) = g(n) + d(n)` with
-//! `|d(n+1)| <=
-//! |d(n)|` and `|d(n+1) - d(n)| <= r T`. So a change of environment adds at most `r T` per tick to the changes that `g` makes by
-//! itself.
+//! **No jump of the force.** The first tick of the new environment commands the last force of the old one. The difference `d`
+//! between the old force and the new environment's own force `g` is added to `g` and fades at a set rate `r`: the commanded force
+//! is `f(n) = g(n) + d(n)` with `|d(n+1)| <= |d(n)|` and `|d(n+1) - d(n)| <= r T`. So a change of environment adds at most `r T`
+//! per tick of length `T` to the changes that `g` makes by itself.
 //!
 //! **No new energy.** The guard keeps its energy account and counts the fading force like any other. If a wall appears around a
 //! hand that is deep inside it, the wall pushes the hand out with the energy in the account and no more.
@@ -18,7 +17,7 @@ use crate::{Controller, Energy, Force, Number, Si};
 pub(super) struct Carried<N: Number> {
     /// The last force before the change of environment, kept until the first tick after the change.
     before: Option<Force<N>>,
-    /// The force that is added to the new walls' own force until it has faded to zero.
+    /// The force that is added to the new environment's own force until it has faded to zero.
     left: Force<N>,
     /// The added force shrinks by this much per tick.
     per_tick: Force<N>,
@@ -108,7 +107,8 @@ impl<N: Number> Environment<N> {
         let Some(carried) = &mut self.carried else {
             return own;
         };
-        // The walls' force as it could be shown: what is beyond the limit is none that has to be let go of.
+        // The new walls' force within the force limit: a force beyond the limit is never commanded, so no difference to it has to
+        // fade.
         let own = own.within(self.limit);
         carried.left = match carried.before.take() {
             Some(before) => before - own,

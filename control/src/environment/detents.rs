@@ -42,13 +42,13 @@ pub struct Detents<N: Number> {
     strength: Compliance<N>,
 }
 
-/// Positions of the detents.
+/// Where the detents are: around a turn, or along an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
     /// Detents around a turn: their number, and the position of one detent as a fraction of the distance to the next, in units of
     /// 2^-32.
     Turn { per_turn: i32, centre: i32 },
-    /// Detents along an axis: the inverse of their pitch, and the position of one detent.
+    /// Detents along an axis: 1 over the distance between neighbours, and the position of one detent.
     Axis { per_pitch: u64, centre: Si },
 }
 
@@ -90,7 +90,7 @@ impl DetentSettings {
                 if pitch < FINEST || pitch > COARSEST {
                     return Err(Refused::Pitch(pitch));
                 }
-                // To the nearest: 2^64 over the pitch with its 32 digits.
+                // Calculates 2^64 over the pitch, which has 32 fractional bits, rounded to the nearest.
                 let pitch = u128::from(pitch.to_bits().unsigned_abs());
                 let per_pitch = (1_u128 << 64)
                     .wrapping_add(pitch / 2)
@@ -129,7 +129,7 @@ impl<N: Number> Detents<N> {
         } else {
             QUARTER.wrapping_mul(2).wrapping_sub(size)
         };
-        // A quarter of a pitch as one.
+        // The distance as a fraction of a quarter of the pitch.
         let share = N::saturating_signal(Si::from_bits(i64::from(from_rest) << 2));
         let force = Force(N::scale(self.strength.0, share));
         if beyond < 0 { -force } else { force }

@@ -65,7 +65,7 @@ impl Face {
         let size = u128::from(self.surface.to_bits().unsigned_abs()) << Si::FRAC_NBITS;
         let turns = size.wrapping_add(TURN / 2) / TURN;
         let whole = turns.wrapping_mul(TURN).wrapping_add(1 << 31) >> Si::FRAC_NBITS;
-        // An angle has at most 2^31 rad, and a turn more than 6.
+        // An angle is at most 2^31 rad and a turn more than 6 rad, so the number of turns fits 32 bits.
         let (turns, whole) = (turns as i32, Si::from_bits(whole as i64));
         let (turns, whole) = if self.surface < Si::ZERO {
             (turns.wrapping_neg(), whole.saturating_neg())
@@ -83,7 +83,7 @@ impl Face {
 /// Position of an angle within its turn, as a fraction of the turn in units of 2^-32. The negative angle gives the exact negative.
 #[must_use]
 pub fn turn_of(angle: Si) -> i32 {
-    // 2^64/2π, to the nearest.
+    // The number of turns per radian in units of 2^-64 (2^64/2π), rounded to the nearest.
     const PER_RADIAN: u128 = 0x28be_60db_9391_054a;
     let shares = u128::from(angle.to_bits().unsigned_abs())
         .wrapping_mul(PER_RADIAN)

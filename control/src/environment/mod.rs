@@ -85,13 +85,14 @@ pub struct Environment<N: Number> {
     limit: Force<N>,
     /// The energy guard behind the sum of all forces.
     pub guard: Option<Guarded<N>>,
-    /// Step in rad (m) to which positions are rounded for the guard's energy account.
+    /// Step in rad (m) to which positions are rounded before the guard's energy account gets their differences.
     step: Si,
     /// The position at the last tick, rounded to whole steps.
     last: Option<Si>,
     /// Largest position of the number format, to either side.
     end: Position<N>,
-    /// Whether a wall was off at the last tick, because the device was deeper inside it than positions reach.
+    /// Whether a wall was off at the last tick, because the device was deeper inside it than the number format of positions
+    /// reaches.
     beyond_reach: bool,
     commanded: Force<N>,
     /// The force of the last tick, before any later stage (such as a current limit) changes it.
@@ -142,7 +143,8 @@ impl<N: Number> Environment<N> {
             environment.guard = Some(Guarded::new(guard.map_err(Refused::Law)?));
         }
         let slots = environment.walls.iter_mut();
-        // A law is long to compute on a board, and walls are often alike.
+        // A board takes long to compute a law's coefficients, and walls often have the same settings, so a wall's law is copied
+        // from the last one.
         let mut last: Option<Walled<N>> = None;
         for (place, (slot, wall)) in (0_u8..).zip(slots.zip(walls)) {
             let own = Settings {
@@ -249,19 +251,20 @@ impl<N: Number> Environment<N> {
         let Some(guard) = &mut self.guard else {
             return wanted;
         };
-        // In whole steps of the format, of which a turn has a whole number. So displacements add up to the way, are the same at every turn
-        // and never end. A turn is wrong by a part in 10^8 for that with 32 bits, as a torque is.
+        // Positions are whole steps of the number format, and a turn is a whole number of them. So displacements add up to the
+        // distance, are the same at every turn and never reach an end. For that a turn is wrong by 10^-8 of itself at 32 bits.
         let last = self.last.replace(now).unwrap_or(now);
         let moved = Position(N::saturating_signal(now.saturating_sub(last)));
         let before_change = since_change.map_or(Position::zero(), |since| moved - since);
         guard.tripped |= wanted != Force::zero() && now.saturating_abs() >= EDGE;
-        // By the force that acted, so that the mirror image of a motion has the mirror image of its roundings.
+        // The axis is reversed or not by the sign of the force that acted, so that a mirrored motion has mirrored roundings.
         let (force, older) = (guard.state.force, guard.state.older);
         let other_end = force < Force::zero() || (force == Force::zero() && older < Force::zero());
         guard.moved_from(other_end, moved, before_change, wanted)
     }
 
-    /// Whether a wall was off at the last tick, because the device was deeper inside it than positions reach.
+    /// Whether a wall was off at the last tick, because the device was deeper inside it than the number format of positions
+    /// reaches.
     #[must_use]
     pub const fn is_beyond_reach(&self) -> bool {
         self.beyond_reach

@@ -78,7 +78,7 @@ pub struct ProfileSettings {
     pub extent: Extent,
     /// Position of the first point, rad (m).
     pub start: Si,
-    /// The force at a point of 10,000, N·m (N), from 0 to the force limit.
+    /// The force at a point of the largest value (10,000), N·m (N), from 0 to the force limit.
     pub strength: Si,
     /// The points of the profile.
     pub shape: Shape,
@@ -97,7 +97,7 @@ pub struct Profile<N: Number> {
     most: Force<N>,
 }
 
-/// Positions of the points.
+/// Where the points of a torque profile are: in repeated copies around a turn, or once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
     /// A repeated profile: number of copies per turn, and the position of the first point as a fraction of a copy in units of
@@ -107,12 +107,12 @@ enum Place {
     Once { start: Si, end: Si, per_length: u64 },
 }
 
-/// A position among the points of a profile.
+/// A position between two points of a torque profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Between {
-    /// Index of the point before the position.
+    /// Index of the point on one side of the position, from which `way` is measured.
     pub before: u32,
-    /// Index of the next point.
+    /// Index of the neighbouring point on the other side of the position.
     pub after: u32,
     /// How far the position is from the point before to the next one: a fraction of that distance, in units of 2^-32.
     pub way: u32,
@@ -189,11 +189,12 @@ impl<N: Number> Profile<N> {
     #[must_use]
     pub fn drawn(&self, [before, after]: [i16; 2], way: u32) -> Force<N> {
         let (way, rest) = (i64::from(way), (1_i64 << 32).wrapping_sub(i64::from(way)));
-        // Exact: at most 10,000 times 2^32.
+        // Exact, as the sum is at most 10,000 times 2^32.
         let sum = i64::from(before)
             .wrapping_mul(rest)
             .wrapping_add(i64::from(after).wrapping_mul(way));
-        // 10,000 becomes 10,000/16,384. The size is rounded and the sign put back, for the mirrored profile.
+        // A point of 10,000 becomes 10,000/16,384. The absolute value is rounded and the sign restored, so that a mirrored profile
+        // has mirrored roundings.
         let share = Si::from_bits((sum.unsigned_abs() >> 14).cast_signed());
         let size = Force(N::scale(self.strength.0, N::saturating_signal(share))).within(self.most);
         if sum > 0 { -size } else { size }
@@ -245,7 +246,8 @@ pub fn once_between(angle: Si, (start, end): (Si, Si), per_length: u64, last: u3
         [angle.saturating_sub(start), end.saturating_sub(angle)].map(|way| way.to_bits().max(0));
     let is_first_half = from_start <= to_end;
     let way = if is_first_half { from_start } else { to_end };
-    // Half of the length at most, so that the product fits; 2^-64 of the length become 2^-32.
+    // `way` is at most half of the length, so that the product fits; the product is in units of 2^-64 of the length, the fraction
+    // in 2^-32.
     let fraction = way.unsigned_abs().wrapping_mul(per_length) >> 32;
     let fraction = if from_start == to_end {
         1 << 31

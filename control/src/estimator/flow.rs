@@ -27,7 +27,7 @@ pub struct Flow<N: Number, const COMMANDS: usize> {
     pub drift: Weight<N>,
     /// Fraction of the initial displacement per tick that damping takes over the time span.
     pub loss: Weight<N>,
-    /// For each command, the latest first: the weights that the command subtracts from position and from displacement per tick.
+    /// For each command, the latest first: how much a command of 1 N·m takes from the position and from the displacement per tick.
     pub commands: [[Weight<N>; 2]; COMMANDS],
 }
 
@@ -54,7 +54,7 @@ impl DeviceInTicks {
         let (mut reach, mut drift) = (Exact::ZERO, Exact::ZERO);
         let mut term = time;
         for k in 2..TERMS {
-            // All that follows nothing is nothing: of a device that is hardly braked, after a few terms.
+            // All terms after a term of 0 are 0, which with little damping happens after a few terms.
             if term == Exact::ZERO {
                 break;
             }
@@ -71,7 +71,7 @@ impl DeviceInTicks {
 
     /// The motion over one tick, from one sample to the next; `None` where a weight does not fit its format.
     pub fn tick<N: Number>(&self) -> Option<Flow<N, TAPS>> {
-        // The command of the i-th tick back began to act 1 + i - delay ticks before the sample.
+        // The command given i + 1 ticks before the sample began to act 1 + i - delay ticks before the sample.
         self.flow(Exact::ONE, |i| i.saturating_sub(self.delay))
     }
 
@@ -88,7 +88,7 @@ impl DeviceInTicks {
         time: Exact,
         end: impl Fn(Exact) -> Exact,
     ) -> Option<Flow<N, COMMANDS>> {
-        // Not `clamp`, which panics for a time below zero.
+        // `clamp` is not used, as it panics for a negative time.
         let inside = |t: Exact| t.max(Exact::ZERO).min(time);
         let taken = |before: Exact, after: Exact| {
             before.saturating_sub(after).saturating_mul(self.per_torque)
@@ -98,7 +98,7 @@ impl DeviceInTicks {
         let mut after = self.integrals(inside(end(index)));
         for torque in &mut torques {
             index = index.saturating_add(Exact::ONE);
-            // Where one command begins, the one before it ends.
+            // Each command ends where the next later one begins.
             let before = self.integrals(inside(end(index)));
             *torque = [taken(before.1, after.1), taken(before.0, after.0)];
             after = before;
@@ -141,7 +141,8 @@ impl<N: Number> Flow<N, 0> {
 /// Fraction that a first-order filter has approached: `1 - exp(-angle)`, for `angle` up to 4.
 #[inline]
 pub(crate) fn approach(angle: Exact) -> Exact {
-    // exp(-a) = 1 - a φ(a), and `integrals` gives V = t φ(β t): with the roles of time and loss exchanged, φ(a).
+    // exp(-a) = 1 - a φ(a), and `integrals` gives V = t φ(β t) for a time t and a loss β. With a as the loss and 1 as the time, V
+    // is φ(a).
     let decay = DeviceInTicks {
         loss: angle,
         per_torque: Exact::ZERO,

@@ -1,13 +1,14 @@
 //! State estimator: position, velocity and the hand's push, from encoder counts, known inertia and damping, and commanded torque.
 //!
 //! A velocity taken as the difference of two counts is coarse and late, and a command acts later still. This estimator models the
-//! device's own motion, `J dv/dt = -f - b v + J h`, with the commanded force `f`. The hand's push `h` is an acceleration that is
-//! assumed constant. So only the hand's push has to be estimated. Per tick, with the velocity as a displacement `d` per tick and
-//! the push as `g` per tick²:
+//! device's own motion, `J dv/dt = -f - b v + J h`, with inertia `J`, velocity `v`, damping `b` and the commanded force `f`. The
+//! hand's push `h` is an acceleration that is assumed constant. So only the hand's push has to be estimated. Per tick, with the
+//! position `x`, the velocity as a displacement `d` per tick, the push as `g` per tick², the measured position `e` and the gains
+//! `α`, `β`, `γ`:
 //!
 //! ```text
 //! x⁻ = x + V d + X g - Σ q x_i f(n-1-i)     position that the model expects     V, X, ρ: one tick of the damped device
-//! d⁻ =     ρ d + V g - Σ q v_i f(n-1-i)     q = T²/J
+//! d⁻ =     ρ d + V g - Σ q v_i f(n-1-i)     q = T²/J                            x_i, v_i: weights of that command
 //! r  = e - x⁻                               measured less expected position
 //! x  = x⁻ + α r    d = d⁻ + β r    g = g + γ r
 //! ```
@@ -37,9 +38,9 @@ use crate::law::Sample;
 use crate::number::{Exact, Wide as _};
 use crate::{Force, Number, Position};
 
-/// The leading digits of a state, a short number that can be multiplied fast.
+/// The leading digits of an estimator's state (position, velocity or push): a short number that can be multiplied fast.
 pub type Part<N> = <<N as Number>::Wide as crate::number::Wide>::Part;
-/// The type of a coefficient with which leading digits are multiplied.
+/// The type of the coefficients with which the leading digits of an estimator's state are multiplied.
 pub type Weight<N> = <<N as Number>::Wide as crate::number::Wide>::Weight;
 
 /// Coefficients of the state estimator.
@@ -122,7 +123,7 @@ pub(crate) fn corrected<N: Number, const COMMANDS: usize>(
     possible.then_some(after)
 }
 
-/// Whether a weight is from 0 to `most`.
+/// Whether a coefficient is from 0 to `most`.
 fn is_share<N: Number>(weight: Weight<N>, most: u8) -> bool {
     let most = N::Wide::weight(Exact::saturating_from_num(most));
     weight >= Weight::<N>::default() && most.is_some_and(|most| weight <= most)

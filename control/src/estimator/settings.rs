@@ -6,7 +6,7 @@ use crate::number::Exact;
 use crate::quotient::over;
 use crate::{EstimatorSettings, Field, Force, Number, SettingsError, Si};
 
-/// `a / b` for two positive values, saturating.
+/// The quotient `a / b` of two positive settings, saturating.
 #[inline]
 fn ratio(a: Si, b: Si) -> Exact {
     ratio_of_bits(a.to_bits(), b.to_bits())
@@ -55,10 +55,11 @@ pub(crate) fn per_tick(bandwidth_hz: Si, rate_hz: u32) -> Exact {
 
 /// Ranges of the estimator's settings, with the tick `T` in seconds:
 ///
-/// - `bandwidth_hz` is `p`: the three poles of the estimator's error are `exp(-2π p T)`. From a 500th to a fifth of the control rate.
+/// - `bandwidth_hz` is `p`: the three poles of the estimator's error are `exp(-2π p T)`. From a 500th to a fifth of the control
+///   rate.
 /// - `inertia`: so large that the largest force accelerates the device by at most 1 rad per tick², and at most 6e7 T².
-/// - `damping`: only a damping over inertia up to `2π p` is modelled. More damping is treated as part of the hand's push, since the device
-///   would then coast to rest faster than the estimator can follow.
+/// - `damping`: only a damping over inertia up to `2π p` is modelled. More damping is treated as part of the hand's push, since the
+///   device would then coast to rest faster than the estimator can follow.
 /// - `delay_s`: a delay longer than two ticks is predicted for two ticks, so that one scene serves several control rates.
 impl EstimatorSettings {
     /// Checks every setting against its range at a control rate and for a largest force, N·m (N).
@@ -70,8 +71,8 @@ impl EstimatorSettings {
         self.check_ranges()?;
         let rate = Si::saturating_from_num(rate_hz.max(1));
         check_bandwidth(Field::EstimatorBandwidth, self.bandwidth_hz, rate_hz)?;
-        // J/T² against what `q f` and `q (X(2) - X(1))`, that is 3/2 q, may be: 1 and 2. (Of T² alone a high rate would leave no
-        // digits.)
+        // The inertia over T² bounds `q f` to 1 and `q (X(2) - X(1))`, which is 3/2 q, to 2. (From T² alone, a high rate would
+        // leave no digits.)
         let (lightest, heaviest) = (
             force_limit.max(const { Si::lit("0.76") }),
             const { Si::lit("60000000") },

@@ -82,7 +82,7 @@ impl<N: Number> Guarded<N> {
         e >= self.edge || e <= -self.edge
     }
 
-    /// Same as [`Guarded::tick`], given the displacement since the last tick and the part of it before the force changed.
+    /// Same as [`Guarded::tick`], given the displacement since the last tick and how much of it passed before the force changed.
     #[inline(always)]
     pub fn moved(
         &mut self,

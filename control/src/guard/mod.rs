@@ -1,19 +1,20 @@
 //! The energy guard: a bound on the energy that any hand can get out of a device, whatever the control law does.
 //!
 //! It is a token bucket for energy at the hand's port, with one energy account that is full at power-up only. The account gains the
-//! energy that the hand puts in, the energy that a trusted fraction of the device's own damping dissipates, and a small refill. The
-//! energy that the hand gets out is taken off. The force is bounded so that the account covers every displacement that is not
-//! overspeed:
+//! energy that the hand puts in, the energy that a trusted fraction of the device's own damping dissipates, and the energy of a
+//! small refill power. The energy that the hand gets out is taken off. The force is bounded so that the account covers every
+//! displacement that is not overspeed:
 //!
 //! ```text
 //! E(n) = E(n-1) + f(n-1) Δx - s g Δx + c (|Δx| - δ)² + P T - κ g² - |g| δ/2      at most C, at least R(n-1)
 //! |f(n)| <= (E(n) - R(n-1))/D,   R(n) = |f(n)| (s d + δ/2)
 //! ```
 //!
-//! `E` is the energy in the account, `g = f(n-1) - f(n-2)` the last change of force, and `s` the fraction of a tick after which a
-//! force begins to act. `κ = s (1-s)/4c` covers the energy that the device can gain between two samples without being seen. `δ` is
-//! an encoder count, `d` the largest displacement in a tick, and `D = d + δ`. `R` is the reserve for a force that acts on after the
-//! next sample. `docs/energy-guard.md` has the derivation, the theorem and the remaining terms.
+//! `E` is the energy in the account and `C` the most that it holds. `Δx` is the displacement in a tick, `f` the force, `g = f(n-1)
+//! - f(n-2)` its last change, and `s` the fraction of a tick after which a force begins to act. `c` is the trusted damping over the
+//! tick `T`, `P` the refill power. `κ = s (1-s)/4c` covers the energy that the device can gain between two samples without being
+//! seen. `δ` is an encoder count, `d` the largest displacement in a tick, and `D = d + δ`. `R` is the reserve for a force that acts
+//! on after the next sample. `docs/energy-guard.md` has the derivation, the theorem and the remaining terms.
 //!
 //! A later stage that makes the force smaller (fading in, a limit, rounding to a current) must report the result to
 //! [`Guard::commanded`]. Otherwise the account counts a force that never acted.
@@ -38,7 +39,7 @@ pub struct Guard<N: Number> {
     pub refill: Energy<N>,
     /// The trusted damping of the device divided by the control period, rounded down.
     pub damping: Stiffness<N>,
-    /// The largest measured displacement per tick that is not overspeed.
+    /// The largest measured displacement per tick that the guard accepts; a larger one is overspeed.
     pub furthest: Position<N>,
     /// Twice the largest error of a measured position (one encoder count), rounded up.
     pub count: Position<N>,
@@ -102,8 +103,8 @@ impl<N: Number> Guard<N> {
         self.step(state, moved, Position::zero(), wanted)
     }
 
-    /// Same as [`Guard::tick`], with the position also measured when the force changed: `before_change` is the part of `moved`
-    /// before that change.
+    /// Same as [`Guard::tick`], with the position also measured when the force changed: `before_change` is how much of the
+    /// displacement `moved` passed before that change.
     ///
     /// # Errors
     /// Same as [`Guard::tick`].
@@ -166,8 +167,9 @@ impl<N: Number> Guard<N> {
         let account = self
             .booked(state, moved, distance, before_change)
             .min(self.capacity);
-        // The last force was chosen so that the reserve is left after any displacement that is not overspeed: where the books,
-        // which take the worst of each part by itself, say less, this says more, and both are true.
+        // The last force was chosen so that the account keeps the reserve after any displacement that is not overspeed. The sum
+        // takes the worst case of each of its terms, so it can be lower than the reserve. Both are lower bounds of the true energy,
+        // and the larger one counts.
         let free = account.minus_fitting(reserve).max(Energy::zero());
         let limit = self.largest_force(free);
         let force = wanted.min(limit).max(Force::zero() - limit);
@@ -192,8 +194,9 @@ impl<N: Number> Guard<N> {
         before_change: Position<N>,
     ) -> Energy<N> {
         let (grown, shrunk) = (state.force - state.older, state.older - state.force);
-        // Each force over its own part of the way, and a change over as much more as pays best for who strays from it: the sign
-        // of the second part is that of the change, so that its product is never gained.
+        // Each force counts over its own part of the displacement. The true part under the older force may differ from the assumed
+        // one, and the change of force is charged for the worst difference. That difference has the sign of the change, so the
+        // product never adds energy.
         let on = moved - before_change;
         let under_older = before_change + self.late.of_and_fitting(on, self.stray, grown);
         state

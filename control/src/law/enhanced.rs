@@ -1,27 +1,30 @@
 //! Enhanced successive force augmentation (thesis Algorithm 3.1, Fig. 3.18), made passive up to a stated loan of energy.
 //!
-//! The first contact is rendered at `k_de` without the virtual mass. When the motion turns, the virtual mass takes over. The hand's
-//! point (HIP) hangs on the mass by a spring `k_f`. The soft spring `k_v` pushes the mass out; it is deformed by the mass'
-//! penetration plus an offset `O`. The law changes the offset until the stiffness felt at the HIP is `k_de`.
+//! In the first contact the law is a spring of the desired stiffness `k_de`. When the motion turns, a virtual mass takes over. The
+//! hand's point (HIP) hangs on the mass by a coupling spring `k_f`. The soft spring `k_v` pushes the mass out of the wall; it is
+//! deformed by the mass' penetration plus an offset `O`. The law changes the offset until the stiffness felt at the HIP is `k_de`.
 //!
-//! **Passivity at the mass is exact.** The next displacement of a virtual mass, unlike that of a hand, is *known* before the
-//! force is chosen: `d' = (N0 - f)/D`. So the controller prevents a deficit of energy instead of repairing it. If the mass would
-//! move out further than the stored energy pays for at full force, it moves out by exactly the distance that the energy pays for
-//! (`E/f`), and the force becomes the one that does so. With no energy left the mass stands still and the wall holds: it neither
-//! kicks nor collapses. `E >= 0` is an invariant for every input.
+//! **Passivity at the mass is exact.** The next displacement `d'` of a virtual mass, unlike that of a hand, is *known* before the
+//! wall's force `f` is chosen: `d' = (N0 - f)/D`, with the driving force `N0` and the sum of coefficients `D` of [`VirtualMass`].
+//! So the controller prevents a deficit of the stored energy `E` instead of repairing it. If the mass would move out further than
+//! the energy pays for at full force, it moves out by exactly the distance that the energy pays for (`E/f`), and the force becomes
+//! the one that does so. With no energy left the mass stands still and the wall holds: it neither kicks nor collapses. `E >= 0`
+//! holds for every input.
 //!
-//! **Loan (credit).** A wall that holds a hand's force `F` at `k_de` through a coupling `k_f` stores `F²/(2 k_f)` in that coupling,
-//! but a slow press into a stiffness `k_de` absorbs only `F²/(2 k_de)`. So *no* passive wall behind `k_f <= k_c` can show more than
-//! about `2 k_f` to a resting hand. The thesis' controller shows more, because its observer counts the energy leak of sampling with
-//! the wrong sign. Here the loan is explicit. The observer starts each contact with the energy `energy_credit`, and over one
-//! contact the mass can never give more than that beyond what it took.
+//! **Loan (credit).** A wall that holds a hand's force `F` at the stiffness `k_de` through a coupling `k_f` stores `F²/(2 k_f)` in
+//! that coupling, but a slow press into a stiffness `k_de` absorbs only `F²/(2 k_de)`. So *no* passive wall whose coupling is at
+//! most the critical stiffness of sampling, `k_f <= k_c`, can show more than about `2 k_f` to a resting hand. The thesis'
+//! controller shows more, because its observer counts the energy leak of sampling with the wrong sign. Here the loan is explicit.
+//! The observer starts each contact with the energy `energy_credit`, and over one contact the mass can never give more than that
+//! beyond what it took.
 //!
-//! **A damper beside the augmented wall.** The force `(B/T) Δe`, the damper of the plain spring, is added to the wall's force in
-//! every phase. The sum never pulls and stays within the force limit. Up to `k_v` the law is that damped spring, with damping `B
-//! k_de/k_v`. The energy sum at the *mass* leaves the damper out: the energy that it takes is never given back through the offset,
-//! and the offset regulates the stiffness of the wall alone. At the *wall's* port its force is held over a tick and acts over the
-//! next displacement. So where the motion turns, the damper gives up to `(B/T) |Δe(n) Δe(n+1)|`. A device with the damping `k T/2 +
-//! B` absorbs that energy. The energy guard bounds the total energy that a hand gets out.
+//! **A damper beside the augmented wall.** The force of a damper, `B/T` (virtual damping over control period) times the hand's
+//! displacement `Δe`, is added to the wall's force in every phase. The sum never pulls and stays within the force limit. For a
+//! desired stiffness up to `k_v` the law is a damped spring with the damping `B k_de/k_v`. The energy sum at the *mass* leaves the
+//! damper out: the energy that it takes is never given back through the offset, and the offset regulates the stiffness of the wall
+//! alone. At the *wall's* port the damper's force is held over a tick and acts over the next displacement. So where the motion
+//! turns, the damper gives up to `(B/T) |Δe(n) Δe(n+1)|`. A device with the damping `k T/2 + B`, for a wall of stiffness `k`,
+//! absorbs that energy. The energy guard bounds the total energy that a hand gets out.
 //!
 //! The form of the thesis (without the damper, with its observer, offset changed on inward motion only) can be selected.
 
@@ -39,7 +42,8 @@ pub struct Augmentation<N: Number> {
     /// Gain of the ideal step from the error of the force: a fraction `c` over the soft stiffness `k_v` or the desired stiffness
     /// `k_de`, equations (3.7) and (3.8) of the thesis. See [`crate::IdealStep`].
     pub of_ideal: Compliance<N>,
-    /// Limits the step in proportion to the force: a fraction `b` over the soft stiffness `k_v`, equation (3.9) of the thesis.
+    /// Limits the step of the offset in proportion to the force: a fraction `b` over the soft stiffness `k_v`, equation (3.9) of
+    /// the thesis.
     pub of_force: Compliance<N>,
     /// Limits the step to this fraction `a` of the penetration, equation (3.11) of the thesis.
     pub of_penetration: Ratio<N>,
@@ -71,24 +75,24 @@ impl<N: Number> Augmentation<N> {
 /// (thesis §3.1), which another type calculates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EnhancedSfa<N: Number> {
-    /// Desired stiffness `k_de`.
+    /// Desired stiffness of the wall, `k_de`.
     pub desired: Stiffness<N>,
     /// The stiffness that the law reaches by changing the offset: the desired stiffness, or that of equation (3.5) of the thesis
     /// for the virtual mass.
     pub target: Stiffness<N>,
     /// Virtual damping over the control period, of the damper whose force is added to the wall's; zero for the thesis' law.
     pub damper: Stiffness<N>,
-    /// Soft stiffness `k_v`.
+    /// Stiffness of the soft spring, `k_v`.
     pub soft: Stiffness<N>,
     /// Compliance of the soft spring: `1/k_v`.
     pub compliance: Compliance<N>,
-    /// The rule that changes the offset.
+    /// The rule that changes the offset of the soft spring.
     pub augmentation: Augmentation<N>,
     /// The stiffness that the law regulates by the offset: that at the virtual mass or that at the hand's point (HIP).
     pub regulate: Regulate,
     /// The ticks (control periods) in which the offset of the soft spring changes.
     pub update: OffsetUpdate,
-    /// The form of the energy observer: exact or the thesis'.
+    /// The form of the energy observer: the exact one or that of the thesis.
     pub observer: ObserverForm,
     /// What happens to the force when the first contact ends (the first reversal of motion).
     pub first_contact: FirstContact,
@@ -100,7 +104,7 @@ pub struct EnhancedSfa<N: Number> {
     pub series: Divisor<N>,
     /// Energy in joules lent to each contact.
     pub credit: Energy<N>,
-    /// Largest stored energy, a quarter of the format's range; see [`super::Tdpa`].
+    /// Largest energy that the law stores, a quarter of the number format's range.
     pub energy_cap: Energy<N>,
     /// Largest force that the law commands.
     pub limit: Force<N>,
@@ -111,13 +115,13 @@ pub struct EnhancedSfa<N: Number> {
 pub struct Augmented<N: Number> {
     /// State of the virtual mass.
     pub mass: MassState<N>,
-    /// Offset `O`, by which the soft spring is deformed beyond the mass' penetration.
+    /// Offset: deformation of the soft spring beyond the mass' penetration.
     pub offset: Position<N>,
     /// Force of the wall on the mass in the last tick, never negative.
     pub at_mass: Force<N>,
 }
 
-/// Memory of [`EnhancedSfa`].
+/// Memory of the enhanced law, [`EnhancedSfa`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EnhancedState<N: Number> {
     /// Phase of the contact: outside, first contact, or augmenting.
@@ -150,7 +154,7 @@ impl<N: Number> EnhancedSfa<N> {
         let (position, offset) = match self.first_contact {
             FirstContact::ZeroOffset => (self.mass.rest(e, &self.series), Position::zero()),
             FirstContact::KeepForce => {
-                // The stretch of the coupling and of the soft spring that hold the force of the last tick.
+                // The stretches of coupling and soft spring at which both hold the force of the last tick.
                 let position = e - state.force.lift().per(&self.by_coupling);
                 (
                     position,
@@ -158,7 +162,8 @@ impl<N: Number> EnhancedSfa<N> {
                 )
             }
         };
-        // Where the energy absorbed so far does not cover the stretch of the coupling, the mass starts at the HIP instead.
+        // If the energy absorbed so far does not cover the stretch of the coupling, the mass starts at the hand's point (HIP)
+        // instead.
         let stored = self.mass.stored(e - position);
         let left = stored
             .map(|stored| state.energy - stored)
@@ -193,8 +198,8 @@ impl<N: Number> EnhancedSfa<N> {
             Regulate::Hip => (state.force, e),
             Regulate::Mass | Regulate::MassCompensated => (held.at_mass, held.mass.position),
         };
-        // What the limit will take away again is no reason for an offset: it would grow for as long as a hand leans on a wall at its
-        // limit, and push the mass out at the energy's cost.
+        // The requested force is limited first, so that the limit gives no reason for a larger offset. Otherwise the offset would
+        // grow for as long as a hand leans on a wall at its force limit, and push the mass out at the cost of energy.
         let wanted = (self.target * at).towards_zero().min(self.limit);
         let step = self.augmentation.step(wanted, shown, at);
         let changed = if shown < wanted {
@@ -221,7 +226,7 @@ impl<N: Number> EnhancedSfa<N> {
                 self.affordable_move(mass.position, drive, wanted, &mut state.energy)
             }
             ObserverForm::Thesis => {
-                // Fig. 3.18: the last displacement stands for the next one.
+                // As in Fig. 3.18 of the thesis, the last displacement of the mass stands for the next one.
                 let (after, force) = N::passivity_step(state.energy.0, wanted.0, mass.moved.0);
                 state.energy = Energy(after).min(self.energy_cap);
                 let step = self.mass.displacement(mass.position, drive, Force(force));
@@ -245,7 +250,7 @@ impl<N: Number> EnhancedSfa<N> {
         let held = &state.augmented;
         let wanted = (self.soft * (held.mass.position + held.offset)).outward();
         if wanted == Force::zero() {
-            // The mass is outside the shifted surface.
+            // The mass has left the wall, including the deformation by the offset.
             return None;
         }
         let (mass, energy) = (held.mass, state.energy);
@@ -256,7 +261,7 @@ impl<N: Number> EnhancedSfa<N> {
             return Some(shown);
         }
         if e <= Position::zero() {
-            // Outside the undeformed wall it may still push (2.15), but it must not pull the HIP back in.
+            // Outside the wall's surface the offset may still push the hand out (thesis 2.15), but nothing may pull it back in.
             return None;
         }
         self.leave_behind(state, &mass, energy, wanted);
@@ -276,7 +281,7 @@ impl<N: Number> EnhancedSfa<N> {
     ) {
         let exact = self.observer == ObserverForm::Exact;
         let held = &mut state.augmented;
-        // The thesis' sum counts the last displacement and not this one: it stays.
+        // The thesis' energy sum counts the last displacement of the mass and not this one, so the force stays as it is.
         let force = if exact { wanted } else { held.at_mass };
         let coast = self.mass.coast(mass);
         let mut step = self.mass.displacement(mass.position, coast, force);
@@ -313,16 +318,17 @@ impl<N: Number> EnhancedSfa<N> {
             *energy = after.min(self.energy_cap);
             return (wanted, step);
         }
-        // `wanted > 0` and `step < 0` here. At full force the energy pays for a retreat of `E/f`, less than the step.
+        // Here `wanted > 0` and `step < 0`. At full force the energy pays for an outward motion of `E/f`, which is less than the
+        // step.
         let (retreat, rest) = energy.affordable(wanted);
         let force = self.mass.force_for_retreat(drive, retreat).min(wanted);
         if force <= Force::zero() {
-            // The mass is pulled out faster than that without any help of the wall: no force, no work.
+            // The mass is pulled out faster than that even without the wall's force: no force, no work.
             let step = self.mass.displacement(from, drive, Force::zero());
             return (Force::zero(), step);
         }
-        // E - f·retreat, as a sum of what is not negative: the rest of the division, and what the smaller force saves.
-        // (The cap never binds here; it keeps that a matter of comparisons.)
+        // The energy less the work, written as a sum of non-negative terms: the remainder of the division, and what the smaller
+        // force saves. (The cap never binds here; it lets a solver see the bound by a comparison.)
         *energy = (rest + (wanted - force) * retreat).min(self.energy_cap);
         (force, -retreat)
     }
@@ -359,7 +365,7 @@ impl<N: Number> Law<N> for EnhancedSfa<N> {
         match force {
             Some(force) => {
                 state.last = e;
-                // It never pulls.
+                // The force is not negative, so only the upper limit is needed.
                 state.force = force.min(self.limit);
                 self.damped(state.force, sample)
             }
@@ -377,7 +383,7 @@ impl<N: Number> Law<N> for EnhancedSfa<N> {
         let augmenting = state.contact == Contact::Augmenting;
         View {
             contact: state.contact,
-            // The credit is a loan, not energy of the wall.
+            // The lent energy is not shown as energy that the wall took.
             energy: Some(if state.contact == Contact::Free {
                 Energy::zero()
             } else {

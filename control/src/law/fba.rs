@@ -12,7 +12,7 @@ use crate::{Energy, Force, Number, Position, Stiffness};
 /// Force bounding around a virtual spring: limits the spring's force to what the energy and the device's damping allow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fba<N: Number> {
-    /// Desired stiffness `k_de`.
+    /// Desired stiffness of the wall, `k_de`.
     pub desired: Stiffness<N>,
     /// Device damping over the control period, N·m/rad.
     pub device_damping: Stiffness<N>,
@@ -20,11 +20,11 @@ pub struct Fba<N: Number> {
     pub bound: Stiffness<N>,
     /// Largest force that the law commands.
     pub limit: Force<N>,
-    /// Largest stored energy, a quarter of the format's range; see [`super::Tdpa`].
+    /// Largest energy that the law stores, a quarter of the number format's range.
     pub energy_cap: Energy<N>,
 }
 
-/// Memory of [`Fba`].
+/// Memory of the force bounding law, [`Fba`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FbaState<N: Number> {
     /// Force of the last tick.
@@ -39,7 +39,7 @@ impl<N: Number> Fba<N> {
     /// Largest force that the energy allows, equation (2.7a) of the thesis.
     #[inline]
     pub fn largest_force(&self, energy: Energy<N>) -> Force<N> {
-        // sqrt(E) has the digits of a signal; as a position it takes the bound as a gain.
+        // The root has the number format of a signal. It is used as a position, so that the bound can multiply it as a stiffness.
         let root = Position(N::root(energy.0));
         (self.bound * root).towards_zero()
     }

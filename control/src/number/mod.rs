@@ -41,11 +41,11 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
     type Ratio: Copy + Debug + Default + PartialEq + PartialOrd;
     /// Energy, J.
     type Energy: Copy + Debug + Default + PartialEq + PartialOrd;
-    /// Gain × signal before rounding: a force with more fractional digits.
+    /// Gain × signal (stiffness × position) before rounding: a force with more fractional digits.
     type Product: Copy + Debug + Default + PartialEq + PartialOrd;
-    /// A gain prepared as a divisor, for fast repeated divisions.
+    /// A gain (stiffness) prepared as a divisor, for fast repeated divisions.
     type Divisor: Copy + Debug + Default + PartialEq;
-    /// A displacement with far more digits than a signal, for the state of an estimator.
+    /// A displacement with far more digits than a signal (position or force), for the state of an estimator.
     type Wide: Wide;
 
     /// Name of the format in settings and results.
@@ -88,9 +88,9 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
     fn add_fitting(a: Self::Product, b: Self::Product) -> Self::Product;
     /// `a - b` without an overflow check; the caller guarantees that the difference fits.
     fn sub_fitting(a: Self::Product, b: Self::Product) -> Self::Product;
-    /// Rounds a product to a signal towards zero, saturating.
+    /// Rounds a product (an unrounded force) to a signal towards zero, saturating.
     fn round_to_zero(p: Self::Product) -> Self::Signal;
-    /// Rounds a product to a signal upwards (towards plus infinity), saturating.
+    /// Rounds a product (an unrounded force) to a signal upwards (towards plus infinity), saturating.
     fn round_up(p: Self::Product) -> Self::Signal;
     /// [`Number::round_to_zero`] of a positive product; 0 for a product of 0 or less.
     fn positive_down(p: Self::Product) -> Self::Signal;
@@ -129,16 +129,16 @@ pub trait Number: Copy + Debug + Default + PartialEq + 'static {
         q: Self::Ratio,
         y: Self::Signal,
     ) -> Self::Signal;
-    /// A product rounded down to a signal; the caller guarantees that it fits.
+    /// A product (an unrounded force) rounded down to a signal; the caller guarantees that it fits.
     fn round_down_fitting(p: Self::Product) -> Self::Signal;
     /// Half of a non-negative energy, rounded up.
     fn half_energy_up(e: Self::Energy) -> Self::Energy;
     /// Energy over displacement, `|e| / |x|`, rounded towards zero, saturating; the largest signal for `x = 0`.
     fn energy_per(e: Self::Energy, x: Self::Signal) -> Self::Signal;
-    /// The largest signal whose square does not exceed `e`; 0 for a negative `e`.
+    /// Square root of an energy: the largest signal whose square does not exceed `e`; 0 for a negative `e`.
     fn root(e: Self::Energy) -> Self::Signal;
 
-    /// `floor(sqrt(4 k))` in the format of a gain: its square never exceeds `4 k`.
+    /// Square root of four times a gain, rounded down, in the format of a gain: its square never exceeds `4 k`.
     fn root_of_four(k: Self::Gain) -> Self::Gain;
     /// Distance over which the energy `e >= 0` pays for an outward motion against a force `f > 0`, and the energy left: `f · moved
     /// + rest = e`. See [`crate::magnitude::affordable`].

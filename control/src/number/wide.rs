@@ -8,7 +8,7 @@
 
 use core::fmt::Debug;
 
-/// Exact type in which a weight is calculated before it is rounded: ±128 in steps of 1.4e-17.
+/// Type in which an estimator's coefficient is calculated before it is rounded: ±128 in steps of 1.4e-17.
 pub type Exact = fixed::types::I8F56;
 
 /// A displacement in rad (m), or a displacement per tick or per tick², with many digits.
@@ -102,7 +102,7 @@ impl Wide for Wide64 {
     }
     #[inline(always)]
     fn product(weight: i32, part: i32) -> Self {
-        // Two words in a double word: cannot overflow.
+        // A product of two 32-bit words fits 64 bits.
         Self(i64::from(weight).wrapping_mul(i64::from(part)))
     }
     #[inline(always)]

@@ -45,7 +45,7 @@ impl<N: Spatial> Bounding<N> {
             (self.energy, self.force) = (Energy::zero(), Vector::default());
             return self.force;
         }
-        // The force pushes: what the hand does against it is taken in.
+        // The force pushes the hand, so a motion of the hand against the force puts energy in.
         let absorbed = (-self.force).work(moved);
         self.energy = (self.energy + absorbed + damped(&self.law, moved)).min(self.law.energy_cap);
         let wanted = (self.law.desired * touch.depth).towards_zero();
@@ -57,7 +57,7 @@ impl<N: Spatial> Bounding<N> {
     }
 }
 
-/// Energy that the device's damping took over a displacement, rounded down.
+/// Energy that the device's damping dissipated over a displacement, rounded down.
 fn damped<N: Number + Spatial>(law: &Fba<N>, moved: Vector<Position<N>>) -> Energy<N> {
     let [x, y, z] = moved
         .map(|part| crate::observer::damping_loss(law.device_damping, part))

@@ -1,5 +1,5 @@
-//! Friction of the surface (thesis §4.6): a spring across the normal that sticks to an anchor on the surface. The anchor slides when the
-//! spring's force exceeds `μ_s` times the normal force `f_n`; the friction is then `μ_k` times the normal force.
+//! Friction of the surface (thesis §4.6): a spring across the normal that sticks to an anchor on the surface. The anchor slides
+//! when the spring's force exceeds `μ_s` times the normal force `f_n`; the friction is then `μ_k` times the normal force.
 //!
 //! ```text
 //! z = across the normal (x - anchor)      F = -k z      stick:  |k z| <= μ_s f_n      slide:  z cut to |k z| = μ_k f_n
@@ -8,12 +8,12 @@
 //! **Stick does not creep.** While the spring sticks on a flat surface, the anchor is constant. `z` then depends on the position
 //! alone, and no rounding errors add up.
 //!
-//! **It is passive with the device's own damping `b`.** The spring `k` stores `V = k z²/2`. For a displacement `Δ`, a tick in stick takes
-//! `k z·Δ` from the hand and `V` grows by `k z·Δ + k Δ²/2`. The difference is the energy leak of a sampled spring. A device that damps
-//! `c = b/T >= k/2` (`T` is the control period) dissipates `c Δ²`. A cut only
-//! shortens `z`. Where the normal turns, `z` and the anchor are first laid into the new tangent plane, which also shortens `z`. So
-//! `Σ (F taken + c |Δx|²) >= V >= 0` from the first touch on, over any path. [`FrictionSettings::friction`] refuses a `k` above `2
-//! b/T`. Rounding adds at most the force times four steps of the position format per tick.
+//! **It is passive with the device's own damping `b`.** The spring `k` stores `V = k z²/2`. For a displacement `Δ`, a tick in stick
+//! takes `k z·Δ` from the hand and `V` grows by `k z·Δ + k Δ²/2`. The difference is the energy leak of a sampled spring. A device
+//! that damps `c = b/T >= k/2` (`T` is the control period) dissipates `c Δ²`. A cut only shortens `z`. Where the normal turns, `z`
+//! and the anchor are first laid into the new tangent plane, which also shortens `z`. So `Σ (F taken + c |Δx|²) >= V >= 0` from the
+//! first touch on, over any path. [`FrictionSettings::friction`] refuses a `k` above `2 b/T`. Rounding adds at most the force times
+//! four steps of the position format per tick.
 //!
 //! `μ_k > μ_s` would stop a sliding point and release a resting one, so it is refused.
 
@@ -28,7 +28,7 @@ use core::fmt;
 /// Coefficients of the friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction<N: Spatial> {
-    /// Stiffness of the spring across the normal.
+    /// Stiffness of the spring that holds the hand's point to its anchor on the surface.
     pub stiffness: Stiffness<N>,
     /// Largest stretch of the spring for each newton of normal force before the point slides: static friction coefficient over
     /// stiffness.
@@ -83,7 +83,8 @@ impl<N: Spatial> Friction<N> {
                 stretch = stretch.shortened(stretch.length_up(), reach);
                 anchor = touch.at - stretch;
             } else {
-                // It holds again when it is pushed back: with room for a press that is not quite even.
+                // The spring sticks again at three quarters of the sliding stretch, so that a slightly uneven press does not make
+                // it slide at once.
                 sliding = stretch.is_longer(Position(N::three_quarters(reach.0)));
             }
         }
@@ -108,7 +109,7 @@ impl<N: Spatial> Friction<N> {
         if hold.normal == touch.normal {
             return hold.anchor;
         }
-        // Never longer than it was.
+        // Projecting the stretch into the tangent plane never makes it longer.
         hold.last - touch.normal.across(state.stretch)
     }
 }
@@ -143,7 +144,7 @@ pub enum FrictionError {
     },
     /// A coefficient does not fit the number format.
     OutOfFormat {
-        /// The value in the device's length unit.
+        /// The value that does not fit, in the device's unit of length.
         value: Si,
         /// Name of the number format.
         format: &'static str,

@@ -58,7 +58,7 @@ impl<N: Spatial> VectorGuard<N> {
                 ..*device
             },
         )?;
-        // The quantum that a position is rounded by, as a vector: one more than along an axis.
+        // The rounding of a position vector is one step of the format larger than that along an axis.
         Ok(Self::of(Guard {
             slack: of_axis.slack,
             count: of_length.count + Position::quantum(),
@@ -119,7 +119,8 @@ impl<N: Spatial> VectorGuard<N> {
         let beyond = |x: Position<N>| x >= self.edge || x <= other_edge;
         let [x, y, z] = at.0;
         let ends = (beyond(x) || beyond(y) || beyond(z)) && wanted != Vector::default();
-        // The forces that acted are booked before none follows. One call, so that the compiler puts a tick here without the change's part.
+        // The account counts the forces that acted before the force becomes 0. One call for both cases lets the compiler leave out
+        // the code for a measured change of force.
         let shown = if ends { Vector::default() } else { wanted };
         let force = self.tick(state, moved, shown)?;
         if ends { Err(Overspeed) } else { Ok(force) }

@@ -7,10 +7,11 @@ use super::root::{root_16, root_32, root_64, root_high_16, root_high_32, root_hi
 use crate::magnitude::Word;
 use crate::{Fixed8, Fixed16, Fixed32, Number};
 
-/// Three numbers of a format, one for each axis.
+/// Three numbers of one number format: x, y and z.
 pub type Axes<T> = [T; 3];
 
-/// Lengths and directions in one number format. All functions are total: they saturate and never divide by zero.
+/// Lengths and directions in one number format. Every function has a result for every input: it saturates and never divides by
+/// zero.
 pub trait Spatial: Number {
     /// The value 1, or the largest signal of a format whose range ends below 1 ([`Fixed8`]).
     const ONE: Self::Signal;
@@ -40,7 +41,8 @@ pub trait Spatial: Number {
         part: Self::Signal,
         whole: Self::Signal,
     ) -> Axes<Self::Signal>;
-    /// The largest signal whose square does not exceed `e`; 0 for a negative `e`. Same as [`Number::root`], calculated faster.
+    /// Square root of an energy: the largest signal whose square does not exceed `e`; 0 for a negative `e`. Same as
+    /// [`Number::root`], but faster.
     fn root_of_squares(e: Self::Energy) -> Self::Signal;
     /// The part of `v` perpendicular to the direction `u`. Each component is right within two steps of the number format, rounded
     /// towards zero; the result is never longer than `v`.
@@ -57,8 +59,8 @@ pub trait Spatial: Number {
     fn polar(v: Axes<Self::Signal>) -> (Self::Signal, Option<Axes<Self::Signal>>);
     /// The direction of `v`; `None` for the zero vector.
     ///
-    /// A quantum is a step of the number format. Every component lies at most `1 + g` quanta from `v/|v|`, towards zero, with `g`
-    /// 2^-6 at 32 bits, 1 at 16 and 2 at 8. So the direction's length is at most 1. At 32 bits it is at least 1 less 1.8 quanta
+    /// Every component is rounded towards zero and lies at most `1 + g` steps of the number format from that of `v/|v|`; `g` is
+    /// 2^-6 at 32 bits, 1 at 16 and 2 at 8. So the direction's length is at most 1. At 32 bits it is at least 1 less 1.8 steps
     /// (1.1e-7), however short `v` is.
     fn unit(v: Axes<Self::Signal>) -> Option<Axes<Self::Signal>>;
 }
@@ -90,13 +92,13 @@ const NEAR_ONE: u32 = 30;
 #[inline(always)]
 fn lengthened(v: Axes<i64>, digits: u32) -> Axes<i64> {
     const DOWN: u32 = 2 * NEAR_ONE + 1;
-    // Each is a word, which saves the machine two products.
+    // Each component fits a 32-bit word. The casts say so to the compiler, which saves the machine two products.
     let [x, y, z] = v.map(|x| i64::from(x as i32));
     let squares = x
         .wrapping_mul(x)
         .wrapping_add(y.wrapping_mul(y))
         .wrapping_add(z.wrapping_mul(z));
-    // Rounded down.
+    // The factor is rounded down.
     let factor = (3_i64 << (2 * NEAR_ONE)).wrapping_sub(squares) >> NEAR_ONE;
     [x, y, z].map(|x| towards_zero(x.wrapping_mul(factor), DOWN.wrapping_sub(digits)))
 }
@@ -170,7 +172,7 @@ macro_rules! fixed_spatial {
             #[inline(always)]
             fn root_up(squares: $wide) -> $word {
                 let root = $root(squares);
-                // Below 2^W sqrt(3)/2, so there is room for the one.
+                // The root is below 2^W sqrt(3)/2 for words of W bits, so adding 1 cannot overflow.
                 root.wrapping_add(<$word>::from(root.times(root) != squares))
             }
         }
@@ -229,7 +231,7 @@ macro_rules! fixed_spatial {
             #[inline(always)]
             fn three_quarters(x: Self::Signal) -> Self::Signal {
                 let size = Self::size(x);
-                // Below half of the word's range, so there is room for the three.
+                // The size is below half of the word's range, so adding 3 cannot overflow.
                 Self::with_sign(size.wrapping_sub(size.wrapping_add(3) >> 2), x < 0)
             }
             #[inline(always)]
@@ -239,7 +241,7 @@ macro_rules! fixed_spatial {
                 whole: Self::Signal,
             ) -> Axes<Self::Signal> {
                 const DOWN: u32 = <$word>::BITS - 1;
-                // Below 1, with as many digits as a component has.
+                // A fraction below 1, with as many digits as a component has.
                 let share = Self::size(whole)
                     .divides_within(<$wide>::from(Self::size(part)) << DOWN)
                     .map_or(<$word as Word>::MAX_SIGNED, |(share, _)| share);
@@ -267,15 +269,15 @@ macro_rules! fixed_spatial {
                 [cosine, sine]: [Self::Signal; 2],
             ) -> Option<Axes<Self::Signal>> {
                 const DIGITS: u32 = <$name as Number>::Signal::FRAC_NBITS;
-                // u × (towards × u) is the part of `towards` across `u`, exact but for one shortening of the inner product: no
-                // digits are lost where the two are nearly parallel.
+                // u × (towards × u) is the part of `towards` perpendicular to `u`, exact except that the inner product is shortened
+                // once. So no digits are lost where the two directions are nearly parallel.
                 let axis = cross(Self::long(towards), Self::long(u));
                 let axis = Self::long(Self::leading(axis)?);
                 let side = Self::unit(Self::leading(cross(Self::long(u), axis))?)?;
                 let (cosine, sine) = (i64::from(cosine.to_bits()), i64::from(sine.to_bits()));
                 let part = |u: i64, side: i64| {
                     let long = cosine.wrapping_mul(u).wrapping_add(sine.wrapping_mul(side));
-                    // 2 DIGITS fractional bits, of which NEAR_ONE are enough.
+                    // The product has twice DIGITS fractional bits, of which NEAR_ONE are enough.
                     match (2 * DIGITS).checked_sub(NEAR_ONE) {
                         Some(down) => long >> down,
                         None => long << NEAR_ONE.saturating_sub(2 * DIGITS),
@@ -283,7 +285,7 @@ macro_rules! fixed_spatial {
                 };
                 let ([ux, uy, uz], [sx, sy, sz]) = (Self::long(u), Self::long(side));
                 let unit = lengthened([part(ux, sx), part(uy, sy), part(uz, sz)], DIGITS);
-                // At the end of the format there is no 1.
+                // A format whose range ends below 1 gets its largest number instead of 1.
                 Some(unit.map(|x| Self::with_sign(x.unsigned_abs() as $word, x < 0)))
             }
             #[inline]
@@ -296,14 +298,15 @@ macro_rules! fixed_spatial {
                 if all == 0 {
                     return (Self::Signal::ZERO, None);
                 }
-                // So long that the root has all its digits, and so short that the squares fit: the highest bit but one.
+                // Scales the vector so that its largest component has the highest bit but one: the root then has all its digits,
+                // and the squares fit.
                 let up = all.leading_zeros().saturating_sub(1);
                 let scale = (1 as $word).wrapping_shl(up);
                 let scaled = sizes.map(|size| size.wrapping_mul(scale));
-                // The one value whose highest bit is set is a power of two: its square fits three times as well.
+                // Only one scaled component can have the highest bit set, the power of two; three times its square still fits.
                 let squares = Self::squares(scaled);
                 let root = $root_high(squares);
-                // Below 2^W sqrt(3)/2, so there is room for the one.
+                // The root is below 2^W sqrt(3)/2 for words of W bits, so adding 1 cannot overflow.
                 let length = root.wrapping_add(<$word>::from(root.times(root) != squares));
                 // Of the length once, instead of three quotients. From 2^(W-2) on, so that this is a signed word's magnitude; that it
                 // is said once more spares the machine a look.
@@ -314,7 +317,7 @@ macro_rules! fixed_spatial {
                     .map_or(<$word as Word>::MAX_SIGNED, |(inverse, _)| inverse);
                 let mut unit = [Self::Signal::ZERO; 3];
                 for (out, (size, x)) in unit.iter_mut().zip(scaled.into_iter().zip(v)) {
-                    // At most a few too small; what is left says so.
+                    // The product may be a few steps too small; the remainder corrects it.
                     let mut size_of_part =
                         (size.times(inverse) >> (INVERSE_BITS - ONE_BITS)) as $word;
                     let mut rest =

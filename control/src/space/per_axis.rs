@@ -1,13 +1,12 @@
 //! Three laws of one degree of freedom, one for each axis (thesis §4.4), with three rules for when a contact ends.
 //!
 //! The penetration `e` is a vector here. Each law gets the absolute value of its coordinate of `e`, negative outside, and pushes to
-//! the side of the surface. Where that side changes, the law's offset changes its side too, and the force jumps (Fig. 5.13 of the
-//! thesis).
+//! the side of the surface. Where that side changes, the law's offset changes its side too, and the force jumps.
 //!
-//! **Equation (4.8) lacks a sign.** `O` is the vector of the laws' offsets. Outside, `e` and `O` are opposed, so the `α` of (4.8b) is
-//! negative. Then (4.8c), `α < 1`, holds for any position of the hand's point (HIP): as printed, an object is never left. This code
-//! follows Fig. 4.9: the object is left where `|e| > |O'|` and `e` and `O'`, the projection of `O` on `e`, are opposed. With the
-//! absolute values of §4.4 that is `Σ e_i² > Σ |e_i| O_i`, without a division.
+//! **Equation (4.8) of the thesis has a wrong sign.** It ends a contact by comparing `e` with the projection of `O`, the vector of
+//! the laws' offsets, on `e`. As printed, a contact would never end. This code follows the thesis' Fig. 4.9: the object is left
+//! where `e` is longer than that projection and opposed to it. With the absolute values of §4.4 that is `Σ e_i² > Σ |e_i| O_i`,
+//! without a division.
 
 use super::number::Spatial;
 use super::scalar::Along;
@@ -89,7 +88,7 @@ impl<N: Spatial, L: Along<N>> PerAxis<N, L> {
     fn displacements(&self, touch: &Touch<N>, e: Vector<Position<N>>) -> Vector<Position<N>> {
         let normal = self.track.normal().unwrap_or(touch.normal);
         let Sample { moved, .. } = self.track.sample(touch);
-        // The cheapest question first: on a surface that turns it is the one that says no.
+        // The cheapest comparison comes first: on a surface that turns it is usually the one that fails.
         let straight = moved == touch.depth - self.track.depth();
         if straight && touch.moved.is_none() && normal == touch.normal {
             return e - self.last;
@@ -119,7 +118,7 @@ impl Leaving {
             Self::Decoupled => false,
             Self::AnyAxis => reach.0.iter().any(|reach| *reach < Position::zero()),
             Self::Projection => {
-                // e_i (e_i + O_i) = e_i² - |e_i| O_i, exact but for what a format cannot hold.
+                // e_i (e_i + O_i) = e_i² - |e_i| O_i, exact unless it saturates.
                 let [x, y, z] = e.zip(reach, |e, reach| Force::<N>(e.0) * reach).0;
                 x + y + z > Energy::zero()
             }

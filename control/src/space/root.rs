@@ -52,9 +52,10 @@ macro_rules! level {
             let (root, rest) = $below(high);
             let (root, rest) = (root as $word, rest as $word);
             let (a, b) = (low >> HALF, low & LOW);
-            // By half of the divisor, so that the dividend is a word: the rest of one level is at most twice its root.
+            // Divides by half of the divisor, so that the dividend fits a word: the remainder of the level above is at most twice
+            // its root.
             let dividend = (rest << (HALF - 1)) | (a >> 1);
-            // Its highest bit is set; that it is said once more spares the machine a look whether it divides by 0.
+            // The root's highest bit is set. Setting it again lets the compiler leave out the check for a division by 0.
             let digit = dividend.checked_div(root | 1 << (HALF - 1)).unwrap_or(0);
             let left = (dividend.wrapping_sub(digit.wrapping_mul(root)) << 1) | (a & 1);
             let (wide_digit, digit_root) = (<$wide>::from(digit), <$wide>::from(root));
@@ -87,7 +88,7 @@ macro_rules! whole {
             if n == 0 {
                 return 0;
             }
-            // By a power of four, so that the root is shifted by a power of two.
+            // Scales the number by a power of four, so that the root is scaled by a power of two.
             let pairs = n.leading_zeros() / 2;
             let (root, _) = $scaled(n << (2 * pairs));
             (root >> pairs) as $word

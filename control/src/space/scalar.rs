@@ -43,7 +43,7 @@ impl<N: Number> Along<N> for AnyLaw<N> {
 /// A single law with its memory, for use where the law is known at compile time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Held<N: Number, L: Law<N>> {
-    /// The law.
+    /// The control law.
     pub law: L,
     /// The memory of the law.
     pub state: L::State,

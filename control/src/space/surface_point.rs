@@ -125,7 +125,7 @@ fn restricted<N: Spatial>(
             });
         });
     }
-    // Where no way leads out, the direction stays until one does.
+    // If no direction leads out of the object, the last tick's direction stays until one does.
     best.unwrap_or(Nearest {
         normal: *direction,
         depth: nearest.depth,

@@ -77,7 +77,7 @@ impl<N: Spatial> Track<N> {
             return Sample::measured(e, Position::zero());
         };
         let change = e - last.depth;
-        // Rounded down, so that no law counts more inward work than was done.
+        // Rounded down, so that no law counts more inward work than the hand did.
         let moved = last.normal.opposite().component(touch.at - *at);
         let straight = last.normal == touch.normal && is_rounding(change, moved);
         Sample {

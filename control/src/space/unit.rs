@@ -69,13 +69,13 @@ impl LengthUnit {
             virtual_damping: self.per_length(si.virtual_damping),
             energy_credit: self.of_length(si.energy_credit),
             filter,
-            // A law's coefficients are built of these alone; guard and estimator of three axes have their own.
+            // A law's coefficients depend on these settings only; on three axes, guard and estimator have their own settings.
             guard: GuardSettings {
                 on: false,
                 ..GuardSettings::default()
             },
             states: StatesKind::Measured,
-            // A direction that turns is no axis whose velocity could be filtered.
+            // A velocity filter needs an axis with a fixed direction, and the normal turns.
             velocity: VelocitySettings {
                 from: VelocityKind::Told,
                 ..VelocitySettings::default()
@@ -90,7 +90,7 @@ impl LengthUnit {
     /// Same as [`AnyLaw::new`]. An error gives ranges in SI units, but a coefficient that does not fit in this unit of length.
     pub fn law<N: Number>(self, si: &Settings) -> Result<AnyLaw<N>, SettingsError> {
         let unit = self.settings(si);
-        // Ranges are those of SI; the guard and the estimator of one axis are none of these.
+        // Ranges are checked in SI units, without the guard and the estimator of one axis, which are not used here.
         Settings {
             guard: unit.guard,
             states: unit.states,

@@ -99,7 +99,7 @@ macro_rules! signal_vector {
             }
             /// Shortens the vector where it is longer than the limit.
             fn cut(self, length: $quantity<N>, limit: $quantity<N>) -> Self {
-                // At the end of the format a length is no length any more: that of the half is.
+                // A length at the end of the format is saturated and says nothing, so half of the vector is measured instead.
                 if length + $quantity::<N>::quantum() == length {
                     return self.half_shortened(limit);
                 }

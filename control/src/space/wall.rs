@@ -42,13 +42,13 @@ impl<N: Spatial, L: Along<N>> Shell<N, L> {
 /// A virtual object with everything that renders it: shape, estimator of the hand's position, law, friction and guard.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpaceWall<N: Spatial, S, L> {
-    /// The object's shape.
+    /// The shape of the virtual object.
     pub surface: S,
     /// The estimator that predicts the position of the hand's point (HIP); `None` means that the measured position is used.
     pub estimator: Option<PlaceEstimator<N>>,
     /// The rule that chooses the touched point of the object, with its memory.
     pub point: SurfacePoint<N>,
-    /// The law, and how it gives a force vector.
+    /// The law, and how it gives a force vector: along the normal, or one law per axis.
     pub shell: Shell<N, L>,
     /// Friction with its memory; `None` without friction.
     pub friction: Option<(Friction<N>, FrictionState<N>)>,
@@ -104,7 +104,7 @@ impl<N: Spatial, S: Surface<N>, L: Along<N>> SpaceWall<N, S, L> {
             force = force + friction.tick(state, &touch, pressed);
         }
         let force = force.within(self.limit);
-        // The guard sums the energy at the port, so it gets the measured position.
+        // The guard sums the energy at the hand, so it gets the measured position and not the estimated one.
         let moved = self.last.map_or(Vector::default(), |last| at - last);
         self.last = Some(at);
         let guarded = match &mut self.guard {

@@ -32,7 +32,7 @@ pub enum Velocity<N: Number> {
     Smoothed(Smoothed<N>),
     /// The slope of the longest straight line that fits the last positions within the error of an encoder count.
     Window(FirstOrderAdaptiveWindow<N>),
-    /// A Kalman filter of the position in its steady state.
+    /// A Kalman filter of the position with constant gains (its steady state).
     Tracker(Tracker<N>),
 }
 

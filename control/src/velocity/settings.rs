@@ -7,7 +7,7 @@ use crate::{
     Field, Number, Position, Ratio, SettingsError, Si, Stiffness, VelocityKind, VelocitySettings,
 };
 
-/// `1/√2`, to the last digit of the format in which weights are calculated.
+/// `1/√2`, to the last digit of the number format in which filter coefficients are calculated.
 const ROOT_HALF: Exact = Exact::lit("0.7071067811865475244");
 
 impl VelocitySettings {
@@ -70,7 +70,7 @@ fn smoothed<N: Number>(share: Exact) -> Option<Velocity<N>> {
 #[inline]
 fn tracker<N: Number>(lost: Exact, accelerates: bool) -> Option<Velocity<N>> {
     let two = Exact::const_from_int(2);
-    // 1 - r² = (1 - r)(2 - (1 - r)).
+    // The gain α = 1 - r², with r = 1 - lost: 1 - r² = (1 - r)(2 - (1 - r)).
     let alpha = lost.saturating_mul(two.saturating_sub(lost));
     let beta = lost.saturating_add(lost).saturating_mul(lost);
     let gamma = if accelerates {
@@ -104,7 +104,7 @@ fn window<N: Number>(window_s: Si, rate_hz: u32, count: Si) -> Option<Velocity<N
     Some(Velocity::Window(FirstOrderAdaptiveWindow {
         slopes,
         longest,
-        // A quantum each for the three positions that are compared.
+        // Adds a step of the number format for each of the three positions that are compared.
         margin: Position(N::signal(count)?)
             + Position::quantum()
             + Position::quantum()

@@ -1,4 +1,4 @@
-//! A Kalman filter of the position alone, in its steady state: Kalata, IEEE TAES 20(2) 174, 1984.
+//! A Kalman filter of the position alone with constant gains (its steady state): Kalata, IEEE TAES 20(2) 174, 1984.
 
 use crate::estimator::{EstimatedMotion, Flow, Weight, corrected};
 use crate::{Number, Position};
@@ -11,7 +11,7 @@ use crate::{Number, Position};
 /// `r = exp(-2π p T)` for constant acceleration, with the control period `T`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tracker<N: Number> {
-    /// The motion over one tick without damping and commands.
+    /// Prediction of the motion over one tick, without damping and commands.
     pub free: Flow<N, 0>,
     /// Gains `α`, `β`, `γ` that correct position, displacement per tick, and the change of that displacement.
     pub correction: [Weight<N>; 3],

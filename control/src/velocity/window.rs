@@ -22,7 +22,7 @@ pub struct Slope<N: Number> {
 /// Each position is tested once: the slope to it must lie within the bounds that all later positions allow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstOrderAdaptiveWindow<N: Number> {
-    /// The possible windows, shortest first.
+    /// The lengths of the possible windows, shortest first.
     pub slopes: [Slope<N>; LONGEST_WINDOW],
     /// Length of the longest window, ticks.
     pub longest: u8,
@@ -43,7 +43,7 @@ impl<N: Number> FirstOrderAdaptiveWindow<N> {
         let slopes = self.slopes.iter().take(usize::from(self.longest));
         for (before, slope) in past.iter().zip(slopes) {
             let way = at - *before;
-            // As products, without a quotient: `way/n` against `bound/m`.
+            // Compares the slopes `way/n` and `bound/m` as products, without a division.
             let above =
                 |(bound, ticks): (Position<N>, Stiffness<N>)| ticks * way > slope.times * bound;
             let below =

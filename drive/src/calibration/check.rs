@@ -1,28 +1,30 @@
-//! Check of a stored alignment. The alignment gives the direction in which the rotor should be; a current raises the field there and
-//! rocks it a little.
+//! Check of a stored alignment. The alignment gives the direction in which the rotor should be; a current raises the field there
+//! and rocks it a little.
 //!
 //! ```text
 //! Offsets -> Raise -> Settle -> Rock: out, back, forth, home -> done
 //! ```
 //!
-//! Let `φ` be the electrical angle by which the stored alignment is wrong. A current `I` along the stored direction of the rotor turns
-//! the rotor with the torque `k_t I sin φ` towards its true direction.
+//! Let `φ` be the electrical angle by which the stored alignment is wrong. A current `I` along the stored direction of the rotor
+//! turns the rotor with the torque `k_t I sin φ` towards its true direction.
 //!
-//! 1. The check waits until the shaft stands still, for at most four seconds. The stored alignment gives the electrical angle of that position,
-//!    and the field is raised there.
-//! 2. From then on the rotor must stay within an eighth of an electrical turn of the field. With a `φ` of a quarter turn the rising current
-//!    pulls the rotor further away, and the outputs are switched off.
-//! 3. With a `φ` of half a turn the torque is zero: the rotor stands against the field, and dry friction keeps it there. So the field is rocked
-//!    by an eighth of a turn each way. A rotor that stands against the field then turns away from it, or does not move at all.
-//! 4. While the field moves back and forth, the check samples the angle between rotor and field at each 32nd of a turn. Friction makes the
-//!    rotor lag, once in each direction, so the mean of all samples is `φ`. It must be within 20 electrical degrees. Between the two ends the
-//!    rotor must have moved at least half as far as the field, and in the same direction. This detects a held shaft, phases in another order,
-//!    and a rotor that is stuck against the field.
+//! 1. The check waits until the shaft stands still, for at most four seconds. The stored alignment gives the electrical angle of
+//!    that position, and the field is raised there.
+//! 2. From then on the rotor must stay within an eighth of an electrical turn of the field. With a `φ` of a quarter turn the rising
+//!    current pulls the rotor further away, and the outputs are switched off.
+//! 3. With a `φ` of half a turn the torque is zero: the rotor stands against the field, and dry friction keeps it there. So the
+//!    field is rocked by an eighth of a turn each way. A rotor that stands against the field then turns away from it, or does not
+//!    move at all.
+//! 4. While the field moves back and forth, the check samples the angle between rotor and field at each 32nd of a turn. Friction
+//!    makes the rotor lag, once in each direction, so the mean of all samples is `φ`. It must be within 20 electrical degrees.
+//!    Between the two ends the rotor must have moved at least half as far as the field, and in the same direction. This detects a
+//!    held shaft, phases in another order, and a rotor that is stuck against the field.
 //!
 //! The check cannot detect the following errors:
 //!
 //! - a magnet that slipped by whole electrical turns, which makes no difference to the motor;
-//! - another number of pole pairs with which the rotor moves nearly as far (the settings' number is compared with the stored one instead);
+//! - another number of pole pairs with which the rotor moves nearly as far (the settings' number is compared with the stored one
+//!   instead);
 //! - an error below 20 degrees, which costs at most 6 % of the torque;
 //! - a load that turns the shaft as far as the alignment's error, in the opposite direction.
 
@@ -160,7 +162,7 @@ impl Calibration {
 
     /// Runs one control period of rocking the field.
     pub(super) fn rock(&mut self, count: i64) -> Option<Progress> {
-        // The count belongs to the field of the tick before: that one has acted.
+        // The count belongs to the field of the previous control period, which has acted since.
         let field = self.field_angle();
         let (most, step) = self.rocking();
         self.speed = self.speed.saturating_add(step).min(most);
@@ -195,7 +197,7 @@ impl Calibration {
             Way::Forth => {
                 let mean = check.sum.checked_div(check.samples).unwrap_or(i32::MAX);
                 let followed = i32::from(rotor.since(check.end));
-                // The field moved by four times this.
+                // The field moved by four times this value.
                 const HALF: i32 = (REACH >> 16) as i32;
                 if !(HALF..=3 * HALF).contains(&followed) {
                     return Some(failed(Reason::KeptNotFollowed));
@@ -215,7 +217,7 @@ impl Calibration {
     /// speed in a period. The speed is at most one electrical turn per second, so that a light rotor does not swing around the
     /// field.
     fn rocking(&self) -> (u32, u32) {
-        // Ticks in a second and in a quarter of one.
+        // Control periods in a second and in a quarter of a second.
         let settle = self.config.settle.max(2);
         let second = settle.saturating_mul(2);
         let most = self

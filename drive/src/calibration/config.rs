@@ -41,14 +41,14 @@ pub struct CalibrationConfig {
 }
 
 impl CalibrationConfig {
-    /// Computes the coefficients from validated settings.
+    /// Computes the coefficients of a calibration from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
         let rate = settings.timing.rate_hz.max(1);
         let pole_pairs = settings.motor.pole_pairs.max(1);
         let counts_per_rev = settings.encoder.counts_per_rev.max(1);
-        // 2^32 turns · turns/s / rate, from 32 fractional bits.
+        // Electrical turns per second over the control rate; the quotient's 32 fractional bits are units of 2^-32 turns.
         let speed = settings
             .calibration
             .electrical_turns_per_s
@@ -57,7 +57,7 @@ impl CalibrationConfig {
             / u64::from(rate);
         let speed = u32::try_from(speed).unwrap_or(u32::MAX);
         let current = narrow(settings.calibration.current_a);
-        // Half a second for the current, a quarter for the speed.
+        // The current rises in half a second, the speed in a quarter of a second.
         let (half, quarter) = ((rate / 2).max(1), (rate / 4).max(1));
         let step = current.to_bits() / i32::try_from(half).unwrap_or(i32::MAX);
         Self {

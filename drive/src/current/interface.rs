@@ -6,7 +6,7 @@ use crate::angle::Angle;
 use crate::transform::Dq;
 use touchstone_protocol::FaultCode;
 
-/// Mode of the bridge until the next control tick.
+/// Mode of the bridge until the next control period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum CurrentMode {
@@ -19,10 +19,10 @@ pub enum CurrentMode {
     Drive = 2,
 }
 
-/// The command from the control tick to the current loop.
+/// The command from the control interrupt to the current loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CurrentCommand {
-    /// Number of the control tick. A new number is a sign of life.
+    /// Number of the control period. A new number is a sign of life.
     pub tick: u32,
     /// The mode of the bridge.
     pub mode: CurrentMode,
@@ -35,7 +35,7 @@ pub struct CurrentCommand {
 }
 
 impl CurrentCommand {
-    /// The command to be off. Its tick number is 0, which gives no sign of life.
+    /// The command to switch the bridge off. Its number of the control period is 0, which gives no sign of life.
     pub const OFF: Self = Self {
         tick: 0,
         mode: CurrentMode::Off,
@@ -61,7 +61,7 @@ pub struct CurrentSample {
     /// Whether the previous PWM period's compare values were written too late for the timer. They then act one period later than
     /// intended.
     pub late: bool,
-    /// The last command from the control tick's mailbox.
+    /// The last command in the mailbox from the control interrupt.
     pub command: CurrentCommand,
 }
 
@@ -89,16 +89,17 @@ pub struct CurrentOutput {
     pub is_stale: bool,
 }
 
-/// Why the current loop switched off without a command.
+/// Why the current loop switched the bridge off by itself, without a command to do so (a trip).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Trip {
-    /// [`FaultCode::OverCurrent`], [`FaultCode::StaleCommand`], [`FaultCode::HardwareBreak`] or [`FaultCode::DeadlineMiss`].
+    /// The reason as a fault code: [`FaultCode::OverCurrent`], [`FaultCode::StaleCommand`], [`FaultCode::HardwareBreak`] or
+    /// [`FaultCode::DeadlineMiss`].
     pub code: FaultCode,
     /// The trip's number for the context of the fault that it causes, see [`touchstone_protocol::Context::value`].
     pub value: i32,
 }
 
-/// The report from the current loop to the control tick.
+/// The report from the current loop to the control interrupt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CurrentReport {
     /// PWM periods since the start, wrapping.

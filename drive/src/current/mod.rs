@@ -1,14 +1,14 @@
 //! One PWM period of field-oriented control, at 20 kHz: takes phase currents, gives compare values.
 //!
-//! The loop obeys the [`CurrentCommand`] of the last control tick and depends on nothing else of the slower levels. It switches off
-//! by itself when a current is too large, when the hardware break acts, when the command is older than two control periods, or when
-//! the loop itself is too slow for the timer. It reports its measurements in a [`CurrentReport`].
+//! The loop obeys the [`CurrentCommand`] of the last control period and depends on nothing else of the slower levels. It switches
+//! off by itself when a current is too large, when the hardware break acts, when the command is older than two control periods, or
+//! when the loop itself is too slow for the timer. It reports its measurements in a [`CurrentReport`].
 //!
 //! Compare values act on average a whole PWM period after the sample from which they are calculated. So the voltage is turned ahead
 //! by the rotor's motion in a period ([`ACTS_AFTER_PERIODS`]).
 //!
-//! On a board that measures no current the two controllers are left out, and the voltage is `R` times the requested current. The
-//! file `voltage.rs` describes the disadvantages.
+//! On a board that measures no current the two current controllers are left out. The voltage is the winding's resistance times the
+//! requested current. The file `voltage.rs` describes the disadvantages.
 
 mod interface;
 mod offsets;
@@ -45,7 +45,7 @@ pub struct CurrentConfig {
     pub amps_per_code: i32,
     /// Bus voltage in V per code of the analogue-to-digital converter.
     pub volts_per_code: Volts,
-    /// Largest current that the loop holds, A.
+    /// Largest current that the loop drives through the motor, A.
     pub limit: Amps,
     /// Current of a phase, or length of the current vector, in A, at which the loop switches off (trips).
     pub trip: Amps,
@@ -133,7 +133,8 @@ impl CurrentLoop {
         let fresh = command.tick != self.last_tick;
         if fresh {
             self.last_tick = command.tick;
-            // Its encoder was read when the tick was pended. In the very period that pends the next, that was a whole tick ago.
+            // The command's encoder reading was made when its control period began. If the next control period begins now, that was
+            // a whole period ago.
             self.age = if pend_control {
                 u32::from(config.periods_per_tick)
             } else {
@@ -142,7 +143,8 @@ impl CurrentLoop {
         } else {
             self.age = self.age.saturating_add(1);
         }
-        // At the moment of pending, the command of the tick before is one control period old, or that tick did not end.
+        // When a control period begins, the command of the previous one is one period old. If it is older, the previous control
+        // period did not finish.
         if pend_control && self.age > u32::from(config.periods_per_tick) {
             self.report.missed = self.report.missed.wrapping_add(1);
         }
@@ -188,7 +190,7 @@ impl CurrentLoop {
     }
 
     fn trip(&mut self, code: FaultCode, value: i32) {
-        // The first cause until it is cleared, as in the fault machine.
+        // Keeps the first cause until it is cleared, as the fault machine does.
         if !self.tripped {
             self.tripped = true;
             self.report.trips = self.report.trips.wrapping_add(1);
@@ -228,7 +230,7 @@ impl CurrentLoop {
         };
         let amps = |code: u16, offset: u16| {
             let difference = (i32::from(code) << Offsets::BITS) - i32::from(offset);
-            // 28 + 4 fractional bits to 16.
+            // Converts 28 + 4 fractional bits to 16.
             Amps::from_bits(product(
                 difference,
                 config.amps_per_code,
@@ -242,7 +244,7 @@ impl CurrentLoop {
         let c = a.saturating_add(b).saturating_neg();
         let vector = AlphaBeta::from_phases(a, b);
         let trip = u64::from(config.trip.to_bits().max(0).unsigned_abs());
-        // The largest of the phases is what a person would measure; the vector sees what two phases hide from the third.
+        // The largest phase current is what a person would measure. The vector's length also shows a current that two phases share.
         let largest = a
             .saturating_abs()
             .max(b.saturating_abs())
@@ -327,7 +329,7 @@ impl CurrentLoop {
 /// Electrical angle by which the rotor turns in this number of PWM periods, by the speed in the command.
 #[inline(always)]
 fn moved(command: &CurrentCommand, periods: u32) -> Angle {
-    // 2^-32 turns to 2^-16.
+    // Converts 2^-32 turns to 2^-16 turns.
     Angle(((i64::from(command.advance) * i64::from(periods)) >> 16) as u16)
 }
 
@@ -337,7 +339,7 @@ fn other_side(length: Volts, side: Volts) -> Volts {
     let short =
         |v: Volts| u32::from(u16::try_from(v.saturating_abs().to_bits() >> 6).unwrap_or(u16::MAX));
     let (length, side) = (short(length), short(side));
-    // Both below 2^16, so the squares fit.
+    // Both values are below 2^16, so their squares fit into 32 bits.
     let root = (length * length).saturating_sub(side * side).isqrt();
     Volts::from_bits(clamp_i32(i64::from(root) << 6))
 }

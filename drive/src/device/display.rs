@@ -21,7 +21,8 @@ impl Device {
         let config = self.configs.now();
         if let (Some(change), Some(until)) = (&config.change, read) {
             let record = &mut self.memory.record;
-            // Counts go on where positions end, far from the wall, and are the same at every turn.
+            // The displacement is calculated from counts: they also cover angles beyond the range of positions, and have the same
+            // step in every turn.
             let moved = if scenery.runs() {
                 config.scale.moved(record.count.saturating_sub(last.1))
             } else {
@@ -54,7 +55,7 @@ impl Device {
         if acted {
             self.since_change(last, read, scenery);
             let here = self.here();
-            // What the law makes of it is forgotten with the next arming.
+            // The next arming clears the control law's memory, so the law's result does not matter.
             let _ = scenery.tick(&mut self.law, &self.configs.now().scale, &here);
             scenery.commanded(&mut self.law, Force::zero());
         }
@@ -91,19 +92,20 @@ impl Device {
         }
         let pushed = core::mem::replace(&mut self.memory.pushes, force != Force::zero());
         let is_tripped = scenery.is_tripped(&self.law);
-        // The wall alone is off where its guard trips.
+        // The single wall gives no force where its energy guard has tripped.
         let beyond_reach =
             (is_tripped || scenery.runs()) && scenery.is_beyond_reach(&self.law, here.penetration);
         if is_tripped {
             if beyond_reach && !scenery.runs() {
-                // The wall alone is off here, which is no fault. What the last force may still do is paid for.
+                // The single wall gives no force at this depth, which is no fault. The energy guard is charged for what the last
+                // force may still do.
                 scenery.switched_off(&mut self.law);
                 scenery.again(&mut self.law, &self.configs.now().law);
             } else if pushed || view.contact != Contact::Free {
                 let speed = self.memory.record.speed_rad_per_s;
                 self.report_fault(FaultCode::OverSpeed, crate::units::milli(speed));
             } else {
-                // A flick of a knob that nothing holds: no force acted on the way, so there is nothing to answer for.
+                // A free knob turned too fast. No force acted meanwhile, so the energy guard need not be charged.
                 scenery.again(&mut self.law, &self.configs.now().law);
             }
         }

@@ -9,17 +9,17 @@ use touchstone_protocol::Machine;
 /// The memory from which the next control period starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Memory {
-    /// State of the device.
+    /// State of the device, with a latched fault.
     pub machine: Machine,
     /// Result of the last calibration.
     pub alignment: Alignment,
     /// Count of the unwrapped encoder at the position that the device calls zero.
     pub zero: i64,
-    /// Fraction of the torque while it fades in, 2^-32.
+    /// Factor by which the torque is multiplied while it fades in, 2^-32.
     pub fade: u32,
     /// A fault that another part of the firmware reported and that the next control period latches; `None` without one.
     pub reported: Option<Found>,
-    /// Whether the last settings that were sent were refused.
+    /// Whether the device refused the settings that it received last.
     pub settings_refused: bool,
     /// The current loop's counter of PWM periods at the voltage limit, as of the last control period.
     pub saturated: u16,
@@ -32,7 +32,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// The state just after power-on.
+    /// The memory just after power-on.
     pub(super) fn new() -> Self {
         Self {
             machine: Machine::new(),

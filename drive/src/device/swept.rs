@@ -1,4 +1,5 @@
-//! A calibration with a cogging sweep, and the cogging map with which the board compensates cogging.
+//! A calibration followed by a cogging sweep (a slow turn that measures the cogging torque), and the map with which the board
+//! compensates cogging.
 
 use super::Device;
 use crate::Amps;
@@ -59,7 +60,7 @@ impl Device {
         let own_zero = shaft.own_zero(config.supervisor.shaft());
         let sweep = config.sweep;
         let rotor = self.rotor(tick, count, 1 << 16);
-        // Once: the encoder's own reading begins anew with each turn.
+        // Only at the first control period, because the encoder's own reading wraps at each turn.
         if let (None, Some(own_zero)) = (&self.swept.running, own_zero) {
             self.memory.zero = own_zero.saturating_neg();
         }

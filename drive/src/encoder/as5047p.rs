@@ -183,12 +183,12 @@ mod tests {
                 before,
             })
         };
-        // Too weak, too strong, overflow, not yet compensated.
+        // Fields too weak and too strong, an overflow, and offsets that are not yet compensated.
         for field in [0x9FF, 0x500, 0x380, 0x080] {
             let word = answer(field);
             let status = Err(EncoderError::Status(u32::from(word)));
             assert_eq!(with(Some(Asked::Field(word))), status, "{field:x}");
-            // The same bits in `ERRFL` say nothing of a field.
+            // The same bits in the register `ERRFL` do not concern the field.
             assert!(with(Some(Asked::Errors(word))).is_ok());
         }
         assert!(with(None).is_ok());

@@ -13,9 +13,9 @@ pub use as5047p::{Asked, Frames, Question};
 /// The encoder's raw reading in a control period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EncoderReading {
-    /// The value of a 16-bit counter of encoder edges.
+    /// The value of a 16-bit timer that counts the edges of an incremental encoder.
     Counter16(u16),
-    /// The value of a 32-bit counter of encoder edges.
+    /// The value of a 32-bit timer that counts the edges of an incremental encoder.
     Counter32(u32),
     /// The AS5047P's answers to [`AS5047P_READ_ANGLE`] and to the register that the previous control period requested.
     As5047p(Frames),
@@ -52,7 +52,7 @@ impl Word {
         }
     }
 
-    /// The counter's value, shifted back to the lower end.
+    /// The encoder's counter as an ordinary number, with its lowest bit at bit 0 again.
     #[must_use]
     pub const fn value(self) -> u32 {
         self.aligned >> self.shift
@@ -98,7 +98,8 @@ impl Unwrapped {
         }
     }
 
-    /// Takes the next reading; returns the continued count. It is right if the shaft moved by less than half the counter's range.
+    /// Takes the next reading; returns the continued count. The count is right if the shaft moved by less than half the counter's
+    /// range since the last reading.
     #[inline]
     pub fn update(&mut self, word: Word) -> i64 {
         let count = self.aligned.update(word.aligned) >> (self.shift & 31);
@@ -122,7 +123,7 @@ impl Unwrapped {
         }
     }
 
-    /// The count at the last reading.
+    /// The continued count at the last reading.
     #[must_use]
     pub const fn count(&self) -> i64 {
         let count = self.aligned.count() >> (self.shift & 31);

@@ -1,4 +1,4 @@
-//! X-NUCLEO-IHM08M1 on the NUCLEO-G474RE.
+//! Power stage of the shield X-NUCLEO-IHM08M1 on the NUCLEO-G474RE.
 //!
 //! | number | source |
 //! |---|---|
@@ -33,7 +33,7 @@ pub const IHM08M1: Hardware = Hardware {
     offset_tolerance: 250,
     offset_spread: 60,
     current_max_a: Si::lit("15"),
-    // The shield's own range begins there (UM1996), and its gate drivers turn on at 9 to 10 V (L6398's data sheet).
+    // The shield is specified from 10 V on (UM1996), and its gate drivers turn on at 9 to 10 V (L6398's data sheet).
     bus_min_v: Si::lit("10"),
     bus_max_v: Si::lit("48"),
     temperature_max_c: Si::lit("110"),

@@ -60,7 +60,7 @@ const fn sampling_counts(dead_time_ns: u16, settling_ns: u16) -> u16 {
     const LEAD: u32 = 20;
     let ns = dead_time_ns as u32 + settling_ns as u32;
     let before = (ns * 170).div_ceil(1_000) + LEAD;
-    // Below 2^16 for whatever fits the arguments: 2 · 22,283.
+    // The result fits into 16 bits for all arguments: it is at most 2 · 22,283.
     2 * before as u16
 }
 
@@ -70,7 +70,7 @@ impl Hardware {
     pub const fn modulator(&self) -> Modulator {
         Modulator {
             top: self.timer_top,
-            // The low side is on around the timer's top, for the counts above the compare value, up and down again.
+            // The low side is on around the timer's top, while the counter is above the compare value, going up and going down.
             longest: self.timer_top.saturating_sub(self.sampling_counts / 2),
         }
     }

@@ -16,7 +16,7 @@ pub struct AskedConfig {
 }
 
 impl AskedConfig {
-    /// Computes the coefficients from validated settings.
+    /// Computes the coefficients of the checks from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings) -> Self {
@@ -32,7 +32,7 @@ impl AskedConfig {
     }
 }
 
-/// The time for which the computer has been silent.
+/// The time for which the computer has been silent, in control periods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Asked {
     ticks: u32,

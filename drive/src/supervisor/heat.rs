@@ -1,7 +1,7 @@
 //! Temperature limit of the motor's windings, from a model of their heat: the windings have no sensor.
 //!
-//! The model has one thermal mass and one thermal resistance `R_th`. The windings' rise above the room's temperature follows `s`, the
-//! mean of the squared current `i²` with one time constant `τ`; `R` is the windings' resistance:
+//! The model has one thermal mass and one thermal resistance `R_th`. The windings' rise above the room's temperature follows `s`,
+//! the mean of the squared current `i²` with one time constant `τ`; `R` is the windings' resistance:
 //!
 //! ```text
 //! τ ds/dt = i² - s        rise = s R_th 3/2 R        at rest: s = i²
@@ -27,7 +27,8 @@ use touchstone_protocol::{DeviceSettings, FaultCode};
 
 /// Fractional bits of the square of a current, A².
 const SQUARE_BITS: u32 = 16;
-/// Fractional bits of the mean square, more than those of a square, so that the small amount that a tick adds is not lost.
+/// Fractional bits of the running mean of the squared current. They are more than those of a square, so that the small amount that
+/// a control period adds is not lost.
 const MEAN_BITS: u32 = 48;
 /// The whole current limit, as a fraction in 1/65,536.
 const ALL: u32 = 1 << 16;
@@ -48,7 +49,7 @@ pub struct HeatConfig {
 }
 
 impl HeatConfig {
-    /// Computes the coefficients from validated settings.
+    /// Computes the coefficients of the heat model from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings) -> Self {
@@ -81,7 +82,7 @@ impl HeatConfig {
         if mean >= self.bears {
             return self.for_ever;
         }
-        // Less than the whole, so the quotient is below 2^16; never by zero.
+        // `beyond` is less than the divisor, so the quotient is below 2^16. The divisor is never zero.
         let beyond = i64::from(mean - self.warm) << 16;
         let way = beyond
             .checked_div(i64::from(self.bears - self.warm))
@@ -111,7 +112,7 @@ impl Default for Heat {
 }
 
 impl Heat {
-    /// The windings at room temperature.
+    /// The heat model with the windings at room temperature.
     #[must_use]
     pub const fn cold() -> Self {
         Self { mean: 0 }
@@ -130,8 +131,8 @@ impl Heat {
     pub fn update(&mut self, config: &HeatConfig, report: &CurrentReport) -> (Option<Found>, u32) {
         let now = clamp_i32(square(report.current.d) + square(report.current.q));
         let mean = (self.mean >> (MEAN_BITS - SQUARE_BITS)) as i32;
-        // Both squares are at least 0 and below 2^31: so is the mean afterwards, as a share of less than one is taken of their
-        // difference, which has 16 + 32 fractional bits then.
+        // Both squares are at least 0 and below 2^31. So is the new mean, because less than the whole difference is added. The
+        // product has 16 + 32 fractional bits.
         self.mean += i64::from(now - mean) * i64::from(config.share);
         let fault = (mean > config.hot).then(|| {
             let permille = (i64::from(mean) * 1_000).checked_div(i64::from(config.bears));
@@ -184,7 +185,7 @@ mod tests {
             let (worst, given) = leans(&settings, 2.0, 12.0);
             assert!(worst <= 0.49 * 1.001, "{rate} Hz: {worst} A²");
             assert!((0.69..0.703).contains(&given), "{rate} Hz: {given} A");
-            // What the motor bears is never taken from it.
+            // The current that the motor can carry continuously is never reduced.
             let (worst, given) = leans(&settings, 0.62, 12.0);
             assert!((worst - 0.3844).abs() < 0.002, "{worst} A²");
             assert_eq!(given, 0.62);
@@ -211,10 +212,10 @@ mod tests {
         let Some((tick, (FaultCode::MotorHot, value))) = fault else {
             panic!("{fault:?}");
         };
-        // 20 s times ln(2.25/(2.25 - 0.735)).
+        // The expected time is 20 s times ln(2.25/(2.25 - 0.735)).
         assert!((7_890..7_930).contains(&tick), "{tick}");
         assert!((1_500..1_503).contains(&value), "{value}");
-        // After a reset of which nobody knows how long it took.
+        // After a reset of unknown duration.
         let (_, left) = Heat::unknown(&config).update(&config, &report(0.0));
         assert!((22_000..23_500).contains(&left), "{left}");
     }

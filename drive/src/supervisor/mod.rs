@@ -1,8 +1,9 @@
 //! The supervisor: checks for faults.
 //!
-//! At the beginning of each control tick it compares all readings with their limits. The first broken limit becomes the tick's
-//! fault. The fault machine switches the outputs off in the same tick and latches the fault with its context. Power and sensors are
-//! checked from the command to calibrate until the next stop, since parts that are off may be unpowered or disconnected.
+//! At the beginning of each control period (tick) it compares all readings with their limits. The first broken limit becomes the
+//! fault of the period. The fault machine switches the outputs off in the same period and latches the fault with its context. Power
+//! and sensors are checked from the command to calibrate until the next stop, since parts that are off may be unpowered or
+//! disconnected.
 //!
 //! | checked in | faults |
 //! |---|---|
@@ -58,12 +59,12 @@ pub struct SupervisorConfig {
     /// Coefficients of the check of the motor's voltages; `None` where no currents are measured.
     model: Option<ModelConfig>,
     asked: AskedConfig,
-    /// Processor cycles of a control period.
+    /// Length of a control period in processor cycles.
     period: u32,
 }
 
 impl SupervisorConfig {
-    /// Computes the limits from validated settings.
+    /// Computes the limits of all checks from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -130,7 +131,7 @@ pub struct Verdict {
 pub struct Watch {
     /// Whether readings outside their limits are faults in this state.
     pub watched: bool,
-    /// Whether the outputs may be on.
+    /// Whether the outputs may be on in this state.
     pub may_be_on: bool,
     /// Whether the control law drove the motor in the previous control period.
     pub driven: bool,
@@ -170,7 +171,8 @@ impl Supervisor {
         }
     }
 
-    /// Starts with another configuration. The shaft's memory is cleared; the current loop's counters and the motor's heat are kept.
+    /// Prepares for another configuration: clears the memory of the shaft's motion. The current loop's counters and the motor's
+    /// heat are kept.
     pub const fn restart(&mut self) {
         self.shaft = Shaft::new();
         self.stuck = Stuck::new();
@@ -217,7 +219,8 @@ impl Supervisor {
             }
         };
         let share_fault = if watched {
-            // A tick whose reading at the change is missing counts its own reading as bad too: that is not the tick's reading's doing.
+            // If the second reading of the previous control period is missing, this period's first reading counts as bad too. That
+            // must not add to the sum of bad first readings.
             let bad = count.is_none() && !(driven && untold);
             self.share.update(bad, driven.then_some(untold))
         } else {
@@ -233,7 +236,7 @@ impl Supervisor {
                     speed
                 };
                 let found = self.model.update(model, along, report);
-                // Nothing moves at all: the encoder is the nearer cause.
+                // If the count does not move at all, a stuck encoder is the more likely cause.
                 let code = if self.stuck.is_suspected() {
                     FaultCode::EncoderStuck
                 } else {
@@ -242,7 +245,7 @@ impl Supervisor {
                 found.map(|beyond| (code, beyond))
             }
             _ => {
-                // A bad reading between two good ones is no new beginning.
+                // A bad reading between two good ones does not reset the model.
                 if !may_be_on {
                     self.model = Model::new();
                 }
@@ -259,7 +262,7 @@ impl Supervisor {
         };
         let asked_fault = self.asked.update(&config.asked, input, may_be_on);
         let loop_fault = self.look_at_loop(config, input.timing, report);
-        // Always taken along, so that what happened unwatched is not found later.
+        // Updated in every state, so that events outside the watched states are not reported later.
         let before = self.watched;
         self.watched = watched;
         let fault = break_fault(input)
@@ -296,7 +299,7 @@ impl Supervisor {
         if missed != 0 {
             return Some((FaultCode::DeadlineMiss, i32::from(missed)));
         }
-        // Half a period late, or not done when the next is due.
+        // The control interrupt began half a period late, or had not finished when the next one was due.
         if timing.lateness > config.period / 2 {
             return Some((FaultCode::DeadlineMiss, cycles(timing.lateness)));
         }
@@ -312,7 +315,7 @@ fn cycles(cycles: u32) -> i32 {
 }
 
 fn break_fault(input: &ControlInput) -> Option<Found> {
-    // A driver with a line for it pulls the break by it: its own word is the nearer one.
+    // A gate driver with a fault line pulls the break by that line. Then the driver's error is the more exact cause.
     if input.gate_driver_error {
         Some((FaultCode::GateDriver, 0))
     } else if input.hardware_break {

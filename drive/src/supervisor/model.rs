@@ -5,8 +5,8 @@
 //! r_q = v_q - R i_q - ψ ω              a_q = 1 V + R |i|/2 + ψ |ω|/2              ψ = k_t/(3/2)
 //! ```
 //!
-//! Here `v` is the voltage and `i` the current on the axes d and q, `R` the windings' resistance, `L` their inductance, `ω` the shaft's
-//! speed, `ω_e` the electrical speed, `k_t` the torque constant.
+//! Here `v` is the voltage and `i` the current on the axes d and q, `R` the windings' resistance, `L` their inductance, `ω` the
+//! shaft's speed, `ω_e` the electrical speed, `k_t` the torque constant.
 //!
 //! `r` is the part of the voltage that the motor's equations do not explain, and `a` the largest such part of a good motor. Times
 //! the current, `r` is the balance of power: `3/2 (v·i - R i²)` less the commanded torque times the speed, separately for each
@@ -20,8 +20,8 @@
 //! - on the `d` axis an alignment 14 electrical degrees off, and gains of the sensors that differ by 6 %;
 //! - as constants: dead time (0.3 V at 24 V and 500 ns), rounding, and `L di/dt` (0.5 V for a step of 2 A in the small motor).
 //!
-//! Both `r` and `a` go through the same running mean of 10 to 20 ms. The mean is linear and positive: a device that keeps `|r| <= a` in
-//! each control period keeps it in the mean, so there is no alarm.
+//! Both `r` and `a` go through the same running mean of 10 to 20 ms. The mean is linear and positive: a device that keeps `|r| <=
+//! a` in each control period keeps it in the mean, so there is no alarm.
 //!
 //! The check does not detect an error while the shaft hardly turns and the current is the commanded one, since no power is missing
 //! then. A board that measures no current calculates it by the same equations, so there the check is left out.
@@ -72,7 +72,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// The memory before the first tick.
+    /// The running sums before the first control period: zero.
     #[must_use]
     pub const fn new() -> Self {
         Self { sums: [0; 4] }
@@ -94,7 +94,7 @@ impl Model {
             I16F16::from_bits(product(config.henries.to_bits(), speed.to_bits(), 16)),
             i.q,
         );
-        // All are words of 32 bits: no sum of these comes near 2^63.
+        // All terms have 32 bits, so no sum comes near 2^63.
         let now = [
             i64::from(v.d.to_bits()) - drop_d + cross,
             (1 << 15) + (drop_q.abs() >> 4) + (emf.abs() >> 2),

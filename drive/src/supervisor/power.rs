@@ -10,7 +10,7 @@ use touchstone_control::Si;
 use touchstone_protocol::DeviceSettings;
 use touchstone_protocol::FaultCode;
 
-/// Limits of the power stage.
+/// Limits of the power stage's bus voltage and temperature.
 #[derive(Debug, Clone, Copy)]
 pub struct PowerConfig {
     bus_min: Volts,
@@ -25,7 +25,7 @@ pub struct PowerConfig {
 }
 
 impl PowerConfig {
-    /// Computes the limits from validated settings.
+    /// Computes the limits of bus voltage and temperature from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -87,7 +87,7 @@ impl Power {
             Some((FaultCode::UnderVoltage, milli(report.bus)))
         } else {
             match temperature {
-                // Nothing to read: the driver looks after itself.
+                // The board has no temperature sensor; its driver protects itself.
                 #[cfg(feature = "voltage")]
                 None if config.is_without_sensor => None,
                 Some(celsius) if celsius < config.fault_from => None,
@@ -143,7 +143,7 @@ mod tests {
         assert_eq!(code(24.0, 0), Some((FaultCode::OverTemperature, i32::MAX)));
         let (fault, value) = code(24.0, 3_393).unwrap();
         assert_eq!((fault, value), (FaultCode::OverTemperature, 1_000));
-        // A broken sensor leaves no current either.
+        // With a broken sensor no current is allowed either.
         assert_eq!(Power::inspect(&config, &report(24.0, 4_095)).1, 0);
     }
 }

@@ -19,7 +19,7 @@ use touchstone_protocol::FaultCode;
 
 /// Longest time over which the speed is averaged, in control periods.
 const WINDOW_MAX: usize = 20;
-/// Encoder counts by which a reading may jitter.
+/// Encoder counts by which readings of a shaft at rest may differ. They are added to the limits for overspeed and jumps.
 const JITTER: i64 = 4;
 /// A displacement that would need this many times the highest allowed speed counts as a jump of the reading; a smaller excess
 /// counts as overspeed.
@@ -27,7 +27,7 @@ const JUMP_FACTOR: i32 = 4;
 /// The constant `2π`.
 const TWO_PI: Si = Si::lit("6.283185307");
 
-/// Coefficients of the checks of the shaft.
+/// Coefficients of the checks of encoder readings and shaft speed.
 #[derive(Debug, Clone, Copy)]
 pub struct ShaftConfig {
     kind: EncoderKind,
@@ -48,7 +48,7 @@ pub struct ShaftConfig {
 }
 
 impl ShaftConfig {
-    /// Computes the coefficients from validated settings.
+    /// Computes the coefficients of the checks from validated settings.
     #[must_use]
     #[inline]
     pub fn new(settings: &DeviceSettings, hardware: &Hardware) -> Self {
@@ -58,7 +58,7 @@ impl ShaftConfig {
             .unwrap_or(2)
             .clamp(2, WINDOW_MAX);
         let window_ticks = Si::saturating_from_num(window);
-        // Counts in a tick per rad/s.
+        // Counts per control period, for each rad/s.
         let per_speed = quotient(
             quotient(Si::saturating_from_num(counts), TWO_PI),
             Si::saturating_from_num(rate),
@@ -72,7 +72,8 @@ impl ShaftConfig {
             clamp_i32(whole.saturating_add(JITTER))
         };
         let speed = quotient(quotient(Si::ONE, per_speed), window_ticks);
-        // 2^48 pole pairs/(counts · PWM periods in a window).
+        // Electrical turns per PWM period for each count in the window: 2^48 pole pairs/(counts per turn · PWM periods in a
+        // window).
         let periods =
             (window as u64).saturating_mul(u64::from(periods_per_tick(settings, hardware)));
         let divisor = u64::from(counts).saturating_mul(periods).max(1);
@@ -96,14 +97,14 @@ impl ShaftConfig {
 pub enum Seen {
     /// The reading is good.
     Good {
-        /// The count, continued over the encoder's wrap.
+        /// The encoder count, continued over the encoder's wrap.
         count: i64,
         /// Counts that the shaft moved since the last good reading.
         moved: i64,
     },
-    /// The reading must not be used.
+    /// The reading is bad and must not be used, but is no fault yet.
     Bad,
-    /// The reading is a fault; holds its code and value.
+    /// The reading is a fault; holds the fault's code and the number that goes with it.
     Fault(FaultCode, i32),
 }
 
@@ -171,7 +172,7 @@ impl Shaft {
         if !watched {
             return Seen::Good { count, moved };
         }
-        // The product of 32 and 8 bits fits.
+        // The product of 32 and 8 bits fits into 64 bits.
         let is_beyond = |limit: i32| moved.saturating_abs() > i64::from(limit) * ticks;
         if is_beyond(config.jump) {
             return Seen::Fault(FaultCode::EncoderJump, clamp_i32(moved));
@@ -179,7 +180,7 @@ impl Shaft {
         let is_tick_fast = is_beyond(config.fastest_in_tick);
         if is_tick_fast || self.sum.saturating_abs() > config.fastest {
             let mean = if is_tick_fast {
-                // Counts in a window at this speed; never by zero.
+                // Counts in a window at this speed. The divisor is never zero.
                 let in_window = clamp_i32(moved.saturating_mul(config.window as i64));
                 in_window.checked_div(clamp_i32(ticks)).unwrap_or(in_window)
             } else {
@@ -224,7 +225,7 @@ impl Shaft {
 
     fn bad(&mut self, config: &ShaftConfig, error: EncoderError, watched: bool) -> Seen {
         if !watched {
-            // Nobody counts on it: begin anew with the next good one.
+            // In this state the count is not used, so counting starts anew with the next good reading.
             *self = Self::new();
             return Seen::Bad;
         }
@@ -298,7 +299,7 @@ mod tests {
 
     #[test]
     fn what_is_clearly_too_fast_shows_in_a_tick_and_a_slight_excess_in_a_window() {
-        // The limit of 60 rad/s is 156.5 counts in a tick, and 313 in a window of two; 4 more for jitter.
+        // The limit of 60 rad/s is 156.5 counts in a control period and 313 in a window of two; 4 counts are added for jitter.
         assert_eq!(turned(1_000, 158), None);
         for (counts, tick, least, most) in [
             (161, 2, 61_000, 62_000),
@@ -311,7 +312,7 @@ mod tests {
             assert_eq!(at, tick, "{counts} counts");
             assert!((least..most).contains(&speed), "{counts}: {speed} mrad/s");
         }
-        // 15.6 counts in a tick, and a window of 20.
+        // At 10 kHz the limit is 15.6 counts in a control period, and the window has 20 periods.
         assert_eq!(turned(10_000, 15), None);
         assert!(matches!(turned(10_000, 16), Some((20, _))));
         assert!(matches!(turned(10_000, -21), Some((1, _))));

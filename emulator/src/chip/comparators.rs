@@ -60,7 +60,8 @@ impl Comparators {
 fn dac_v(dac: &Plain, channel: usize) -> Option<f64> {
     let (cr, mcr) = (dac.get(0x00), dac.get(0x3c));
     let is_on = cr >> (16 * channel) & 1 != 0;
-    // With a trigger that nothing gives, what was written is never put out.
+    // If a trigger is enabled, the converter outputs the written code only at that trigger. The model has no such trigger, so the
+    // code is never output.
     let is_triggered = cr >> (16 * channel + 1) & 1 != 0;
     let leads_inside = mcr >> (16 * channel) & 1 != 0;
     let code = dac.get([0x08, 0x14][channel]) & 0xfff;
@@ -90,7 +91,7 @@ impl Chip {
                 self.comparators.above[number] = false;
                 continue;
             }
-            // An input that nothing drives floats; the model takes 0 V.
+            // An input that nothing drives floats. The model assumes 0 V.
             let minus = minus_v(number, csr, &self.plain[1], &self.plain[5]).unwrap_or(0.0);
             let pin = PLUS[number][usize::from(csr & INPSEL != 0)];
             let shunt = self.board.shunts.iter().find(|(at, _)| *at == pin);
@@ -137,7 +138,7 @@ mod tests {
             .with(0x3c, 3 | 3 << 16)
             .with(0x08, 1_024)
             .with(0x14, 2_048);
-        // Channel 1 goes to COMP1 and COMP3, channel 2 to COMP2 and COMP4.
+        // Channel 1 of DAC3 leads to COMP1 and COMP3, channel 2 to COMP2 and COMP4.
         for (number, volts) in [(0, 0.825), (1, 1.65), (2, 0.825), (3, 1.65)] {
             assert!(near(minus_v(number, 4 << 4, &off, &dac3), volts));
             assert_eq!(minus_v(number, 5 << 4, &off, &dac3), None);

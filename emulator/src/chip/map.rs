@@ -1,6 +1,6 @@
 //! Address map of the chip's registers.
 
-/// A peripheral block of registers.
+/// A peripheral of the chip, as a block of registers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Block {
     Timer(usize),

@@ -47,11 +47,11 @@ pub struct Chip {
     timers: [Timer; 4],
     adcs: [Adc; 2],
     ports: Vec<Port>,
-    /// Serial port LPUART1, the link to the desktop on some boards.
+    /// Serial port LPUART1, the link to the computer on some boards.
     pub lpuart1: Uart,
-    /// Serial port USART2, the link to the desktop on the other boards.
+    /// Serial port USART2, the link to the computer on boards that do not use LPUART1 for it.
     pub usart2: Uart,
-    /// The bus of the magnetic encoder.
+    /// The SPI controller SPI3, to which the magnetic encoder is connected.
     pub spi3: Spi,
     /// The independent watchdog.
     pub iwdg: Iwdg,
@@ -75,7 +75,7 @@ pub struct Chip {
     pub board: Board,
     /// The simulated motor, knob and hand.
     pub world: World,
-    /// Exceptions whose handlers are running.
+    /// Exceptions whose handlers are running, the outermost first.
     pub running: Vec<Running>,
     /// Costs in instructions and cycles of each exception's handler.
     pub handlers: Vec<Handler>,
@@ -161,7 +161,7 @@ impl Chip {
             (&mut self.lpuart1, Uart::new(LPUART1, true)),
             (&mut self.usart2, Uart::new(USART2, false)),
         ] {
-            // What was sent is with the desktop already.
+            // A reset does not lose the bytes that the port has sent: the desktop has already received them.
             let sent = std::mem::take(&mut uart.sent);
             *uart = fresh;
             uart.sent = sent;
@@ -183,7 +183,7 @@ impl Chip {
         self.system = Plain::default();
         self.running.clear();
         self.reset_request = None;
-        // The pins float, and the gate drivers take that for off.
+        // After a reset the pins float. The gate drivers read a floating input as off.
         self.drive_world();
     }
 
@@ -219,7 +219,8 @@ impl Chip {
     pub fn store_to_flash(&mut self, address: u32, before: u32, value: u32) {
         let now = self.core.now;
         self.flash.store(address, value, now);
-        // The memory must not keep what Unicorn stores: undone, or done rightly, at the next boundary.
+        // Unicorn writes the value to its memory itself. At the next instruction boundary this write is undone or replaced by the
+        // result of the flash model.
         self.flash.stores.push((address, before));
         self.core.interrupted = true;
     }
@@ -293,7 +294,7 @@ impl Chip {
     #[must_use]
     pub fn dac(&self) -> u32 {
         let dac = &self.plain[1];
-        // Enabled: DHR12R1.
+        // If channel 1 is enabled (EN1), its code is in DHR12R1.
         if dac.get(0x00) & 1 != 0 {
             dac.get(0x08) & 0xfff
         } else {
@@ -312,7 +313,7 @@ impl Chip {
         })
     }
 
-    /// The GPIO port of this index.
+    /// The GPIO port with this index: 0 is port A.
     pub fn port(&mut self, index: usize) -> &mut Port {
         &mut self.ports[index]
     }

@@ -34,7 +34,7 @@ impl Chip {
             .min(self.flash.next_event());
         let storm = self.storm.map_or(NEVER, |(_, _, next)| next);
         let fast = self.bridge.next_event().min(self.spi3.next_event());
-        // A short's current is looked at as often as instructions allow.
+        // The current of a short circuit rises fast, so it is checked as often as the instructions allow.
         let short = match self.world.short {
             Some(short) if self.bridge.is_on() || short.current_a != 0.0 => self.core.now + LOOK,
             _ => NEVER,
@@ -48,10 +48,10 @@ impl Chip {
             .min(storm)
     }
 
-    /// Carries out the events that are due.
+    /// Carries out all events that are due at the present time.
     pub fn advance(&mut self) {
         let now = self.core.now;
-        // In the order of time: what a converter sees depends on what the bridge did before.
+        // Events are handled in the order of their times, because a converter's sample depends on the bridge's earlier switching.
         while let Some((time, edge)) = self.bridge.next_edge(now) {
             self.convert(time);
             let triggers = match edge {

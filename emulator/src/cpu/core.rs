@@ -66,7 +66,7 @@ impl Cost {
         }
     }
 
-    /// The larger value of two costs, for each counter by itself.
+    /// The larger of the two values, for each of the three counters by itself.
     #[must_use]
     pub fn worst(self, other: Self) -> Self {
         Self {
@@ -124,7 +124,7 @@ pub struct Core {
     pub watches: Vec<Watch>,
     /// Addresses where watched functions begin, and to which their calls return.
     watch_points: Vec<u32>,
-    /// Number of exceptions that run inside each other.
+    /// Nesting depth: number of exception handlers that are running, each inside the previous one.
     pub depth: usize,
     /// Cost of each nesting level of exceptions; level 0 is the main program.
     pub by_depth: [Cost; 8],
@@ -173,7 +173,7 @@ impl Core {
         });
     }
 
-    /// Sets the state after a reset; the time is not reset.
+    /// Sets the processor to its state after a reset; the time goes on.
     pub fn reset(&mut self) {
         self.end = None;
         self.block_start = u32::MAX;
@@ -201,7 +201,7 @@ impl Core {
         let at = address.wrapping_sub(cache.base) as usize / 2;
         match cache.infos.get(at) {
             Some(info) => *info,
-            // Code elsewhere is not met.
+            // The program executes no code outside the cached range.
             None => Some(Info::SIMPLE),
         }
     }
@@ -260,8 +260,8 @@ impl Core {
         }
         if let Some(end) = self.end.take() {
             if address < end && address >= self.block_start {
-                // In an IT block, which counts as one instruction and cannot be stopped in. Its head was charged with a cycle
-                // for each of its instructions, executed or not.
+                // This instruction is inside an IT block. A block counts as one instruction and cannot be interrupted inside. Its
+                // IT instruction was already charged with one cycle for each instruction of the block, executed or not.
                 self.spend(0, u64::from(info.cycles) - 1);
                 self.end = Some(end);
                 return false;

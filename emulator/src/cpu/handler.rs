@@ -11,7 +11,7 @@ pub const CONTROL_TICK: usize = FIRST + 49;
 /// An exception whose handler has been entered and has not returned.
 #[derive(Debug, Clone, Copy)]
 pub struct Running {
-    /// Exception number, as in the register IPSR.
+    /// Number of the exception, as in the register IPSR.
     pub exception: usize,
     /// Time at which the handler was entered, in processor cycles.
     pub entered: u64,

@@ -37,7 +37,7 @@ pub struct Nvic {
 impl Default for Nvic {
     fn default() -> Self {
         Self {
-            // The system's own need no enabling.
+            // The system exceptions are always enabled.
             enabled: 0xffff,
             pending: 0,
             active: 0,
@@ -153,7 +153,8 @@ impl Nvic {
             0x000..0x010 => self.enabled |= mask(offset),
             0x080..0x090 => self.enabled &= !mask(offset - 0x80),
             0x100..0x110 => self.pending |= mask(offset - 0x100),
-            // A line that is still up stays pending (DUI0553, "Hardware and software control of interrupts"; from memory).
+            // An interrupt whose line is still active stays pending (DUI0553, "Hardware and software control of interrupts"; from
+            // memory).
             0x180..0x190 => self.pending &= !mask(offset - 0x180) | self.lines,
             0x300..0x370 => {
                 let at = FIRST + offset as usize - 0x300;

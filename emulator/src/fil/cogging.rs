@@ -1,6 +1,6 @@
 //! Tests of the map that compensates a motor's cogging torque. The map is measured over the serial line as `touchstone device
-//! cogging measure` does, computed by the desktop's code, stored in flash and applied. The simulated world's true cogging, which
-//! the device does not know, is the reference.
+//! cogging measure` does, computed by the code that runs on the computer, stored in flash and applied. The reference is the true
+//! cogging of the simulated motor, which the device does not know.
 
 #[path = "../../../host-sim/lab/src/identify/cogging.rs"]
 mod identify;
@@ -59,12 +59,12 @@ pub(super) const COGGING: [Harmonic; 4] = [
 /// Largest error of a cogging map at each number of periods per turn: relative error of the amplitude, and error of the phase in
 /// degrees.
 type Off = [(f64, f64); COGGING.len()];
-/// Largest errors of the map if the configured inertia is a third above the knob's. At 168 periods per turn, 42 Hz in the sweep,
-/// nearly all of the measured torque is due to the inertia, so the largest error is allowed there.
+/// Largest errors of the measured cogging map if the configured inertia is a third above the knob's. At 168 periods per turn, 42 Hz
+/// in the sweep, nearly all of the measured torque is due to the inertia, so the largest error is allowed there.
 const OFF_MOST: Off = [(0.15, 3.0), (0.4, 20.0), (0.05, 3.0), (0.05, 3.0)];
-/// Largest errors of the map if the configured inertia is that of the knob.
+/// Largest errors of the measured cogging map if the configured inertia is that of the knob.
 const OFF_MOST_KNOWN: Off = [(0.05, 3.0), (0.15, 20.0), (0.05, 3.0), (0.05, 3.0)];
-/// Largest torque of the map at numbers of periods per turn at which the motor has no cogging, effective value in N·m.
+/// Largest torque of the cogging map at numbers of periods per turn at which the motor has no cogging, effective value in N·m.
 const STRANGE_MOST_N_M: f64 = 1e-4;
 
 /// Tests on the reference board that the cogging map is measured, applied, stored and, where it does not fit, refused.
@@ -239,9 +239,9 @@ fn at_order(map: &CoggingMap, order: f64) -> Complex<f64> {
         .sum()
 }
 
-/// Compares a map with the current that would compensate the simulated cogging: amplitudes and phases.
+/// Compares amplitudes and phases of a cogging map with the current that would compensate the simulated cogging.
 ///
-/// Errors: the deviation is larger than `most`, or the map has too much torque at other orders.
+/// Errors: the deviation is larger than `most`, or the map has too much torque at numbers of periods per turn without cogging.
 fn beside(found: &MeasuredCogging, motor: &MotorParameters, most: &Off) -> Result<String, String> {
     let constant = motor.torque_constant_nm_per_a();
     let mut words = Vec::new();
@@ -285,7 +285,7 @@ fn turns(bench: &mut Bench) -> Result<Vec<Felt>, String> {
     turns.collect()
 }
 
-/// Checks that the full cogging torque remains without a map, and a small part of it with one.
+/// Checks that the full cogging torque remains without a cogging map, and a small part of it with one.
 fn felt(without: &[Felt], with: &[Felt]) -> Result<String, String> {
     let mut words = Vec::new();
     let mut is_right = true;
@@ -301,8 +301,8 @@ fn felt(without: &[Felt], with: &[Felt]) -> Result<String, String> {
     if is_right { Ok(words) } else { Err(words) }
 }
 
-/// Checks that after a change of the settings the device reports that the map does not fit them, and that the full cogging torque
-/// remains.
+/// Checks that after a change of the settings the device reports that the cogging map does not fit them, and that the full cogging
+/// torque remains.
 fn refused(
     bench: &mut Bench,
     because: Unkept,

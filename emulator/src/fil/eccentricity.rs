@@ -1,6 +1,6 @@
-//! Tests of the measured eccentricity: an encoder whose magnet is off the axis and tilted. The desktop's code computes the
-//! eccentricity from the device's telemetry during calibration; the simulated world's true error, which the device does not know,
-//! is the reference.
+//! Tests of the measured eccentricity: an encoder whose magnet is off the axis and tilted. The code that runs on the computer
+//! computes the eccentricity from the device's telemetry during calibration. The reference is the true error of the simulated
+//! encoder, which the device does not know.
 
 #[allow(
     dead_code,
@@ -38,7 +38,7 @@ const WEIGHT: Harmonic = Harmonic {
     phase: 0.7,
 };
 
-/// A magnet's angle errors at one and two periods per turn: amplitudes in degrees, and phases in rad.
+/// Errors of the encoder's angle due to its magnet, at one and two periods per turn: amplitudes in degrees, and phases in rad.
 #[derive(Clone, Copy)]
 struct Magnet([f64; 2], [f64; 2]);
 

@@ -7,7 +7,7 @@ use crate::board::Source;
 use crate::chip::{Chip, ResetCause};
 use crate::peripheral::spi::SlaveFault;
 
-/// The part of the firmware that a fault makes hang.
+/// The part of the firmware in which a fault is injected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
     /// The main program outside of any interrupt handler.
@@ -20,9 +20,9 @@ pub enum Level {
 pub const CURRENT_LOOP: Level = Level::Interrupt(18);
 /// Handler of the control interrupt, which runs a control period.
 pub const CONTROL_TICK: Level = Level::Interrupt(49);
-/// The serial port's handler.
+/// Handler of the interrupt of the serial port to the computer.
 pub const SERIAL: Level = Level::Interrupt(91);
-/// The serial port's handler on the B-G431B-ESC1.
+/// Handler of the interrupt of the serial port to the computer, on the B-G431B-ESC1.
 pub const SERIAL_ESC1: Level = Level::Interrupt(38);
 
 /// Number of the control interrupt, which uses the vector of the timer LPTIM1.
@@ -49,7 +49,7 @@ pub enum Fault {
     Encoder(SlaveFault),
     /// A fault of the encoder on the serial bus that begins with a control period.
     EncoderAtTick(SlaveFault),
-    /// The encoder's frames never end.
+    /// The SPI bus of the encoder hangs: frames never end.
     BusHangs,
     /// The count of the incremental encoder stops changing.
     TrackHeld,
@@ -68,11 +68,11 @@ pub enum Fault {
     Lost(u32, u64),
     /// The main program masks the control interrupt for this time in µs; interrupts of higher priority run on.
     HeldOff(u64),
-    /// Code hangs in an endless loop.
+    /// A part of the firmware hangs in an endless loop.
     Hang(Level),
     /// A part of the firmware executes an undefined instruction.
     Undefined(Level),
-    /// The stack overflows.
+    /// The stack of the firmware overflows.
     StackOverflow,
     /// The board's stop button is pressed for this time in µs.
     StopPressed(u64),
@@ -112,7 +112,7 @@ impl Fault {
     /// Injects the fault now.
     ///
     /// # Errors
-    /// The part of the firmware that the fault must hit did not run.
+    /// The part of the firmware in which the fault is injected did not run.
     pub fn inject(self, bench: &mut Bench) -> Result<(), String> {
         let now = bench.now();
         let chip = bench.machine.chip_mut();
@@ -206,7 +206,7 @@ impl Fault {
         Ok(())
     }
 
-    /// Whether the injection waits until the part of the firmware runs that the fault must hit.
+    /// Whether the injection first waits until the affected part of the firmware runs.
     #[must_use]
     pub const fn waits(self) -> bool {
         matches!(
@@ -296,7 +296,7 @@ impl Level {
 pub struct Random(pub u64);
 
 impl Random {
-    /// The next 64 bits.
+    /// The next 64 random bits.
     pub fn bits(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;

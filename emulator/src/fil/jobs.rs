@@ -55,24 +55,24 @@ pub const BOARDS: [&str; 5] = [
     "b-g431b-esc1",
 ];
 
-/// The programs of the boards. Boards without a program are left out of the campaign.
+/// The firmware programs of the boards. Boards without a program are left out of the campaign.
 #[derive(Debug, Default)]
 pub struct Programs(Vec<(&'static str, Program)>);
 
 impl Programs {
-    /// Adds the program of a board.
+    /// Adds the firmware program of a board.
     pub fn add(&mut self, board: &'static str, program: Program) {
         self.0.push((board, program));
     }
 
-    /// Finds the program of a board.
+    /// The firmware program of a board; `None` if there is none.
     #[must_use]
     pub fn of(&self, board: &Board) -> Option<&Program> {
         let found = self.0.iter().find(|(name, _)| *name == board.name);
         found.map(|(_, program)| program)
     }
 
-    /// Number of boards with a program.
+    /// Number of boards for which there is a firmware program.
     #[must_use]
     pub fn count(&self) -> usize {
         self.0.len()
@@ -87,7 +87,7 @@ enum Work {
     },
 }
 
-/// One job of the campaign: injections or checks that run on devices of their own.
+/// One job of the fault-injection campaign: injections or checks that run on emulated devices of their own.
 pub struct Job<'a> {
     program: &'a Program,
     setup: Setup,
@@ -132,7 +132,7 @@ impl Asked<'_> {
     }
 }
 
-/// The jobs of the selection.
+/// All jobs that run the selected checks and injections.
 #[must_use]
 pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
     let on = |board: Board, lsi_hz, lists: &[&[Injection]]| {
@@ -199,7 +199,7 @@ pub fn jobs<'a>(programs: &'a Programs, asked: Asked<'_>) -> Vec<Job<'a>> {
                 work,
             });
         };
-        // The checks run once per board; the check of the emulator runs once.
+        // The checks of a board run once per board. The check of the emulator itself runs once, with the first board.
         if !checked.contains(&board) {
             let of_all = checked.is_empty().then_some(&OF_THE_EMULATOR);
             let wanted = |name| is_named(name) && asked.has_check(board, name);
@@ -236,7 +236,7 @@ impl Job<'_> {
         }
     }
 
-    /// Runs the job and returns its results.
+    /// Runs the job's injections or check, and returns the results.
     #[must_use]
     pub fn run(&self) -> Tally {
         let mut tally = Tally::on(&self.device);

@@ -57,7 +57,7 @@ fn pulled(program: &Program, setup: &Setup, state: Phase) -> Result<u64, String>
         }
         _ => bench.arm()?,
     }
-    // The last message of the desktop.
+    // After this request the desktop stays silent.
     bench.status()?;
     let begin = bench.now();
     bench.run(450 * MS)?;
@@ -125,7 +125,7 @@ fn ends_hot(program: &Program, setup: &Setup) -> Result<String, String> {
     });
     off?;
     bench.run(5 * MS)?;
-    // The fault threshold, with the error of the shunts.
+    // The fault threshold is 1.5 times the permitted mean square. The range allows for the error of the shunts.
     let times = windings.hottest / bears.powi(2);
     match bench.fault()?.and_then(|fault| fault.known()) {
         Some(FaultCode::MotorHot) if (1.4..1.6).contains(&times) => Ok(format!(
@@ -176,7 +176,7 @@ fn leans(program: &Program, setup: &Setup) -> Result<String, String> {
     if !records.iter().any(|record| derated(record.limits)) {
         return Err("no record tells of the derating".into());
     }
-    // The limit, with 3 % for the errors of the shunts and of the control tick.
+    // The limit on the mean square plus 3 % for the errors of the shunts and of the control tick.
     if hottest > 1.03 * bears * bears {
         return Err(format!(
             "a mean square of {hottest:.3} A², and the motor bears {:.3}",

@@ -37,7 +37,7 @@ const WATCHED: u64 = 30 * MS;
 /// Comparator of each phase, counted from 0: COMP1, COMP2, COMP4.
 const COMPARATORS: [usize; 3] = [0, 1, 3];
 
-/// Tests all shorts, on a board whose shunts go to comparators.
+/// Tests all short circuits, on a board whose shunts are connected to comparators.
 pub fn over_current(program: &Program, setup: &Setup, tally: &mut Tally) {
     if setup.board.shunts.is_empty() {
         return;
@@ -74,7 +74,7 @@ fn armed(bench: &mut Bench) -> Result<(), String> {
         // The test calibrates every few seconds, so the motor must bear the calibration's current for ever.
         settings.motor.continuous_current_a = settings.calibration.current_a;
     })?;
-    // If a break is active, the device refuses the calibration; `no_break` reports the break next.
+    // The answer is ignored: if a break is active, the device refuses the calibration, and `no_break` below reports the break.
     let _ = bench.command(DeviceCommand::Calibrate)?;
     while no_break(bench)? == Phase::Calibrating {
         bench.run(20 * MS)?;
@@ -84,7 +84,7 @@ fn armed(bench: &mut Bench) -> Result<(), String> {
     bench.run(250 * MS)
 }
 
-/// The device's phase. Errors: a fault is latched although nothing is shorted.
+/// The device's phase (for example armed). Errors: a fault is latched although there is no short circuit.
 fn no_break(bench: &mut Bench) -> Result<Phase, String> {
     let status = bench.status()?;
     match status.fault.and_then(|fault| fault.known()) {
@@ -103,12 +103,12 @@ struct Found {
     /// Time in microseconds until the outputs were off, counted from the moment at which a comparator acted, or from the short
     /// circuit where none did.
     off_us: f64,
-    /// Largest current in the short, A.
+    /// Largest current in the short circuit, A.
     largest_a: f64,
     code: Option<FaultCode>,
 }
 
-/// Shorts a phase of the armed device until the outputs are off, and returns what happened.
+/// Short-circuits a motor phase of the armed device until the outputs are off, and returns what happened.
 fn short(
     bench: &mut Bench,
     phase: usize,
@@ -179,7 +179,7 @@ fn to_supply(bench: &mut Bench, phase: usize) -> Result<String, String> {
 fn just_below(bench: &mut Bench) -> Result<String, String> {
     let bus_v = bench.machine.chip().board.supply_v;
     let amps = SWITCHES_OFF_A - STEP_A;
-    // The resistance limits the current to this value, which it reaches within a microsecond.
+    // The resistance of the short circuit limits its current to `amps`. The current reaches this value within a microsecond.
     let found = short(bench, 1, Touched::Supply, bus_v / amps, 1e-7)?;
     match (found.seen, found.code) {
         (None, Some(FaultCode::OverCurrent)) if found.largest_a > 0.99 * amps => Ok(format!(

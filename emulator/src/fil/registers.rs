@@ -20,7 +20,7 @@ const VENDOR: &str = include_str!("../../registers/vendor.tsv");
 
 const PORTS: std::ops::Range<u32> = 0x4800_0000..0x4800_1c00;
 
-/// Checks the chip's registers against the tables.
+/// Checks the chip's registers against the tables `registers.tsv` and `pins.tsv`.
 pub fn registers(program: &Program, setup: &Setup, tally: &mut Tally) {
     tally.check("registers after the start", compared(program, setup));
 }

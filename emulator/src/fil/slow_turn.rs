@@ -13,7 +13,7 @@ const SLICE: u64 = 100 * US;
 /// Time from arming until the force has faded in (`limits.fade_in_s` is 0.2 s) and the shaft turns evenly, in processor cycles.
 const FADED_IN: u64 = 400 * MS;
 
-/// Torque that resists one turn of the shaft.
+/// Torque that resists one slow turn of the shaft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Felt {
     /// Effective value of the summed torque of motor and cogging, without its mean, N·m.
@@ -23,7 +23,7 @@ pub struct Felt {
 }
 
 impl Felt {
-    /// Remaining torque as a fraction of the cogging torque: 1 means that nothing was compensated.
+    /// Ripple that remains with the compensation, as a fraction of the cogging torque: 1 means that nothing was compensated.
     #[must_use]
     pub fn left(&self) -> f64 {
         self.ripple_n_m / self.cogging_n_m

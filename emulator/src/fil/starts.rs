@@ -54,7 +54,8 @@ pub fn kept_alignment(program: &Program, setup: &Setup, tally: &mut Tally) {
 
 /// Tests a board that starts unattended, and each reason that prevents the start.
 pub fn start_by_itself(program: &Program, setup: &Setup, tally: &mut Tally) {
-    // The larger motor and the reference board's small one; the Mini's program is the same.
+    // This test runs on two boards: one with the larger motor and one with the small motor. The SimpleFOC Mini's program is the
+    // same as the latter's.
     if !["nucleo-g474re", "nucleo-g474re-ihm16m1"].contains(&setup.board.name) {
         return;
     }

@@ -15,10 +15,10 @@ use crate::bench::{Bench, MS, Setup, US};
 use crate::cpu::elf::Program;
 use crate::machine::Halt;
 
-/// A number larger than the number of flash changes in one save.
+/// A number larger than the number of flash changes (words programmed, pages erased) in one save of the settings.
 const MOST_CHANGES: u64 = 400;
-/// On boards other than the reference board, the tests cut the supply only at every n-th flash change, with this n. The constant
-/// [`SAMPLED_MOMENTS`] is the n for the device's states.
+/// On boards other than the reference board, the tests cut the supply only at every n-th change of the flash (a word programmed, a
+/// page erased), with this n. The constant [`SAMPLED_MOMENTS`] is the n for the device's states.
 const SAMPLED_CHANGES: u64 = 5;
 const SAMPLED_MOMENTS: usize = 3;
 /// Time in processor cycles for which the supply is absent. By its end the motor's current is zero; the knob may still be moving.
@@ -27,12 +27,14 @@ const AWAY: u64 = 200 * MS;
 const SAVED: Si = Si::lit("1.25");
 const UNSAVED: Si = Si::lit("0.75");
 
-/// Whether all tests run on this board. On the other boards, whose program differs only in its pins, a sample runs.
+/// Whether all supply tests run on this board. On the other boards, whose program differs only in its pins, only a part of them
+/// runs.
 fn is_reference(setup: &Setup) -> bool {
     setup.board.name == "nucleo-g474re-ihm16m1"
 }
 
-/// Cuts the supply at flash changes of a save, and once more in the save after the restart.
+/// Tests that cut the supply at single changes of the flash (a word programmed, a page erased) while settings are saved, and once
+/// more in the save after the restart.
 pub fn power_cuts(program: &Program, setup: &Setup, tally: &mut Tally) {
     let every = match is_reference(setup) {
         true => 1,
@@ -134,7 +136,8 @@ fn in_a_save(program: &Program, setup: &Setup, every: u64) -> Result<usize, Stri
     Err(format!("a save of more than {MOST_CHANGES} changes"))
 }
 
-/// Cuts the supply in a save, and again in the save after the restart, at several flash changes of each.
+/// Cuts the supply in a save of the settings, and again in the save after the restart, at several changes of the flash in each
+/// save.
 fn cut_twice(program: &Program, setup: &Setup) -> Result<usize, String> {
     let mut bench = Bench::new(program, setup)?;
     bench.boot()?;
@@ -160,10 +163,10 @@ fn cut_twice(program: &Program, setup: &Setup) -> Result<usize, String> {
     Ok(pairs)
 }
 
-/// State of the device in which the supply is cut.
+/// State of the device in which a test cuts the supply.
 #[derive(Debug, Clone, Copy)]
 enum Moment {
-    /// No request since the start.
+    /// Started, with no request from the computer since.
     Booted,
     /// This many milliseconds after the command to calibrate.
     Calibrating(u64),
@@ -196,7 +199,7 @@ const MOMENTS: [Moment; 12] = [
     Moment::Fault,
 ];
 
-/// Cuts the supply in each state.
+/// Tests that the device is safe if its supply is cut in each state.
 pub fn supply_cut(program: &Program, setup: &Setup, tally: &mut Tally) {
     let cut = || -> Result<String, String> {
         let mut bench = Bench::new(program, setup)?;

@@ -13,11 +13,11 @@ use crate::bench::{Bench, MS, Setup};
 pub struct Tally {
     /// Name of the board and the encoder, used in reports of problems.
     pub device: String,
-    /// Lines of the table.
+    /// Lines of the table of results.
     pub lines: Vec<String>,
     /// Descriptions of all deviations from expected results.
     pub wrong: Vec<String>,
-    /// Number of injections so far.
+    /// Number of fault injections so far.
     pub rows: usize,
     /// Simulated time of all devices together, s.
     pub simulated_s: f64,
@@ -26,7 +26,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// An empty tally for this device.
+    /// A list of test results for this device, still empty.
     #[must_use]
     pub fn on(device: &str) -> Self {
         Self {
@@ -44,7 +44,7 @@ impl Tally {
                 format!("{what}: WRONG, {error}")
             }
         };
-        // It all takes minutes: who watches sees it work.
+        // All checks together take minutes, so each result is printed at once to show the progress.
         eprintln!("{}: {line}", self.device);
         self.lines.push(line);
     }
@@ -54,7 +54,7 @@ impl Tally {
         self.simulated_s += bench.now() as f64 / (1_000 * MS) as f64;
     }
 
-    /// Adds the head of a table of injections, with board and encoder.
+    /// Adds the head of a table of injections: board, encoder, frequency of the watchdog's clock.
     pub fn head(&mut self, setup: &Setup) {
         self.lines.push(format!(
             "\n{}, the watchdog's clock at {} Hz",

@@ -131,7 +131,7 @@ impl Machine {
             if let Some(place) = here.filter(|place| u64::from(*place) < block + BLOCK) {
                 uc.get_data_mut().read_flash(place);
             }
-            // The read continues, and returns the bits that the power cut has left.
+            // The read instruction continues. It returns the bits that the power cut has left in the flash memory.
             uc.mem_protect(block, BLOCK, Prot::READ | Prot::EXEC)
                 .is_ok()
         };
@@ -227,7 +227,7 @@ impl Machine {
         self.locked = true;
     }
 
-    /// Resets the chip. Flash, RAM and the simulated world stay as they are.
+    /// Resets the chip. Flash, RAM and the simulated motor, knob and hand stay as they are.
     pub fn reset(&mut self, cause: ResetCause) {
         self.resets.push((self.chip().core.now, cause));
         self.chip_mut().reset(cause);

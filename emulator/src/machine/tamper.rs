@@ -56,7 +56,7 @@ impl Machine {
             if here == exception {
                 return Ok(());
             }
-            // In steps that are shorter than any handler.
+            // Each step is shorter than any handler, so no handler begins and ends within one step.
             let next = self.chip().core.now + 20;
             self.run_until(next).map_err(|halt| format!("{halt:?}"))?;
         }

@@ -76,7 +76,7 @@ impl Adc {
         Self {
             registers: Plain::default(),
             status: 0,
-            // Deep power-down.
+            // After a reset the converter is in deep power-down (DEEPPWD).
             control: 1 << 29,
             half_cycle: 2,
             completes: Vec::new(),

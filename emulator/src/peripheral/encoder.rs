@@ -18,7 +18,7 @@ impl Angle {
     fn count(&mut self) -> u16 {
         let count = ((self.turns.rem_euclid(1.0) * COUNTS) as u16) & 0x3fff;
         match self.fault {
-            // Without a field the angle is whatever it was, and noise.
+            // Without a magnetic field the encoder would return noise. The model keeps the last angle.
             SlaveFault::Stuck | SlaveFault::NoMagnet => *self.held.get_or_insert(count),
             SlaveFault::Jump(by) => count.wrapping_add(by >> 2) & 0x3fff,
             _ => {
@@ -99,7 +99,7 @@ impl Slave for As5047p {
         };
         if !self.command.count_ones().is_multiple_of(2) {
             self.errors |= PARITY_ERROR;
-            // Not obeyed.
+            // A command with the wrong parity is ignored.
             self.command = 0;
         }
         self.angle.disturb(u32::from(frame), bits) as u16
@@ -122,7 +122,7 @@ pub struct Mt6701 {
     left: u32,
 }
 
-/// The CRC of 18 bits, polynomial x^6 + x + 1.
+/// The MT6701's checksum: CRC of 18 bits with the polynomial x^6 + x + 1.
 fn crc(mut data: u32) -> u32 {
     data <<= 6;
     for bit in (6..24).rev() {
@@ -135,7 +135,7 @@ fn crc(mut data: u32) -> u32 {
 
 impl Slave for Mt6701 {
     fn select(&mut self) {
-        // Mg3: track lost; Mg1 and Mg0: field too strong, too weak.
+        // Status bits: Mg3 means loss of track; of Mg1 and Mg0, the value 1 means a field too strong and 2 a field too weak.
         let status = match self.angle.fault {
             SlaveFault::SaysError => 8,
             SlaveFault::MagnetTooNear => 1,

@@ -50,7 +50,7 @@ impl Iwdg {
         }
     }
 
-    /// Whether the watchdog resets the chip at the time `now`.
+    /// Whether the watchdog has to reset the chip at the time `now`, in processor cycles.
     #[must_use]
     pub fn bites(&self, now: u64) -> bool {
         now >= self.bites

@@ -23,34 +23,34 @@ pub trait Slave: std::fmt::Debug {
     fn exchange(&mut self, sent: u16, bits: u32) -> u16;
     /// Sets the shaft's angle, in turns.
     fn set_angle(&mut self, turns: f64);
-    /// Sets a fault that lasts from now on.
+    /// Sets the fault that the encoder has from now on.
     fn set_fault(&mut self, fault: SlaveFault);
 }
 
-/// The faults of an encoder on a bus.
+/// Faults of an encoder on the SPI bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SlaveFault {
-    /// No fault.
+    /// The encoder has no fault.
     #[default]
     None,
-    /// The data line stays low: no power, or a broken wire with a pull-down.
+    /// The encoder's data line stays low: the encoder has no power, or a wire with a pull-down is broken.
     Low,
     /// From the next answer that holds an angle on, the data line stays low. For the AS5047P that is between the two frames of a
     /// reading.
     LowFromAngle,
-    /// The data line stays high.
+    /// The encoder's data line stays high.
     High,
-    /// This bit of each frame is flipped.
+    /// The bit with this number is flipped in each frame.
     FlipBit(u8),
     /// One bit of every seventh frame is flipped.
     FlipSeventh,
-    /// The reported angle never changes, in valid frames.
+    /// The encoder sends valid frames, in which the angle never changes.
     Stuck,
     /// The magnet is missing: the frames are valid and repeat the last angle, and the field register reports a weak field.
     NoMagnet,
     /// The magnet touches the encoder chip, so the field is too strong.
     MagnetTooNear,
-    /// Each reported angle is larger by this many 65,536ths of a turn.
+    /// Each reported angle is too large by this many 65,536ths of a turn.
     Jump(u16),
     /// The encoder chip reports an error.
     SaysError,
@@ -58,7 +58,7 @@ pub enum SlaveFault {
     CommandDamaged,
 }
 
-/// The SPI controller.
+/// The chip's SPI controller, with the encoder on its bus.
 #[derive(Debug, Default)]
 pub struct Spi {
     interrupt: u32,
@@ -190,13 +190,13 @@ impl Peripheral for Spi {
 
     fn advance(&mut self, now: u64) {
         while let Some((time, frame)) = self.shifting.filter(|(time, _)| *time <= now) {
-            // Without a slave the line is pulled up by nobody and read as ones.
+            // Without a slave nothing drives the line. The model reads it as ones.
             let bits = self.bits();
             let answer = match &mut self.slave {
                 Some(slave) if self.selected && !self.rushed => slave.exchange(frame, bits),
                 _ => 0xffff,
             };
-            // Two frames fit; more are lost.
+            // The receive buffer holds two frames; further frames are lost.
             if self.receive.len() < 2 {
                 self.receive.push_back(answer);
             }
@@ -226,7 +226,7 @@ mod tests {
         spi.write(CR2, 15 << 8, 0);
         spi.write(CR1, SPE | 2 << 3, 0);
         spi.set_select(true, 0);
-        // Every frame answers the one before: the first asks for the angle, which is 0.
+        // The slave answers each frame in the next one. The first frame requests the angle, which is 0.
         let mut now = 1_000;
         for lead in [60, lead] {
             spi.set_select(false, now);

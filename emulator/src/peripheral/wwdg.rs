@@ -53,7 +53,7 @@ impl Wwdg {
             .saturating_sub(u32::try_from(counts).unwrap_or(u32::MAX))
     }
 
-    /// Sets the counter at the time `now`.
+    /// Sets the watchdog's counter at the time `now`.
     fn set(&mut self, counter: u32, now: u64) {
         self.counter = counter;
         self.at = now / self.count_cycles();
@@ -74,7 +74,7 @@ impl Wwdg {
         (self.at + counts).saturating_mul(self.count_cycles())
     }
 
-    /// Whether the watchdog resets the chip at the time `now`.
+    /// Whether the watchdog has to reset the chip at the time `now`, in processor cycles.
     #[must_use]
     pub fn bites(&self, now: u64) -> bool {
         self.refused || now >= self.next_event()
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn bites_after_its_counts_unless_refreshed() {
-        // Started half a count after the last count of the divider.
+        // The watchdog was started half a count after the last count of its clock divider.
         let mut dog = started(0, 2_048);
         let time = 11 * 4_096;
         assert_eq!(dog.next_event(), time);

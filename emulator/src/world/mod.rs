@@ -26,7 +26,7 @@ const STEP: u64 = 4_250;
 /// Compare value at which a phase is always connected to the bus voltage.
 const TOP: u16 = 4_250;
 
-/// The usual motor, with a rotor angle that is not a round number at power-on.
+/// The usual motor. Its electrical angle at the encoder's zero is 1 rad, so that it is no special angle.
 const MOTOR: MotorParameters = MotorParameters {
     electrical_zero_rad: 1.0,
     ..GIMBAL
@@ -67,12 +67,12 @@ const KIT_KNOB: Device = Device {
     }),
 };
 
-/// The motor and the knob on the shaft.
+/// Parameters of the motor and of the knob on its shaft.
 #[derive(Debug, Clone, Copy)]
 pub struct Parts {
-    /// The motor.
+    /// Parameters of the motor.
     pub motor: MotorParameters,
-    /// The knob with the motor's rotor.
+    /// Inertia, damping and friction of the knob with the motor's rotor.
     pub knob: Device,
 }
 
@@ -139,7 +139,7 @@ fn step<S: Stepper>(
 /// Rest point of the hand's spring in rad, as a function of the time in seconds since the hand took hold.
 type RestPoint = Box<dyn Fn(f64) -> f64>;
 
-// One of them exists, and it is never moved.
+// Only one value of this type exists and it is never moved, so its size costs nothing.
 #[allow(clippy::large_enum_variant)]
 enum Grip {
     Free(BareCoulomb, State<2>),
@@ -149,7 +149,7 @@ enum Grip {
         since: u64,
         rest: RestPoint,
     },
-    /// The shaft is turned from outside, whatever the motor does. The fields are its angle and speed.
+    /// The shaft is turned from outside, against any torque of the motor. The fields are its angle and speed.
     Forced {
         angle_rad: f64,
         rad_per_s: f64,
@@ -159,9 +159,9 @@ enum Grip {
 /// Energy bookkeeping of the shaft: its state at the end of a mechanical step, and the impulse and energies since recording began.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ShaftBooks {
-    /// Angle, rad.
+    /// Angle of the shaft, rad.
     pub angle_rad: f64,
-    /// Speed, rad/s.
+    /// Speed of the shaft, rad/s.
     pub rad_per_s: f64,
     /// Integral of the motor's torque over time, N·m·s.
     pub impulse_n_m_s: f64,
@@ -216,10 +216,10 @@ impl Default for World {
 }
 
 impl World {
-    /// A world without a hand, with a knob that rests at an angle.
+    /// A simulated world without a hand, with a knob that rests at an angle.
     ///
     /// # Panics
-    /// The knob is out of range.
+    /// The knob's parameters are out of range.
     #[must_use]
     pub fn new(parts: &Parts, angle_rad: f64) -> Self {
         let plant = BareCoulomb::new(&parts.knob, seconds(STEP)).expect("the knob is in range");
@@ -257,11 +257,11 @@ impl World {
         }
     }
 
-    /// A simulated hand takes hold of the knob. The rest point of its spring is `rest`: the shaft's angle in rad as a function of
-    /// the time from now, s.
+    /// Lets a simulated hand take hold of the knob. The rest point of its spring is `rest`: the shaft's angle in rad as a function
+    /// of the time from now, s.
     ///
     /// # Panics
-    /// If the hand is out of range.
+    /// The hand's parameters are out of range.
     pub fn hold(&mut self, hand: &Hand, rest: impl Fn(f64) -> f64 + 'static) {
         let plant =
             HeldCoulomb::new(&self.knob, hand, seconds(STEP)).expect("the hand is in range");
@@ -304,7 +304,7 @@ impl World {
         self.books.unwrap_or_default()
     }
 
-    /// The simulated hand releases the knob.
+    /// Lets the simulated hand release the knob.
     ///
     /// # Panics
     /// Never: the constants are in range.
@@ -328,7 +328,7 @@ impl World {
         self.windings = Windings::new(motor, seconds(STEP));
     }
 
-    /// Turns the shaft from outside at a speed, whatever the motor does; 0 holds it.
+    /// Turns the shaft from outside at this speed, against any torque of the motor; 0 holds the shaft.
     pub fn force(&mut self, rad_per_s: f64) {
         let (angle_rad, _) = self.angle_and_speed();
         self.grip = Grip::Forced {
@@ -348,7 +348,7 @@ impl World {
         };
     }
 
-    /// Moves the simulation on to a time.
+    /// Simulates up to the time `until`, in processor cycles.
     pub fn advance(&mut self, until: u64) {
         while self.now < until {
             let next = self.step_at.min(until);
@@ -425,7 +425,7 @@ impl World {
         self.sensors.shown_turns(self.angle_rad())
     }
 
-    /// Current into a phase, A.
+    /// Current into a phase of the motor, A.
     #[must_use]
     pub fn current_a(&self, phase: usize) -> f64 {
         self.windings.currents_a()[phase]
@@ -444,7 +444,7 @@ impl World {
         self.current_a(phase) + short.map_or(0.0, |short| short.current_a)
     }
 
-    /// Advances a short circuit's current until now with the transistors as they are.
+    /// Advances a short circuit's current to the time `now`, with the given states of the transistors.
     pub fn advance_short(&mut self, now: u64, legs: [Leg; 3]) {
         let (bus_v, diode_v) = (self.bridge.bus_v, self.bridge.diode_v);
         if let Some(short) = &mut self.short {

@@ -7,7 +7,7 @@ use crate::peripheral::timer::gates::Leg;
 /// The conductor that the motor wire touches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Touched {
-    /// The supply's positive end.
+    /// The supply's positive conductor.
     Supply,
     /// Ground, at a point behind the shunts, so that the current does not pass them.
     Ground,
@@ -74,7 +74,7 @@ mod tests {
 
     #[test]
     fn a_short_draws_from_whichever_transistor_is_on_and_ends_through_a_diode() {
-        // 24 V at 4 uH: 6 A/us, with 1 mOhm straight.
+        // 24 V across 4 µH gives 6 A/µs. At 1 mOhm the rise is practically a straight line.
         let after = |touched, legs: [Leg; 2]| {
             let mut short = Short::new(0, touched, 1e-3, 4e-6, 0);
             short.advance(170, legs[0], 24.0, 0.7);

@@ -133,7 +133,7 @@ fn watch_shunts(_dac: embassy_stm32::Peri<'static, peripherals::DAC3>) {
     });
     for comparator in [COMP1, COMP2, COMP4] {
         comparator.csr().write(|w| {
-            // PA1, PA7, PB0 against DAC3.
+            // These comparators compare the shunt pins PA1, PA7 and PB0 with the voltages of DAC3.
             w.set_inpsel(false);
             w.set_inmsel(Inm::DACA);
             w.set_hyst(Hysteresis::HYST20M);

@@ -158,7 +158,7 @@ pub fn is_stop_pressed() -> bool {
 static COMPLAINED: AtomicBool = AtomicBool::new(false);
 
 /// Whether the driver has pulled its line EN\FAULT since [`forget_driver`]. At PB12 no pulse is missed, because the hardware break
-/// latches it. The current loop polls PA11 once a PWM period; before that the driver has already switched itself off.
+/// latches it. PA11 is polled once per PWM period by the current loop; by then the driver has already switched itself off.
 #[inline(always)]
 pub fn driver_complains() -> bool {
     let (b, a) = FAULT_LINE;

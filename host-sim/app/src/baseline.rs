@@ -32,7 +32,7 @@ const MEASURES: [(&str, Worse, f64); 10] = [
 ];
 /// Field with a run's name. Older results files do not have the field; a run without it matches a run of any name.
 const NAME: &str = "name";
-/// Fields that must be equal in two results for them to count as the same run.
+/// Fields of the results that must be equal in two runs, so that these count as the same run.
 const SAME: [&str; 7] = [
     "scene",
     NAME,

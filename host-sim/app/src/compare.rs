@@ -33,8 +33,8 @@ pub struct Options {
     #[command(flatten)]
     changes: SceneOptions,
     /// What the hand did. held: it held the knob all the time, with the scene's grip; its motion is computed from the recording.
-    /// released: it flicked the knob towards the wall and had let go 20 ms before the contact. programme: it did the scorecard's
-    /// programme.
+    /// released: it flicked the knob towards the wall and had let go 20 ms before the contact. programme: it followed the
+    /// scorecard's programme of motions.
     #[arg(long, value_enum, default_value_t = Hand::Held)]
     hand: Hand,
     /// With --hand programme: another recording, with the wall's surface at another place within an encoder count (`touchstone

@@ -46,7 +46,7 @@ Lines of standard input are what happens to the board:
   noise N       N bytes without a meaning arrive
   pull, plug    its cable";
 
-/// Runs the simulated knob until Ctrl-C, with a page in the browser or without.
+/// Runs the simulated knob until Ctrl-C, with or without a page in the browser.
 pub fn main(options: &Options) -> Result<()> {
     let place = options.listen;
     let failed = |error: std::io::Error| {

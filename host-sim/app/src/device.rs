@@ -24,7 +24,7 @@ use touchstone_protocol::{
 };
 use touchstone_sim::error::{Error, Result};
 
-/// Time that a calibration takes in addition to the turns of the field (offsets, alignment, pauses), with a reserve.
+/// Time that a calibration takes in addition to the turns of the motor's field (sensor offsets, alignment, pauses), with a reserve.
 const CALIBRATION_REST: Duration = Duration::from_secs(15);
 
 /// Options of the command `touchstone device`.
@@ -159,7 +159,7 @@ fn of_board(options: &Options, action: &BoardAction) -> Result<()> {
     state(status_of(&mut client)?.phase.name())
 }
 
-/// Prints what an armed device does if no program sends it messages.
+/// Prints after which silence of the computer an armed device switches off, or that it never does.
 pub fn note_silence(silence_s: Si) {
     if silence_s == Si::ZERO {
         note!(

@@ -18,7 +18,7 @@ use touchstone_sim::scene::list;
 /// Exit code if a run was simulated to its end but does not meet a demand.
 pub const NOT_MET: u8 = 3;
 
-/// Options that each make a demand on the runs.
+/// Options that each make a demand on the simulation runs.
 #[derive(Debug, Clone, Default, clap::Args)]
 #[command(next_help_heading = "What is asked of the run (exit code 3 where it does not hold)")]
 pub struct Expectations {
@@ -72,7 +72,7 @@ impl Expectations {
     }
 }
 
-/// The verdicts with their meanings, for the help and for completions.
+/// The possible verdicts on a run with their meanings, for the help and for completions.
 fn verdicts() -> PossibleValuesParser {
     PossibleValuesParser::new(WORDS.map(|(name, meaning)| PossibleValue::new(name).help(meaning)))
 }

@@ -177,7 +177,7 @@ fn line(record: &Telemetry, lost: u64) -> String {
     )
 }
 
-/// Names of the device's limits that are active, from the bits of a telemetry record.
+/// Names of the limits that reduced the device's force, from the bits of a telemetry record.
 fn limits(bits: u8) -> String {
     let limits = Limits::from_wire(bits);
     let names: Vec<String> = Limit::ALL
@@ -215,7 +215,7 @@ struct Table<'a> {
     waiting: u32,
 }
 
-/// Number of CSV rows per write, so that an interrupted program leaves no incomplete row.
+/// Number of CSV rows that are written to the file at once, so that an interrupted program leaves no incomplete row.
 const ROWS_AT_ONCE: u32 = 128;
 /// Size of the row buffer in bytes: room for twice as many rows as are written at once.
 const ROOM: usize = 1 << 16;
@@ -311,7 +311,7 @@ mod tests {
             option: "--csv",
             replaces: true,
         };
-        // The period of 3 kHz has no short decimal form.
+        // The control period at 3 kHz has no short decimal form.
         let mut table = Table::new(place, 3000).unwrap();
         for tick in 0..30_000 {
             table.take(&Telemetry { tick, ..nothing }).unwrap();

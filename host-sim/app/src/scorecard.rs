@@ -168,7 +168,7 @@ fn programme(scene: &Scene, options: &Options, file: &Path) -> Result<()> {
 /// Name of a control law, and the text of the settings file that tuning found for the law.
 type Tuned = (String, String);
 
-/// The control laws with their scenes, and the settings files of tuned laws.
+/// The control laws to compare, each with its scene, and the settings files of tuned control laws.
 fn entries(
     scene: &Scene,
     rivals: &[&'static Rival],

@@ -7,7 +7,7 @@ use touchstone_device::Client;
 use touchstone_protocol::{Request, Telemetry};
 use touchstone_sim::error::{Error, Result};
 
-/// Time without telemetry after which a device that should send counts as disconnected.
+/// Time without telemetry after which a device that should send telemetry counts as disconnected.
 pub const SILENCE_LIMIT: Duration = Duration::from_secs(2);
 
 /// Longest time between two messages to the device, as a sign of life. It is half of the shortest useful limit on the computer's

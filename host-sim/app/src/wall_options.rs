@@ -11,7 +11,7 @@ pub struct WallOptions {
     /// Desired stiffness k_de, N·m/rad; default: the scene's.
     #[arg(long, value_name = "N_M_PER_RAD", allow_negative_numbers = true)]
     k_desired: Option<String>,
-    /// Reads rate, stiffness and law from a settings file, as `touchstone tune --out` writes it.
+    /// Reads control rate, stiffness and control law from a settings file, as `touchstone tune --out` writes it.
     #[arg(long, value_name = "FILE.toml")]
     settings: Option<PathBuf>,
     /// Changes a field of the scene, e.g. device.inertia_kg_m2=2e-4; may be given several times.

@@ -67,7 +67,8 @@ fn beyond(card: &serde_json::Value) -> usize {
         .count()
 }
 
-/// The simulator's worst figures over all actions of the hand, for the same wall and hand. The simulator knows the true depths.
+/// The figures of the simulator, for comparison: the worst ones over all actions of the hand, for the same wall and hand. The
+/// simulator knows the true depths.
 fn simulated(normal: [f64; 3]) -> DirectionFigures {
     let wall = PressedWall {
         surface: PressedSurface::Plane([0.0; 3], normal),
@@ -162,7 +163,7 @@ fn the_default_wall_of_an_omega3_is_within_the_limits() {
     assert_eq!(found["wall"]["k_desired_n_per_m"], 5000.0);
     let said = String::from_utf8_lossy(&ran(&folder, thesis).stderr).into_owned();
     assert!(said.contains("--preset tuned is within them"), "{said}");
-    // No wall was tuned for rates between.
+    // No wall was tuned for rates between 1500 and 2000 Hz.
     let between = "device run plane --device simulated --fast --seconds 1 --rate-hz 1750";
     let said = String::from_utf8_lossy(&ran(&folder, between).stderr).into_owned();
     assert!(said.contains("above k_v"), "{said}");
@@ -228,7 +229,7 @@ fn on_the_mocks_it_is_said_what_cannot_be_known() {
         let page = std::fs::read_to_string(folder.join(name).join("index.html")).unwrap();
         assert!(page.contains("not measured") && page.contains("How late ticks began"));
         if name == "omega" {
-            // 6 rad/s up and down, in the wall.
+            // The hand moves up and down in the wall at 6 rad/s (0.955 Hz).
             let moved = card["moved"].as_array().expect("rhythms");
             let near = |at: &serde_json::Value| {
                 (at["frequency_hz"].as_f64().unwrap_or(0.0) - 0.955).abs() < 0.05

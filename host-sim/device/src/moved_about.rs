@@ -7,7 +7,7 @@
 use crate::haptic::{HapticFault, length};
 use crate::servo::ForceLaw;
 
-/// The settings of the small motions.
+/// The settings of the small motions from which a device is identified.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmallMotions {
     /// Control rate, Hz.
@@ -34,13 +34,13 @@ const WINDOW: usize = 16;
 /// Position and force of one axis in every control interval in which the axis was pushed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AxisRecord {
-    /// Position along the axis, m.
+    /// Positions along the axis, one per control interval, m.
     pub position_m: Vec<f64>,
     /// Force along the axis from the measurement of a position to the next one, N.
     pub force_n: Vec<f64>,
 }
 
-/// The force law that makes the small motions and records them.
+/// The force law that moves the device by small motions and records them.
 #[derive(Debug, Clone)]
 pub struct MovedAbout {
     motions: SmallMotions,

@@ -7,7 +7,7 @@ use touchstone_protocol::settings::environment::Surround;
 /// next detent, a quarter beyond the ridge between the two.
 pub const HYSTERESIS: f64 = 0.25;
 
-/// Positions at equal distances, numbered upwards with the angle.
+/// Positions of a knob at equal distances, whose numbers rise with the angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Positions {
     /// Distance between two neighbouring positions, rad.
@@ -28,7 +28,7 @@ pub struct Positions {
 /// The position in which a knob is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
-    /// The number of the position.
+    /// The number of the position, as a program gets it.
     pub position: i64,
     /// Difference of the number to the previous one; 0 for the first position.
     pub change: i64,
@@ -75,7 +75,7 @@ impl Positions {
     /// Limits the positions to those between the environment's end stops.
     #[must_use]
     pub fn between(mut self, environment: &Surround) -> Self {
-        // An end stop at a position leaves that position, whatever the rounding of the two.
+        // An end stop exactly at a position still permits that position. This margin covers rounding errors.
         const NEARLY: f64 = 1e-6;
         self.ends = environment.endstops.map(|ends| {
             let place = |at: f64| (at - self.origin_rad) / self.pitch_rad;
@@ -148,7 +148,8 @@ impl Positions {
 fn deepest(points: &[i16]) -> f64 {
     let (mut height, mut least, mut place) = (0_i64, 0, 0);
     for (index, pair) in points.windows(2).enumerate() {
-        // Twice the energy: the mean of two torques, over a step, against the motion.
+        // Adds twice the energy of one step: the mean of the two torques times the step, with the opposite sign because it is the
+        // work against the torque.
         height -= pair.iter().map(|point| i64::from(*point)).sum::<i64>();
         if height < least {
             (least, place) = (height, index + 1);
@@ -186,17 +187,17 @@ mod tests {
         let pitch = positions.pitch_rad;
         assert_eq!(positions.numbers(), Some((0, 10)));
         assert_eq!(positions.take(0.01).unwrap().change, 0);
-        // Noise on a ridge says nothing.
+        // Movement around the ridge between two positions reports no change.
         for way in [0.45, 0.55, 0.49, 0.7, 0.3, 0.74] {
             assert_eq!(positions.take(way * pitch), None, "{way}");
         }
         let place = positions.take(0.76 * pitch).unwrap();
         assert_eq!((place.position, place.change), (1, 1));
         assert!((place.beside + 0.24).abs() < 1e-9);
-        // A fast turn is one change, and every position is counted.
+        // A fast turn over several positions is reported as one change that counts all of them.
         let place = positions.take(7.9 * pitch).unwrap();
         assert_eq!((place.position, place.change), (8, 7));
-        // Beyond an end it stays at the end.
+        // Beyond an end stop the position stays at the last one.
         assert_eq!(positions.take(13.0 * pitch).unwrap().position, 10);
         assert_eq!(positions.take(14.0 * pitch), None);
         assert_eq!(positions.take(-5.0 * pitch).unwrap().position, 0);
@@ -228,7 +229,7 @@ mod tests {
 
     #[test]
     fn a_profile_draws_to_its_deepest_place() {
-        // Magnetic, a string in the middle, and a valley in the middle.
+        // The profiles are a magnetic detent, a ridge in the middle like a plucked string, and a valley in the middle.
         for (points, place) in [
             (&[0_i16, -10, 0, 0, 0, 0, 0, 10][..], 0.0),
             (&[0, 0, -10, 0, 10, 0, 0, 0], 0.0),

@@ -8,7 +8,7 @@ use std::path::Path;
 use touchstone_sim::error::{Error, Result};
 use touchstone_world::plant::{Device, OMEGA3_AXIS};
 
-/// The survey of a device. Its library reported all values except the damping.
+/// The survey of a haptic device. Its library reported all values except damping and friction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Survey {

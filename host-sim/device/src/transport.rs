@@ -16,7 +16,7 @@ const LIMIT: Duration = Duration::from_secs(2);
 /// The outcome of a read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Received {
-    /// This many bytes were read.
+    /// Bytes arrived; holds their number.
     Bytes(usize),
     /// No byte arrived within some 20 ms.
     Quiet,
@@ -149,7 +149,8 @@ impl<S: Read + Write> Transport for Stream<S> {
                 },
             }
         }
-        // Not flushed: nothing is kept on this side, and a serial port's flush waits without an end for a device that takes nothing.
+        // Not flushed: nothing is kept on this side, and a serial port's flush waits without an end for a device that takes
+        // nothing.
         Ok(())
     }
 }

@@ -22,7 +22,7 @@ fn place(position_m: [f64; 3]) -> Vector<Position<N>> {
     Vector(position_m.map(|x| Position::<N>::from_f64(x * PER_METRE)))
 }
 
-/// The settings of a wall on a device.
+/// The settings of a wall on a haptic device with three axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WallSettings {
     /// Settings of the control law in SI units. Its rate is that of the servo loop.
@@ -31,7 +31,8 @@ pub struct WallSettings {
     pub per_axis: bool,
     /// Settings of the energy guard in SI units; `None` for no guard.
     pub guard: Option<GuardSettings>,
-    /// Settings of each axis's estimator in SI units; `None` if the law uses measured states.
+    /// Settings of each axis's motion estimator in SI units; `None` if the control law uses measured positions and velocities
+    /// directly.
     pub estimator: Option<[EstimatorSettings; 3]>,
     /// Resolution of the measured position (distance per encoder count), m.
     pub count_m: f64,
@@ -42,7 +43,7 @@ pub struct WallSettings {
 pub enum Obstacle<'m> {
     /// A geometric object of the control crate (plane, sphere, …), in centimetres.
     Shape(Shape<N>),
-    /// A triangle mesh.
+    /// A surface of triangles, for example from an STL file.
     Mesh(MeshSurface<'m>),
 }
 
@@ -103,7 +104,7 @@ pub struct DeviceWall<'m> {
 }
 
 impl<'m> DeviceWall<'m> {
-    /// A wall with the device at rest outside the object, and with a full energy account of the guard.
+    /// A wall in the state before contact: the device is at rest outside the object, and the energy guard has its full energy.
     ///
     /// # Errors
     /// The control law or the energy guard refuses the settings.
@@ -137,7 +138,7 @@ impl<'m> DeviceWall<'m> {
         })
     }
 
-    /// Lowest value that the guard's energy account has reached, J; `None` without a guard or before the first control interval.
+    /// Lowest energy that the energy guard had left so far, J; `None` without an energy guard or before the first control interval.
     #[must_use]
     pub fn least_account_j(&self) -> Option<f64> {
         self.least_account

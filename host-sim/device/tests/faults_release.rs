@@ -130,7 +130,7 @@ fn the_force_fades_in() {
     let mut floor = Floor::new(|_| Some([0.0, 0.0, 2.0]));
     let (report, _) = played(None, &mut floor, &mut SimulatedPace, 400);
     assert_eq!(report.ending, Ending::Asked);
-    // 50 ms are 200 ticks.
+    // The fade-in takes 50 ms, which are 200 ticks.
     let told = [0, 100, 200, 399].map(|tick: usize| floor.told[tick][2]);
     assert_eq!(told, [0.0, 1.0, 2.0, 2.0]);
 }
@@ -220,7 +220,7 @@ fn a_slow_call_ends_it_as_soon_as_it_returns() {
         let mut floor = Floor::new(|_| None);
         let mut device = Witness::new(Injected::new(pressed(), Some(injection)));
         let limits = ServoLimits {
-            // Far above what a busy machine is late by, and below what is injected.
+            // This limit is far above the lateness on a busy machine and below the injected lateness.
             late_s: 0.06,
             ..ServoLimits::of(device.sheet())
         };
@@ -260,7 +260,7 @@ fn forces_that_are_none_or_too_long_do_not_reach_the_device() {
         Ending::Fault(HapticFault::NotFinite("force"))
     );
     assert!(device.ticks == 9 && device.released);
-    // Ten times too long, in its direction.
+    // This force is ten times above the limit. The limited force keeps its direction.
     let mut floor = Floor::new(|_| Some([72.0, 0.0, 96.0]));
     let (report, _) = played(None, &mut floor, &mut SimulatedPace, 300);
     assert!(report.force_max_n <= 12.0 + 1e-9, "{}", report.force_max_n);
@@ -311,7 +311,7 @@ fn one_axis_of_three_is_a_device_of_one() {
         least = least.min(z);
         arm.command((-2000.0 * z).max(0.0)).unwrap();
     }
-    // 300 N/m of the hand over 20 mm against 2000 N/m: 2.6 mm deep at rest, and some overshoot.
+    // The hand's spring of 300 N/m is displaced by 20 mm and presses against 2000 N/m. It rests 2.6 mm deep after some overshoot.
     assert!((-0.006..-0.002).contains(&least), "{least}");
     assert!(OneAxis::new(pressed(), 3).is_err());
 }

@@ -25,7 +25,7 @@ fn played(service: &Service) -> Result<ServoReport, HapticFault> {
     let rate_hz = inverse.sheet().rates_hz.0;
     let limits = ServoLimits {
         ramp_s: 0.05,
-        // A busy machine is no fault of the device.
+        // Late ticks on a busy machine must not count as a fault of the device.
         late_s: 0.25,
         ..ServoLimits::of(inverse.sheet())
     };
@@ -58,7 +58,7 @@ fn both_generations_get_a_force_for_every_state_and_none_at_the_end() {
             "{saw:?}"
         );
         assert!(saw.longest_n <= 3.0 + 1e-9, "never more than was chosen");
-        // 100 to measure the pace, one to catch up, one a tick, one to end with.
+        // The service receives 100 commands that measure the pace, one that catches up, one per tick and a last one.
         assert!(saw.commands >= 503, "{saw:?}");
     }
 }
@@ -104,7 +104,7 @@ fn a_service_that_talks_without_a_state_is_left_as_a_silent_one() {
             "{:?}",
             report.ending
         );
-        // 0.3 s, a pause of the service, and what a busy machine adds.
+        // The limit allows for 0.3 s, a pause of the service, and delays of a busy machine.
         let saw = service.saw();
         assert!(saw.held_s < 1.5, "{saw:?}");
     }

@@ -139,10 +139,10 @@ fn without_a_fault_there_is_a_wall_and_a_released_device() {
     assert_eq!((report.ticks, report.missed_ticks), (8001, 0));
     assert!(report.force_max_n > 2.0, "{}", report.force_max_n);
     assert!((door.ask("longest") - report.force_max_n).abs() < 1e-12);
-    // The device's own limit is set beside the loop's.
+    // In addition to the loop's limit, the device's own force limit is set.
     assert_eq!(door.ask("max"), 12.0);
     assert_eq!((door.ask("open"), door.ask("force")), (0.0, 0.0));
-    // The loop switches none of the device's own safety functions off.
+    // The loop does not switch off any of the device's own safety functions.
     for call in [
         "dhdSetVelocityThreshold",
         "dhdSetWatchdog",
@@ -153,7 +153,8 @@ fn without_a_fault_there_is_a_wall_and_a_released_device() {
     }
 }
 
-/// Makes each call of the servo loop fail: at its first, its second and a later call; once, a few times and for good.
+/// Makes each call of the servo loop fail: at its first, its second and a later call; once, a few times and for good. Checks that
+/// the force is zero and the device closed within two control intervals.
 #[test]
 fn every_call_that_fails_ends_with_no_force_and_a_closed_device_within_two_ticks() {
     let calls = [
@@ -217,18 +218,19 @@ fn a_release_goes_on_whatever_of_it_fails() {
 
 #[test]
 fn results_above_zero_are_data_and_end_it_only_when_they_last() {
-    // 1 for a few ticks: stale positions, counted.
+    // The library returns 1 for a few ticks: the positions are stale and are counted.
     let some = door(&["own-clock", "stale 1000 10"]);
     let report = played(&some).unwrap();
     assert_eq!((report.ending, report.stale_ticks), (Ending::Asked, 10));
-    // And for longer than 5 ms.
+    // The library returns 1 for longer than 5 ms, which is a fault.
     let many = door(&["own-clock", "stale 1000 9999"]);
     let report = played(&many).unwrap();
     assert!(
         matches!(report.ending, Ending::Fault(HapticFault::Stale(s)) if s > 5e-3 && s < 5.5e-3)
     );
     assert_eq!(many.ask("force"), 0.0);
-    // 2 for 100 ms: counted, and what acts is what the library says.
+    // The library returns 2 (saturated motors) for 100 ms. These ticks are counted, and the acting force is the one that the
+    // library reports.
     let some = door(&["own-clock", "saturate 2000 400"]);
     let report = played(&some).unwrap();
     assert_eq!(
@@ -389,7 +391,7 @@ fn in_real_time_every_tick_is_played_or_counted_as_missed() {
         "{due_s} s of ticks in {took_s} s"
     );
     assert_eq!(door.ask("count dhdGetPosition"), report.ticks as f64);
-    // One to begin with, one to end with.
+    // Besides one force per tick, one force is sent at the begin and one at the end.
     assert_eq!(door.ask("count dhdSetForce"), report.ticks as f64 + 2.0);
     assert_eq!(
         report

@@ -62,7 +62,7 @@ pub struct ServedKnob {
     /// Telemetry records that were not sent yet.
     records: Vec<Telemetry>,
     armed_s: f64,
-    /// Shaft angle in rad when the knob was armed. `outside_rad` is the distance from this angle to the wall's surface.
+    /// Shaft angle in rad when the motor was last switched on. `outside_rad` is the distance from this angle to the wall's surface.
     start_rad: f64,
     outside_rad: f64,
     /// Angle in rad to which the simulated hand turns the knob; `None` if the hand presses into the wall.
@@ -123,8 +123,8 @@ impl ServedKnob {
         self
     }
 
-    /// Runs one control tick with its PWM periods. The simulated hand turns the knob to an ordered angle, or presses into the wall
-    /// while the device is armed. Queues a telemetry record if one is due.
+    /// Runs one control tick with its PWM periods. The simulated hand turns the knob to the angle of a `turn` order, or presses
+    /// into the wall while the motor is on. Queues a telemetry record if one is due.
     fn advance(&mut self) {
         let rate_hz = f64::from(self.settings.timing.rate_hz);
         if let Some(turned_rad) = self.turned_rad {
@@ -206,7 +206,7 @@ impl Backend for ServedKnob {
         checked(settings, BOARD)
     }
     fn use_settings(&mut self, settings: &DeviceSettings) {
-        // They were checked.
+        // The settings were checked before, so they are accepted.
         if self.knob.device.configure(settings, &IHM08M1).is_ok() {
             self.settings = settings.clone();
         }

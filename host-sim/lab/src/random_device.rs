@@ -42,9 +42,9 @@ impl Random {
 /// A random device with its encoder and control rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RandomDevice {
-    /// Inertia, kg·m².
+    /// Inertia of the device, kg·m².
     pub inertia: f64,
-    /// Viscous damping, N·m·s/rad.
+    /// Viscous damping of the device, N·m·s/rad.
     pub damping: f64,
     /// Kinetic dry friction, N·m; two thirds of the devices have some.
     pub friction: Option<f64>,

@@ -9,15 +9,15 @@ use touchstone_protocol::{DeviceSettings, Telemetry};
 pub const COLUMNS: [&str; 16] = [
     "clock",
     "tick",
-    // Records that are missing before this one.
+    // Number of records that are missing before this one.
     "missing",
     "angle_rad",
     "surface_shifted_rad",
-    // The virtual mass is in no record.
+    // Equal to `angle_rad`, because no record contains the position of the law's virtual mass.
     "mass_rad",
     "force_n_m",
     "motor_force_n_m",
-    // NaN where the model does not run.
+    // NaN while the simulated copy of the device does not run.
     "model_n_m",
     "difference_n_m",
     "energy_observed_j",

@@ -229,7 +229,7 @@ fn the_stop_overtakes_what_waits_and_a_command_is_sent_once() {
         .collect();
     assert_eq!(ours, ["Save", "Command(Stop)"]);
     assert_eq!(wire.device.phase, Phase::Stopped);
-    // The answer to `Save` is lost: it is not asked again, and said to be unknown.
+    // The answer to `Save` is lost: the request is not repeated, and the message says that its result is unknown.
     wire.pass(2.0 * ANSWER_LIMIT_MS, true);
     let saves = wire.device.asked.iter().filter(|asked| *asked == "Save");
     assert_eq!(saves.count(), 1);
@@ -262,7 +262,7 @@ fn an_armed_device_that_was_out_of_sight_is_disarmed() {
     assert_eq!(wire.device.phase, Phase::Ready);
     let done = wire.last("connection")["done"].as_str().unwrap();
     assert!(done.contains("is disarmed"), "{done}");
-    // And a port that is pulled out and put in again.
+    // The same for a port that is unplugged and plugged in again.
     wire.device.phase = Phase::Armed;
     wire.talk.closed("the cable was pulled");
     wire.pass(10.0, false);

@@ -20,7 +20,7 @@ pub enum Way<'a> {
     Serial,
 }
 
-/// Data that are written into the page when it is built.
+/// Data that are written into the web page when it is built.
 #[derive(Debug, Clone, Copy)]
 pub struct Content<'a> {
     /// The connection between the page and the board.
@@ -49,7 +49,7 @@ pub fn render(content: &Content) -> (String, String) {
     let (runs, connects, module, gone, way) = match content.way {
         Way::Socket(socket) => {
             data["socket"] = socket.into();
-            // A policy names paths without what is asked of them.
+            // A content security policy names addresses without their query (`?token=…`).
             let socket = socket.split('?').next().unwrap_or_default();
             (
                 "",

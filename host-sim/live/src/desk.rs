@@ -28,7 +28,7 @@ pub const ROW: [&str; 17] = [
     "guard_account_j",
     "motor_force_n_m",
     "energy_hand_j",
-    // 0: the guard lets the law's force through, or there is none; 1: it gives less; 2: it has switched the force off.
+    // 0: the energy guard changes nothing, or there is none; 1: it reduces the force; 2: it has switched the force off.
     "guard_acts",
 ];
 
@@ -41,15 +41,16 @@ pub const FACTS: [&str; 19] = [
     "surface_rad",
     "k_desired_n_m_per_rad",
     "k_critical_n_m_per_rad",
-    // Rest point's shift for one newton metre of static torque against the desired stiffness; 0 without a hand.
+    // Shift of the hand's rest point for 1 N·m of static torque against a wall of the desired stiffness; 0 without a hand.
     "reach_rad_per_n_m",
     "angle_rad",
-    // Length of the scene's own motion, s; 0 where it has none.
+    // Duration of the hand motion in the scene file, s; 0 without one.
     "motion_s",
     "encoder_step_rad",
     // 1: there is a wall at `surface_rad`, solid above it; 0: there is none.
     "has_wall",
-    // What there is beside it; NaN: it is not there. A side is 1 where a wall is solid above its surface, -1 where below.
+    // Further walls and end stops; NaN for one that does not exist. A side is 1 for a wall that is solid above its surface, -1 for
+    // one that is solid below.
     "wall2_rad",
     "wall2_side",
     "wall3_rad",
@@ -58,7 +59,7 @@ pub const FACTS: [&str; 19] = [
     "wall4_side",
     "lower_end_rad",
     "upper_end_rad",
-    // Detents in a turn; 0: none.
+    // Detents per turn; 0: none.
     "detents_per_rev",
     "detent_rad",
 ];
@@ -66,7 +67,7 @@ pub const FACTS: [&str; 19] = [
 /// One simulated control loop of the page.
 struct Place {
     live: Live,
-    /// The hand motion that the scene prescribes, and its duration in seconds; `None` for a scene without one.
+    /// The hand motion that the simulation's scene file prescribes, and its duration in seconds; `None` for a file without one.
     motion: Option<(RestPath, f64)>,
     scene: Scene,
     row: [f64; ROW.len()],
@@ -112,7 +113,7 @@ pub fn scene(text: &str) -> Result<Scene> {
 impl Place {
     fn of(scene: Scene, live: Live) -> Result<Self> {
         let motion = match &scene.operator.motion {
-            // A page has no files.
+            // A browser's page cannot read files.
             MotionSpec::None | MotionSpec::Recorded(_) => None,
             _ => Some((RestPath::from_scene(&scene)?, scene.timing.duration_s)),
         };
@@ -212,10 +213,10 @@ impl Desk {
         self.places.get_mut(handle)?.as_mut()
     }
 
-    /// Opens a simulated loop at the start of the scene in `text`; returns the loop's handle.
+    /// Opens a simulated loop at the start of the scene (TOML description of the simulation) in `text`; returns the loop's handle.
     ///
     /// # Errors
-    /// The problem in the scene.
+    /// The first problem in the description.
     pub fn open(&mut self, text: &str) -> Result<usize> {
         let scene = scene(text)?;
         let live = Live::new(&scene)?;
@@ -236,10 +237,11 @@ impl Desk {
         }
     }
 
-    /// Changes the scene of a running loop to the one in `text`; the simulated device and hand keep their positions.
+    /// Replaces the scene (TOML description of the simulation) of a running loop by the one in `text`; the simulated device and
+    /// hand keep their positions.
     ///
     /// # Errors
-    /// The problem in the new scene; the loop then continues with its old scene.
+    /// The first problem in the new description; the loop then continues with the old one.
     pub fn change(&mut self, handle: usize, text: &str) -> Result<()> {
         let scene = scene(text)?;
         let place = self.place(handle).ok_or_else(|| closed(handle))?;
@@ -248,7 +250,7 @@ impl Desk {
         Ok(())
     }
 
-    /// Restarts a simulated loop at the start of its scene.
+    /// Restarts a simulated loop from the beginning of its simulation.
     ///
     /// # Errors
     /// The same as for opening the loop.
@@ -268,19 +270,21 @@ impl Desk {
         Some(&place.row)
     }
 
-    /// Rest point of the hand's spring, in radians, that the scene's own hand motion has at `time_s`; NaN for a scene without one.
+    /// Rest point of the hand's spring at `time_s`, in radians, in the hand motion that the loop's scene file prescribes. NaN if it
+    /// prescribes none.
     pub fn own_rest_rad(&mut self, handle: usize, time_s: f64) -> f64 {
         self.place(handle)
             .and_then(|place| place.motion.as_ref())
             .map_or(f64::NAN, |(motion, _)| motion.rest_rad(time_s))
     }
 
-    /// The numbers named in [`FACTS`], which describe the loop and change only with its scene; `None` for an unknown handle.
+    /// The numbers named in [`FACTS`], which describe the simulated loop and change only with its settings; `None` for an unknown
+    /// handle.
     pub fn facts(&mut self, handle: usize) -> Option<&[f64; FACTS.len()]> {
         self.place(handle).map(|place| &place.facts)
     }
 
-    /// The loop's scene as TOML text, with every value and a comment on its meaning.
+    /// The loop's scene (description of the simulation) as TOML text, with every value and a comment on its meaning.
     #[must_use]
     pub fn printed(&mut self, handle: usize) -> String {
         self.place(handle)
@@ -288,8 +292,8 @@ impl Desk {
             .unwrap_or_default()
     }
 
-    /// Returns a scene as TOML text that repeats the loop's control periods since its start. `file` is the name of the file that
-    /// holds the rest point of the hand's spring in every control period.
+    /// Returns a TOML description of a simulation that repeats the loop's control periods since its start. `file` is the name of
+    /// the file that holds the rest point of the hand's spring in every control period.
     #[must_use]
     pub fn replay(&mut self, handle: usize, file: &str) -> String {
         self.place(handle)

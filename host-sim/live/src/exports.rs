@@ -73,7 +73,8 @@ extern "C" fn live_text_bytes() -> usize {
     TEXT.with_borrow(Vec::len)
 }
 
-/// Opens a simulated loop with the scene in the shared text buffer. Returns the loop's handle, or −1 after an error.
+/// Opens a simulated loop with the scene (TOML description of the simulation) in the shared text buffer. Returns the loop's handle,
+/// or −1 after an error.
 #[unsafe(no_mangle)]
 extern "C" fn live_open() -> i32 {
     number(desk(|desk| desk.open(&take())).map(|handle| handle as i32))
@@ -85,14 +86,14 @@ extern "C" fn live_close(handle: usize) {
     desk(|desk| desk.close(handle));
 }
 
-/// Changes a running loop to the scene in the shared text buffer; device and hand keep their positions. Returns 0, or −1 after an
-/// error.
+/// Changes a running loop to the scene (TOML description of the simulation) in the shared text buffer; device and hand keep their
+/// positions. Returns 0, or −1 after an error.
 #[unsafe(no_mangle)]
 extern "C" fn live_change(handle: usize) -> i32 {
     number(desk(|desk| desk.change(handle, &take())).map(|()| 0))
 }
 
-/// Restarts a simulated loop at the start of its scene. Returns 0, or −1 after an error.
+/// Restarts a simulated loop from the beginning of its simulation. Returns 0, or −1 after an error.
 #[unsafe(no_mangle)]
 extern "C" fn live_reset(handle: usize) -> i32 {
     number(desk(|desk| desk.reset(handle)).map(|()| 0))
@@ -108,13 +109,15 @@ extern "C" fn live_tick(handle: usize, rest_rad: f64) -> *const f64 {
     })
 }
 
-/// Rest point of the hand's spring, in radians, that the scene's own hand motion has at `time_s`; NaN for a scene without one.
+/// Rest point of the hand's spring at `time_s`, in radians, in the hand motion that the loop's scene file prescribes. NaN if it
+/// prescribes none.
 #[unsafe(no_mangle)]
 extern "C" fn live_own_rest(handle: usize, time_s: f64) -> f64 {
     desk(|desk| desk.own_rest_rad(handle, time_s))
 }
 
-/// Address of the numbers named in `desk::FACTS`, which describe the loop and change only with its scene; 0 for an unknown handle.
+/// Address of the numbers named in `desk::FACTS`, which describe the simulated loop and change only with its settings; 0 for an
+/// unknown handle.
 #[unsafe(no_mangle)]
 extern "C" fn live_facts(handle: usize) -> *const f64 {
     desk(|desk| {
@@ -123,14 +126,14 @@ extern "C" fn live_facts(handle: usize) -> *const f64 {
     })
 }
 
-/// Puts the loop's scene into the shared buffer, as TOML text with every value.
+/// Puts the loop's scene (description of the simulation) into the shared buffer, as TOML text with every value.
 #[unsafe(no_mangle)]
 extern "C" fn live_printed(handle: usize) {
     give(desk(|desk| desk.printed(handle)));
 }
 
-/// Puts a scene that repeats the loop's control periods into the shared buffer. Before the call, the buffer must hold the name of
-/// the file with the hand's rest points.
+/// Puts a TOML description of a simulation that repeats the loop's control periods into the shared buffer. Before the call, the
+/// buffer must hold the name of the file with the hand's rest points.
 #[unsafe(no_mangle)]
 extern "C" fn live_replay(handle: usize) {
     give(desk(|desk| desk.replay(handle, &take())));

@@ -38,16 +38,16 @@ const SCRIPT: [&str; 9] = [
     include_str!("../page/start.js"),
 ];
 
-/// Data that are written into the page when it is built.
+/// Data that are written into the web page when it is built.
 #[derive(Debug, Clone, Copy)]
 pub struct Content<'a> {
     /// The scene (description of the simulation) as TOML text, with the changes of the command line.
     pub scene: &'a str,
-    /// Name of the scene.
+    /// Name of the scene (the simulated situation), shown on the page.
     pub name: &'a str,
-    /// What the scene shows, in one sentence.
+    /// What the simulation of the page shows, in one sentence.
     pub description: &'a str,
-    /// Arguments after `touchstone live` that give the same scene.
+    /// Command-line arguments after `touchstone live` that give the same simulation as the page.
     pub source: &'a str,
     /// Name, version and commit of the program that made the page.
     pub program: &'a str,

@@ -361,7 +361,7 @@ impl SpaceLoop {
         let hip_mm = hip_m.map(|x| x * 1e3);
         let moved_mm: [f64; 3] =
             std::array::from_fn(|i| self.last_mm.map_or(0.0, |last| hip_mm[i] - last[i]));
-        // What the wall took since the tick before: its force stood still.
+        // Energy that the wall took since the last tick, while its force was constant.
         self.energy_true_j -= (0..3)
             .map(|i| self.force_n[i] * moved_mm[i] * 1e-3)
             .sum::<f64>();
@@ -369,7 +369,7 @@ impl SpaceLoop {
         let counts = OMEGA3.counts(hip_m);
         let measured_mm = counts.map(|n| f64::from(n) * OMEGA3.count_m * 1e3);
         let at = Vector(measured_mm.map(|x| Position::<N>(N::signal_from_f64(x / MM))));
-        // An overspeed switches off, as on a device.
+        // An over-speed switches the force off, as on a device.
         let force = self.wall.tick(at).unwrap_or_default();
         self.force_n = OMEGA3.limited(force.0.map(|f| N::signal_to_f64(f.0)));
         let nearest = self.wall.surface.nearest(

@@ -23,8 +23,8 @@ impl Drop for File {
     }
 }
 
-/// Runs a scene as the page does with the motion of `pointer_rad`, replays the recorded motion, and asserts equal columns. Returns
-/// the number of control periods with a force.
+/// Simulates a scene (TOML text) as the page does, with the hand motion of `pointer_rad`. Replays the recorded motion with the
+/// command-line program's code, and asserts equal columns. Returns the number of control periods with a force.
 fn replayed(name: &str, text: &str) -> usize {
     let mut desk = Desk::default();
     let handle = desk.open(text).unwrap();

@@ -162,7 +162,7 @@ pub(crate) struct Welded {
 
 impl Welded {
     fn vertex(&mut self, at: [f32; 3]) -> u32 {
-        // -0 is 0.
+        // The coordinates -0 and 0 count as equal.
         let key = at.map(|value| (value + 0.0).to_bits());
         let next = self.found.vertices.len() as u32;
         let number = *self.known.entry(key).or_insert(next);

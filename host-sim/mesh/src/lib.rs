@@ -8,7 +8,7 @@
 //! feature.
 
 #[cfg(any(not(feature = "geometry"), test))]
-// The tests ask it for a mesh, and nothing else.
+// Tests use only one function of this module, so the rest would count as dead code.
 #[cfg_attr(test, allow(dead_code))]
 mod absent;
 #[cfg(feature = "geometry")]

@@ -41,7 +41,7 @@ impl std::error::Error for MeshError {}
 /// the tree.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Face {
-    /// The corners, counter-clockwise from outside, m.
+    /// Corners of the triangle, counter-clockwise from outside, m.
     pub corners: [Vector; 3],
     /// Normal of length 1 that points outwards.
     pub normal: Vector,

@@ -57,7 +57,7 @@ impl Mesh {
     /// Number of the place of each vertex: vertices with equal coordinates have the same number.
     fn places(&self) -> Vec<u32> {
         let vertices = self.tree.vertices();
-        // -0 is 0.
+        // The coordinates -0 and 0 count as equal.
         let key = |&vertex: &u32| {
             let at = vertices[vertex as usize].to_array();
             at.map(|value| (value + 0.0).to_bits())
@@ -78,7 +78,7 @@ impl Mesh {
     /// Volume and bounding box of each connected part of the mesh. Different parts share no corner.
     fn parts(&self) -> Vec<Part> {
         let places = self.places();
-        // Each place's way to the first one of its part.
+        // Union-find: for each place a reference towards the first place of its part.
         let mut above: Vec<u32> = (0..places.len() as u32).collect();
         let root = |above: &mut [u32], mut at: u32| {
             while above[at as usize] != at {

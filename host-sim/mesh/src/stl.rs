@@ -15,7 +15,7 @@ const RECORD: usize = 50;
 /// # Errors
 /// The bytes are not STL, or hold more than [`MOST_TRIANGLES`].
 pub(crate) fn parse(bytes: &[u8]) -> Result<Triangles, Refused> {
-    // The count that fits is the one mark that a text cannot have by chance.
+    // A text cannot contain a matching number of triangles by chance, so a matching number means a binary file.
     if let Some(count) = binary_count(bytes, bytes.len() as u64) {
         return match count > MOST_TRIANGLES as u64 {
             true => Err(Refused::TooMany { triangles: count }),

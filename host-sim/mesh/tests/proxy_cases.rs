@@ -80,7 +80,7 @@ fn case_1_no_pop_through_a_thin_plate() {
     ));
     assert!(apart(proxy, mm(4., -2., 0.1)) < NEAR, "{proxy}");
     assert!((apart(hand, proxy) - 5.1).abs() < NEAR);
-    // Around the rim it comes to the other side.
+    // Around the rim the proxy reaches the other side.
     let around = [
         mm(0., 0., 1.),
         mm(31., 0., 1.),
@@ -89,7 +89,7 @@ fn case_1_no_pop_through_a_thin_plate() {
         mm(0., 0., 0.05),
     ];
     assert!(apart(last(&along(&plate, &around, 100)).1, mm(0., 0., -0.1)) < NEAR);
-    // A closest point pops through: the case is a case.
+    // A rule of the closest point fails here by jumping to the other side, so the case is a real test.
     let hand = mm(4., -2., -0.6);
     assert!(apart(Proxy::new(&plate, hand).follow(&plate, hand), hand) < NEAR);
 }
@@ -147,7 +147,7 @@ fn case_4_over_a_convex_edge_the_force_turns_continuously() {
     assert!(jump(&along(&roof, &path, 400)) > 1.0, "the case is a case");
     let touches = touched(&roof, &path, 400);
     assert!(largest_turn(&touches) <= CONE.atan() + 1e-6);
-    // From one face's normal to the other's, and on the way both are left.
+    // The direction turns from one face's normal to the other's, and in between it equals neither.
     let normals: Vec<f64> = touches.iter().map(|touch| numbers(touch)[0]).collect();
     let [least, most] = [f64::min, f64::max].map(|of| normals.iter().copied().fold(0.0, of));
     assert!(least < -0.37 && most > 0.37, "{least} {most}");
@@ -174,7 +174,7 @@ fn case_5_a_seam_between_coplanar_faces_is_not_felt() {
 fn case_6_vertices_of_three_to_twelve_faces() {
     for faces in 3..=12 {
         let mesh = pyramid(faces).mesh();
-        // Around below the apex, through all faces, and up the middle and out.
+        // The hand goes around below the apex, through all faces, then up the middle and out.
         let mut path: Vec<Vector> = (0..=24)
             .map(|i| 0.53 * f64::from(i))
             .map(|phi: f64| mm(0.5 * phi.cos(), 0.5 * phi.sin(), -1.5))
@@ -182,7 +182,7 @@ fn case_6_vertices_of_three_to_twelve_faces() {
         path.insert(0, mm(0.0, 0.0, 1.0));
         path.extend([mm(0., 0., -1.5), mm(0., 0., 1.0)]);
         let course = along(&mesh, &path, 100);
-        // On the surface at every tick: the faces have 45 degrees at their steepest line.
+        // The proxy is on the surface at every tick; the faces rise at 45 degrees.
         for (hand, proxy) in &course {
             let inside = apart(*hand, *proxy) > 0.0;
             assert!(!inside || 1e3 * proxy.z <= NEAR, "{faces} faces: {proxy}");
@@ -243,7 +243,7 @@ fn case_8_faster_than_it_is_thick() {
     let plate = block(30.0, 30.0, 0.1).mesh();
     let (_, proxy) = last(&along(&plate, &[mm(0., 0., 2.5), mm(1., 1., -2.5)], 1));
     assert!((1e3 * proxy.z - 0.1).abs() < NEAR, "{proxy}");
-    // 100 mm in a tick, slanted, through a ball.
+    // The hand moves 100 mm in one tick, obliquely through a ball.
     let (_, proxy) = last(&along(
         &ball(20.0, 32).mesh(),
         &[mm(50., 3., 40.), mm(-5., -1., -4.)],
@@ -260,7 +260,7 @@ fn case_8_faster_than_it_is_thick() {
 #[test]
 fn it_never_gets_inside() {
     let mesh = ball(20.0, 32).mesh();
-    // The inner radius of the facets: of the sector and the ring.
+    // Inner radius of the facets, from the angles of sector and ring.
     let inner = 20.0 * (std::f64::consts::PI / 64.0).cos().powi(2);
     let mut state = 1_u64;
     let mut real = || {

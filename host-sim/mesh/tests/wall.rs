@@ -48,7 +48,7 @@ fn a_wall_of_triangles_pushes_like_one_of_planes() {
     };
     assert_eq!(force(&mut wall, at(1.0, 2.0, 21.0)), [0.0; 3]);
     let [x, y, z] = force(&mut wall, at(1.0, 2.0, 17.0));
-    // 3 mm: 3 N, to the gap's 7 nm and a quantum of the format.
+    // A depth of 3 mm gives 3 N, to within the gap of 7 nm and one step of the number format.
     assert!(
         (z - 3.0).abs() < 2e-5 && x.abs() < 1e-5 && y.abs() < 1e-5,
         "{x} {y} {z}"

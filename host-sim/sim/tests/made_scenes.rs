@@ -15,7 +15,7 @@ fn campaign(number: usize, seed: u64) {
     let mut seeded = Seeded(seed);
     let [mut runs, mut refused, mut long] = [0; 3];
     let mut wrong = Vec::new();
-    // Of those without a word, and of those that are said to be long.
+    // Longest computing time of runs without a note, and of runs that are announced as long.
     let mut slowest = [(0.0, String::new()), (0.0, String::new())];
     let begun = Instant::now();
     for at in 0..number {

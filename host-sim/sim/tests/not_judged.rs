@@ -45,7 +45,7 @@ fn sine(hz: f64, time_s: f64) -> f64 {
     libm::sin(std::f64::consts::TAU * hz * time_s)
 }
 
-/// Tests that a wall of half the critical stiffness, which stays stable, is never called unstable while a hand moves it.
+/// Tests that a wall of half the largest stable stiffness is never called unstable while a hand moves it.
 #[test]
 fn a_soft_wall_is_never_at_fault_for_a_hand_that_moves() {
     let mut unjudged = 0;
@@ -95,7 +95,7 @@ fn a_recorded_hold_is_judged_wherever_it_is() {
     let file = recording("held-and-then-not", 5.0, held_and_then_not);
     let soft = played(&file, 5.0, 0.5, &[]);
     assert!(soft.verdict < Verdict::LimitCycle, "{soft:?}");
-    // Four times the critical stiffness buzzes while the hand presses it.
+    // A wall of four times the critical stiffness oscillates while the hand presses it.
     let stiff = played(&file, 5.0, 4.0, &["operator.motion.offset_rad=0.2"]);
     assert!(
         matches!(stiff.verdict, Verdict::LimitCycle | Verdict::Unstable),

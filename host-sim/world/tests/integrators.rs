@@ -105,7 +105,7 @@ fn midpoint_keeps_the_books_to_rounding() {
     let exact = HeldLinear::new(&KNOB, &MEDIUM, PERIOD_S).unwrap();
     let plant = Substepped::<ImplicitMidpoint<4>, 4>::new(&model, PERIOD_S, 1).unwrap();
     let [off, gap] = errors(&plant, &exact);
-    // It is wrong about the motion, and not about the energy: some 2e-4 J are stored.
+    // The energy balance closes although the motion is wrong; about 2e-4 J are stored.
     assert!(off > 1e-5 && gap < 1e-17, "{off:e} {gap:e}");
 }
 
@@ -135,7 +135,7 @@ fn converges_on_friction<M: Method<4>>() {
     };
     let (coarse, fine) = (with(64), with(4096));
     println!("friction: {coarse:e} {fine:e}");
-    // Six doublings of first order are 64; events move within substeps, so that single points scatter by some of it.
+    // Six doublings at first order give a factor of 64. Stops and starts move within substeps, so single points scatter around it.
     assert!(
         fine < coarse / 30.0 && fine > coarse / 200.0,
         "{coarse:e} {fine:e}"
@@ -154,7 +154,7 @@ fn hold<M: Method<2>>(substeps: u32) -> f64 {
     let plant = Substepped::<M, 2>::new(&model, PERIOD_S, substeps).unwrap();
     let mut state = State::from_array([0.1, 0.0]);
     for _ in 0..10_000 {
-        // Nine tenths of the kinetic torque: smoothed friction knows no other level.
+        // The torque is nine tenths of the kinetic friction, because smoothed friction has no break-away torque.
         plant.step(&mut state, 0.9 * 2e-3, 0.0);
     }
     state.position() - 0.1

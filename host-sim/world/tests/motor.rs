@@ -52,7 +52,7 @@ fn windings_agree_with_a_fine_integration_in_the_rotors_frame() {
                     14.0 - f64::from(period % 3),
                 ];
                 let torque = windings.step(volts, angle, speed);
-                // Fourth-order Runge-Kutta in 200 steps.
+                // Integrates the equations by 200 steps of the fourth-order Runge-Kutta method.
                 let h = PERIOD_S / 200.0;
                 let omega = sign * speed;
                 let mut mean = 0.0;

@@ -19,19 +19,19 @@ pub const CURRENT_BITS: u32 = 13;
 /// Most bytes that a [`KeptCogging`] takes in flash (a test checks it).
 pub const COGGING_MAX: usize = 120;
 
-/// One harmonic of the current, `cos·cos(n θ) + sin·sin(n θ)`. The angle `θ` is measured from the encoder's own zero in the
-/// direction of rising counts.
+/// One harmonic of the current, `cos·cos(n θ) + sin·sin(n θ)` with its order `n`. The angle `θ` of the shaft is measured from the
+/// encoder's own zero in the direction of rising counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CoggingHarmonic {
     /// Order `n` of the harmonic: its number of periods in a turn, 1 or more.
     pub order: u8,
-    /// Factor of the cosine, in units of 2^-13 A; positive pushes in the direction of rising counts.
+    /// Factor of the cosine, in units of 2^-13 A; a positive current pushes in the direction of rising counts.
     pub cos: i16,
     /// Factor of the sine, in units of 2^-13 A.
     pub sin: i16,
 }
 
-/// The current that holds the shaft against the cogging torque.
+/// The map of a motor's cogging torque: the current that holds the shaft against that torque, over a turn.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct CoggingMap {
     /// The harmonics whose sum is the current.

@@ -1,4 +1,4 @@
-//! An exact fixed-point value in SI units: 64 bits on the wire, a decimal number for people.
+//! An exact fixed-point value in SI units: 64 bits on the serial link, a decimal number for people.
 
 use core::fmt;
 use core::str::FromStr;
@@ -15,7 +15,7 @@ use touchstone_control::Si;
 pub struct Decimal(pub Si);
 
 impl Decimal {
-    /// The value of a decimal text, at compile time.
+    /// Makes the value from a decimal text, at compile time.
     ///
     /// # Panics
     /// The text is no number, or it is outside the format's range.
@@ -24,7 +24,7 @@ impl Decimal {
         Self(Si::lit(text))
     }
 
-    /// The nearest value of the format; the end of its range for values outside.
+    /// The value of the format that is nearest to a number; the end of the range for a number outside.
     #[must_use]
     pub fn from_num(value: impl ToFixed) -> Self {
         Self(Si::saturating_from_num(value))

@@ -15,7 +15,7 @@ use touchstone_control::environment::{
 };
 use touchstone_control::{Fixed32, Force, Si};
 
-/// Longest environment (walls, end stops, detents) on the wire, in bytes (a test checks it).
+/// Longest environment (walls, end stops, detents) on the serial link, in bytes (a test checks it).
 pub const ENVIRONMENT_MAX: usize = 496;
 
 /// The environment: whether the wall in the device's settings is rendered, and which walls, detents and profile are rendered beside
@@ -24,7 +24,7 @@ pub const ENVIRONMENT_MAX: usize = 496;
 pub struct Surround {
     /// Whether the wall of the device's settings is rendered.
     pub first_wall: bool,
-    /// The second, third and fourth wall, as far as there are any.
+    /// The second, third and fourth wall, if they exist.
     pub further: [Option<WallBeside>; 3],
     /// Walls at both ends of the knob's travel.
     pub endstops: Option<TravelEnds>,
@@ -372,13 +372,14 @@ fn why(error: &Refused, placed: &[Option<WallSettings>; MOST_WALLS]) -> Settings
         Refused::Strength { strength, .. } => limit(STRENGTH, *strength),
         Refused::ProfileStrength { strength, .. } => limit(PROFILE_STRENGTH, *strength),
         Refused::Length(length) => limit(PROFILE_END, *length),
-        // Those of detents have been looked at.
+        // Only the profile's number per turn can be refused here; that of the detents was checked above.
         Refused::PerTurn(per_turn) => limit(
             "environment.profile.per_rev",
             Si::saturating_from_num(*per_turn),
         ),
         Refused::Pitch(pitch) => limit("environment.detents.per_rev", *pitch),
-        // There is no place for a seventh wall, and points are looked at when they are read.
+        // An environment has no place for a seventh wall, and points are checked when they are read, so neither can be refused
+        // here.
         Refused::TooManyWalls | Refused::Points(_) | Refused::Point(_) => {
             limit("environment", Si::ZERO)
         }

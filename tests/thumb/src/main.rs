@@ -40,7 +40,7 @@ fn penetration_fixed16(scale: &CountScale, count: i64) -> Position<Fixed16> {
     scale.penetration(count)
 }
 
-/// Runs the enhanced law alone in 32-bit fixed point, so that its code size can be read from the program.
+/// Runs the enhanced control law alone in 32-bit fixed point, so that its code size can be read from the program.
 #[inline(never)]
 fn enhanced_fixed32(
     law: &EnhancedSfa<Fixed32>,
@@ -55,7 +55,7 @@ type Enhanced =
 #[used]
 static FOR_ITS_SIZE: Enhanced = enhanced_fixed32;
 
-/// Runs a whole control period on three axes: surface point, control laws, friction and guard.
+/// Runs a whole control period on three axes: surface point, control laws, friction and energy guard.
 #[inline(never)]
 fn tick_space(wall: &mut Wall, at: Vector<Position<Fixed32>>) -> Vector<Force<Fixed32>> {
     wall.tick(at).unwrap_or_default()

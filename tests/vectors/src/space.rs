@@ -1,5 +1,5 @@
 //! Test vectors for three axes: a hand with integer coordinates touches a ball of 30 mm radius and a corner, with friction and
-//! guard. A digest (hash) covers every force.
+//! energy guard. A digest (hash) covers every force.
 
 use crate::digest::{Bits, Digest};
 use touchstone_control::settings::FilterSettings;

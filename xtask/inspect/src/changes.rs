@@ -8,7 +8,8 @@ use serde::Deserialize;
 
 use crate::answer::Answer;
 
-/// Content of one of the two lists: `mutant` for the proofs, `sabotage` for the emulator. Each file fills one of the fields.
+/// Content of one of the two lists of wrong changes: `mutant` for the proofs, `sabotage` for the emulator. Each file fills one of
+/// the fields.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct List {
@@ -28,7 +29,7 @@ struct Mutant {
     /// Name of the proof (harness) that must refute the change; may be empty if a test is named.
     #[serde(default)]
     harness: String,
-    /// The test that must fail with the change, as `package name`; may be empty if a harness is named.
+    /// The test that must fail with the change, as `package name`; may be empty if a proof (harness) is named.
     #[serde(default)]
     test: String,
 }

@@ -1,13 +1,13 @@
-//! Checks for `cargo xtask thumb`: compares the digests that this machine and the emulated microcontroller printed. Examines the
-//! code that a control period (tick) can reach in the microcontroller's program.
+//! Checks for `cargo xtask thumb`: compares the digests (hashes of results) that this machine and the emulated microcontroller
+//! printed. Examines the code that a control period (tick) can reach in the microcontroller's program.
 
 use crate::answer::Answer;
 use crate::budgets::{ENHANCED, SPACE};
 use crate::cortex::{ProgramCode, is_panic, is_soft_float};
 use crate::vectors::Report;
 
-/// Compares the lines that this machine (`desktop`) and the microcontroller printed, checks the cost of a tick, and examines its
-/// code.
+/// Compares the lines that this machine (`desktop`) and the microcontroller printed, and checks the cost of a control period and
+/// the code that it can reach.
 pub fn inspect(
     program: &ProgramCode,
     desktop: &str,

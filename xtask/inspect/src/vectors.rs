@@ -44,9 +44,9 @@ struct Row {
     name: String,
     format: String,
     cost: Cost,
-    /// Name of the segment (part of the test vector) with the most expensive tick.
+    /// Name of the segment (part of the test vector) with the most expensive control period.
     worst_in: String,
-    /// Name of the first segment whose digests differ; `None` if all are equal.
+    /// Name of the first segment (part of the test vector) whose digests differ; `None` if all are equal.
     differs_in: Option<String>,
     segments: usize,
 }
@@ -121,7 +121,7 @@ impl Report {
         equal.map(|row| row.segments).sum()
     }
 
-    /// Instructions of the most expensive tick among the laws whose names begin with `start`, in any format.
+    /// Instructions of the most expensive control period among the laws whose names begin with `start`, in any number format.
     pub fn worst_of(&self, start: &str) -> u64 {
         let rows = self.rows.iter().filter(|row| row.name.starts_with(start));
         rows.map(|row| row.cost.worst).max().unwrap_or(0)

@@ -23,7 +23,8 @@ pub const MEMORY_KIB: u64 = 8 << 20;
 /// Result files of a finished run of the model checker.
 pub struct Left {
     pub report: PathBuf,
-    /// File with one line per harness: name of the file that the tools worked on, memory in KiB, processor time in seconds.
+    /// File with one line per harness (proof): name of the file that the checker's tools worked on, memory in KiB, processor time
+    /// in seconds.
     pub usage: PathBuf,
 }
 
@@ -56,11 +57,11 @@ impl How {
 #[derive(Debug, Clone, Copy)]
 pub enum Which<'a> {
     All,
-    /// The harnesses whose names contain this text.
+    /// The harnesses (proofs) whose names contain this text.
     Containing(&'a str),
-    /// The single harness with this name.
+    /// The single harness (proof) with this name.
     Named(&'a str),
-    /// The harnesses with these names.
+    /// The harnesses (proofs) with these names.
     These(&'a [String]),
 }
 

@@ -6,7 +6,7 @@ use std::process::Command;
 use crate::outcome::Outcome;
 use crate::shell;
 
-/// Message of the outcome if all properties hold for all inputs.
+/// Message of the outcome if every property that has few enough inputs holds for all of them.
 pub const HOLD: &str = "all inputs of the properties that have few enough hold";
 /// A property whose check with all inputs takes a second. It is checked where the model checker is not installed.
 pub const SAMPLE: &str = "space::w8::p4_unit";

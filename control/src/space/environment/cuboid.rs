@@ -33,7 +33,7 @@ impl<N: Spatial> Surface<N> for Cuboid<N> {
         let sides = from.0.into_iter().zip(side.0);
         for (axis, (gap, (x, side))) in gaps.into_iter().zip(sides).enumerate() {
             if gap < nearest.depth {
-                // In the middle, the side that it was.
+                // In the middle of the box the side of the last tick stays.
                 let x = if x == Position::zero() {
                     Position(side)
                 } else {

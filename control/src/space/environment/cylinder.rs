@@ -39,7 +39,7 @@ impl<N: Spatial> Surface<N> for Cylinder<N> {
         let around = || {
             let (was, _) = self.split(Vector(side.0.map(Position)));
             let any = Direction::along(if self.axis == 0 { 1 } else { 0 }, false);
-            // On the axis all points around are as close: the one that was.
+            // On the axis all points of the wall are equally close: the direction of the last tick stays.
             Direction::of(radial).or(Direction::of(was)).unwrap_or(any)
         };
         let end = Direction::along(self.axis, along < Position::zero());

@@ -1,4 +1,4 @@
-//! A convex body that is bounded by many planes.
+//! A virtual object: a convex body that is bounded by many planes.
 
 use super::{Nearest, Plane, Surface};
 use crate::Position;
@@ -28,7 +28,7 @@ impl<N: Spatial> Surface<N> for Facets<'_, N> {
         let mut nearest: Option<Nearest<N>> = None;
         for plane in self.real() {
             let here = plane.nearest(at, side);
-            // Of planes as close, the one that was.
+            // Of equally close planes, the plane of the last tick counts.
             let closer = nearest.is_none_or(|nearest| {
                 here.depth < nearest.depth || here.depth == nearest.depth && here.normal == *side
             });

@@ -62,7 +62,7 @@ fn slanted<N: Spatial>(length: Position<N>, cosine: N::Signal) -> Option<Positio
     (Position::<N>(cosine) > Position::zero()).then(|| Position(N::share(length.0, N::ONE, cosine)))
 }
 
-/// An object chosen at run time.
+/// A virtual object whose shape is chosen at run time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape<N: Spatial> {
     /// A half-space: everything below a plane.

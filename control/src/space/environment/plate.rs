@@ -30,7 +30,7 @@ impl<N: Spatial> Plate<N> {
                 continue;
             }
             let side = Position::<N>(side);
-            // Around the rim there is no side yet: that on which the HIP is.
+            // If the last tick gives no side (around the rim), the side is that on which the hand's point is.
             let side = if side == Position::zero() { x } else { side };
             let against = side < Position::zero();
             kept = Some(Nearest {

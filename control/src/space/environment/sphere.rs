@@ -1,4 +1,4 @@
-//! A ball.
+//! A virtual object: a ball.
 
 use super::{Nearest, Surface};
 use crate::space::number::Spatial;
@@ -57,7 +57,7 @@ pub(super) fn chord<N: Spatial>(
 ) -> Position<N> {
     let along = direction.component(from);
     let square = |a: Position<N>| Force::<N>(a.0) * a;
-    // Coordinates are at most a quarter of the format: the sums fit.
+    // Coordinates are at most a quarter of the format's range, so the sums fit.
     let inside = square(radius) - from.map(|x| Force(x.0)).work(from);
     let sum = square(along) + inside.max(Energy::zero());
     Position(N::root_of_squares(sum.0)) - along

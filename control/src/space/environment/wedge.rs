@@ -60,7 +60,7 @@ impl<N: Spatial> Surface<N> for Edge<N> {
         if second > zero && self.beyond(first, second) <= zero {
             return of(other, second);
         }
-        // The edge itself: the vector across it whose heights over both planes are these.
+        // The edge itself is closest. The vector from the edge is perpendicular to it and has these heights over both planes.
         let part = |height, way| {
             Position(N::share(
                 self.beyond(height, way).0,
@@ -96,7 +96,7 @@ impl<N: Spatial> Surface<N> for Edge<N> {
 /// on the crease, and the force lies in the plane of both normals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Corner<N: Spatial> {
-    /// The free space above both planes, treated as an object of its own.
+    /// The free space above both planes, treated as an edge: the corner's surface is the edge's, seen from the other side.
     free: Edge<N>,
 }
 
@@ -124,7 +124,8 @@ impl<N: Spatial> Surface<N> for Corner<N> {
         along: &Direction<N>,
         _: &Direction<N>,
     ) -> Option<Position<N>> {
-        // Into the free space: above both planes, so the longer of two ways; and where one plane is above already, it must stay so.
+        // The free space is above both planes, so the longer of the two ways leads there. Where the point is above one plane
+        // already, it must stay above.
         let mut longest = Position::zero();
         for plane in &self.free.planes {
             let below = plane.above(at);

@@ -20,7 +20,7 @@ const TIM5: u32 = 50;
 /// of 768 bytes is full and it waits: after 32 ms, with one telemetry record of at least 24 bytes per ms.
 const LINK: u64 = WATCHDOG + 768 / 24 * 1_000;
 
-/// Injections on a NUCLEO-G474RE with an AS5047P on the SPI bus.
+/// Injections that detect sabotaged firmware, on a NUCLEO-G474RE with an AS5047P on the SPI bus.
 pub const ASKED_FOR: &[Injection] = &[
     row(
         "current loop comes no more",

@@ -46,7 +46,7 @@ pub enum When {
 }
 
 impl When {
-    /// Whether the motor outputs are on in this state.
+    /// Whether the motor's outputs are on in this state.
     #[must_use]
     pub const fn is_on(self) -> bool {
         !matches!(self, Self::Ready | Self::Starting | Self::Measuring)
@@ -64,7 +64,7 @@ pub enum Expect {
     /// The chip resets: the outputs are off within this many microseconds, then the device is in `Boot`, or in `Fault` with one of
     /// these codes.
     Reset(u64, &'static [Code]),
-    /// The device goes on undisturbed.
+    /// The fault does not disturb the device.
     GoesOn,
 }
 
@@ -73,14 +73,14 @@ pub enum Expect {
 pub struct Injection {
     /// Name of the injection for reports.
     pub name: &'static str,
+    /// The state of the device in which the fault happens.
+    pub when: When,
     /// Delay of the injection in microseconds after the device has reached its state. It varies the moment within the PWM period
     /// and the control period.
-    pub when: When,
-    /// Microseconds later than a round time: the moment within the PWM and the control period.
     pub moment_us: u64,
     /// The fault that is injected.
     pub fault: Fault,
-    /// The expected result.
+    /// The expected result of the injection.
     pub expect: Expect,
     /// A second fault, injected while the first is latched; it must change nothing.
     pub then: Option<Fault>,
@@ -90,7 +90,7 @@ pub struct Injection {
 }
 
 impl Injection {
-    /// Description of the device's state, for reports.
+    /// Name of the device's state in which the fault happens, for reports.
     #[must_use]
     pub fn state(&self) -> String {
         format!("{:?}", self.when).to_lowercase()

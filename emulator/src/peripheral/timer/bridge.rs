@@ -58,14 +58,14 @@ fn filter_cycles(bdtr: u32, cr1: u32) -> u64 {
     every * samples * division
 }
 
-/// An event within a PWM period.
+/// An event of the timer within a PWM period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Edge {
     /// The counter reaches its top.
     Top,
     /// The counter reaches 0.
     Bottom,
-    /// The trigger TRGO2 rises.
+    /// The trigger TRGO2, which starts the converters, rises.
     Trigger,
 }
 
@@ -112,7 +112,7 @@ impl Default for BridgeTimer {
             main_output: false,
             bottom: 0,
             done: 0,
-            // Pulled up: the break input is active low on the boards that use it.
+            // The break input's pin is high (pulled up), because the input is active low on the boards that use it.
             break_pin: true,
             comparators: 0,
             active_since: None,
@@ -168,7 +168,7 @@ impl BridgeTimer {
         if self.main_output {
             match outputs & 5 {
                 5 => Some((reference != inactive.0, reference == inactive.1)),
-                // Off by its enable bit, and held at its inactive level.
+                // Only one output of the pair is enabled. With OSSR the other one is held at its inactive level.
                 1 if bdtr & OSSR != 0 => Some((reference != inactive.0, inactive.1)),
                 4 if bdtr & OSSR != 0 => Some((inactive.0, reference != inactive.1)),
                 _ => None,
@@ -270,7 +270,7 @@ impl BridgeTimer {
         }
     }
 
-    /// The value that a register gets by a write of `value`, given the bits that the LOCK level protects.
+    /// The value that a register gets by a write of `value`: bits that the timer's LOCK level protects keep their old value.
     fn unlocked(&self, offset: u32, value: u32) -> u32 {
         let level = self.registers.get(BDTR) >> 8 & 3;
         let kept = match (offset, level) {
@@ -286,7 +286,7 @@ impl BridgeTimer {
 
     fn update(&mut self) {
         for (channel, compare) in self.compare.iter_mut().enumerate() {
-            // CCR5 and CCR6 are elsewhere and not used.
+            // CCR5 and CCR6 are at other addresses and are not used.
             *compare = self.registers.get(CCR1 + 4 * channel as u32) & 0xffff;
         }
         self.reload = u64::from(self.registers.get(ARR) & 0xffff);
@@ -321,7 +321,7 @@ impl BridgeTimer {
         let compare = u64::from(self.compare[channel as usize]);
         let top = self.reload.max(1);
         let count = match self.mode(channel) {
-            // PWM mode 1 rises on the way down, mode 2 on the way up.
+            // The reference signal rises while the counter counts down in PWM mode 1, and while it counts up in mode 2.
             6 if compare < top => 2 * top - compare,
             7 if compare < top => compare,
             _ => return None,
@@ -463,7 +463,7 @@ impl Peripheral for BridgeTimer {
 }
 
 impl BridgeTimer {
-    /// Whether a break raises an interrupt. One enable bit serves the flags BIF, B2IF and SBIF.
+    /// Whether a break now raises an interrupt: one of the flags BIF, B2IF and SBIF is set, and their common enable bit.
     fn breaks_interrupt(&self) -> bool {
         self.registers.get(DIER) & BIF != 0 && self.status & (BIF | 0x100 | SBIF) != 0
     }

@@ -16,7 +16,7 @@ pub struct Timer {
     /// Time in processor cycles at which the counter had the value `count`.
     since: u64,
     status: u32,
-    /// Last count of the encoder. The counter follows its changes.
+    /// Last count of the encoder. If the timer follows the encoder, its counter moves by the same differences.
     encoder: i64,
 }
 

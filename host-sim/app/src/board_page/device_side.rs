@@ -181,7 +181,7 @@ impl DeviceSide {
         }
     }
 
-    /// Restores the telemetry rate of the device's settings when the command ends.
+    /// Sets the device's telemetry rate back to that of its settings, when the command ends.
     pub fn leave(&mut self) {
         let decimation = self.settings.telemetry.decimation;
         if let Some(client) = &mut self.client {
@@ -244,7 +244,8 @@ impl DeviceSide {
         Ok(())
     }
 
-    /// Number of records that the device's port could not carry, and number of frames that arrived damaged.
+    /// Number of telemetry records that the device dropped because its port was too slow, and number of frames that arrived
+    /// damaged.
     pub fn troubles(&mut self) -> Result<(u32, u32)> {
         self.with(|client| match client.ask(&Request::Counters)? {
             Reply::Counters(counters) => Ok((counters.telemetry_dropped, client.decode_errors())),

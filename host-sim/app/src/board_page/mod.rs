@@ -4,8 +4,8 @@
 //! device -> link: records, commands -> batches 30 times a second -> page
 //! ```
 //!
-//! This program runs between device and page. It switches the device off when the page is gone, because a wall must not stay on when
-//! no person can stop it.
+//! This program runs between device and page. It switches the device off when the page is gone, because a wall must not stay on
+//! when no person can stop it.
 
 mod device_side;
 mod door;

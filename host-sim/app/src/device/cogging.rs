@@ -22,11 +22,11 @@ use touchstone_sim::error::{Error, Result};
 /// The actions on a cogging map.
 #[derive(Debug, Clone, Copy, Subcommand)]
 pub enum CoggingAction {
-    /// Measures, checks and stores a map: HANDS OFF, THE SHAFT TURNS SLOWLY, both ways and twice, for a minute.
+    /// Measures, checks and stores a cogging map: HANDS OFF, THE SHAFT TURNS SLOWLY, both ways and twice, for a minute.
     Measure,
-    /// Measures the shaft's ripple without and with the stored map: HANDS OFF, THE SHAFT TURNS SLOWLY.
+    /// Measures the shaft's ripple without and with the stored cogging map: HANDS OFF, THE SHAFT TURNS SLOWLY.
     Check,
-    /// Deletes the map, and saves the settings without it.
+    /// Deletes the cogging map, and saves the settings without it.
     Forget,
 }
 

@@ -1,5 +1,5 @@
-//! `touchstone device eccentricity`: the error of the angle that the encoder's off-centre magnet causes, its cost, and
-//! when to seat the magnet anew. Also used by `touchstone setup`.
+//! `touchstone device eccentricity`: measures the error of the angle that the encoder's off-centre magnet causes. Reports its
+//! effect on torque and wall, and whether to mount the magnet again. Also used by `touchstone setup`.
 
 use super::cogging::at_rest;
 use crate::interrupt;
@@ -16,12 +16,12 @@ use touchstone_sim::error::Result;
 /// The actions on the angle error of the encoder.
 #[derive(Debug, Clone, Copy, Subcommand)]
 pub enum EccentricityAction {
-    /// Measures the error: HANDS OFF, THE SHAFT TURNS, THEN SPINS BOTH WAYS, for half a minute. Nothing is stored; the device is
-    /// left stopped.
+    /// Measures the error of the encoder's angle: HANDS OFF, THE SHAFT TURNS, THEN SPINS BOTH WAYS, for half a minute. Nothing is
+    /// stored; the device is left stopped.
     Measure,
 }
 
-/// Measures the encoder's error and shows it.
+/// Measures the angle error that the encoder's off-centre magnet causes, and prints it.
 pub fn main(client: &mut Client, action: EccentricityAction) -> Result<()> {
     let EccentricityAction::Measure = action;
     let settings = client.settings()?;
@@ -132,7 +132,7 @@ pub fn warning(found: &Eccentricity, pole_pairs: f64) -> Option<String> {
     ))
 }
 
-/// The measured error as JSON, for programs and for a setup that is continued later.
+/// The measured error of the encoder's angle as JSON, for programs and for a setup that is continued later.
 pub fn as_json(found: &Eccentricity, pole_pairs: f64) -> Value {
     let cost = found.cost(pole_pairs);
     let harmonics = (0..ORDERS).map(|index| {

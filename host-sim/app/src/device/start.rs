@@ -1,4 +1,5 @@
-//! `touchstone device alignment` and `autostart`: what a board stores for its next start.
+//! `touchstone device alignment` and `autostart`: the alignment of motor and encoder that a board stores, and whether it starts
+//! unattended.
 
 use super::{calibrated, status_of};
 use crate::out::{self, say, tell};
@@ -18,7 +19,7 @@ pub enum AlignmentAction {
     /// Stores the alignment that the calibration measured, saves it with the settings, and checks it at once: THE SHAFT MOVES A
     /// LITTLE.
     Keep,
-    /// Deletes the stored alignment, and saves that: each calibration measures the alignment again.
+    /// Deletes the stored alignment and saves the settings without it: each calibration then measures the alignment again.
     Forget,
 }
 
@@ -31,7 +32,7 @@ pub enum Switch {
     Off,
 }
 
-/// The device's report on its start; `None` from a board that can store nothing for its start.
+/// The device's report on stored alignment and unattended start; `None` from a board that supports neither.
 pub fn report(client: &mut Client) -> Result<Option<StartReport>> {
     if !client.identity().board.is_large() {
         return Ok(None);
@@ -42,7 +43,7 @@ pub fn report(client: &mut Client) -> Result<Option<StartReport>> {
     }
 }
 
-/// Same as [`report`], but an error for a board without a report.
+/// Same as [`report`], but returns an error for a board that has no such report.
 fn demanded(client: &mut Client) -> Result<StartReport> {
     let board = client.identity().board;
     report(client)?.ok_or_else(|| {
@@ -83,7 +84,7 @@ pub fn lines(report: Option<&StartReport>, settings: &DeviceSettings, board: Boa
     [alignment, autostart]
 }
 
-/// The report on the start as JSON.
+/// The report on stored alignment and unattended start as JSON.
 pub fn json(
     report: Option<&StartReport>,
     settings: &DeviceSettings,

@@ -29,7 +29,7 @@ pub fn probes() -> Option<Vec<String>> {
     }
 }
 
-/// Runs probe-rs with these arguments and returns the first line of its output; `None` if it fails.
+/// Runs the installed probe-rs with these arguments and returns the first line of its output; `None` if it fails.
 fn asked(words: &[&str]) -> Option<String> {
     let Output { status, stdout, .. } = Command::new("probe-rs").args(words).output().ok()?;
     let line = String::from_utf8(stdout)

@@ -81,7 +81,7 @@ impl Account<'_> {
         })
     }
 
-    /// Section of a report page: the run itself, and how late its ticks (control periods) began.
+    /// Section of a report page: the data of the run, and how late its control periods (ticks) began.
     pub fn section(&self) -> Section {
         let report = self.report;
         let row = |name: &str, value: String| vec![name.to_owned(), value];
@@ -144,7 +144,7 @@ impl Account<'_> {
         }
     }
 
-    /// Prints the summary.
+    /// Prints the run's summary.
     pub fn tell(&self) -> Result<()> {
         let report = self.report;
         if json() {

@@ -93,7 +93,7 @@ struct ChosenLaw {
 /// that of the thesis (§5.2).
 pub fn guard(damping_n_s_per_m: f64, delay_s: f64, rate_hz: u32) -> GuardSettings {
     let si = Si::saturating_from_num::<f64>;
-    // Rounded down, as the guard's own range is.
+    // The tick is rounded down, as in the range check of the guard.
     let tick_s = Si::ONE.saturating_div(Si::saturating_from_num(rate_hz));
     GuardSettings {
         capacity: si(0.04),
@@ -209,7 +209,7 @@ fn of_tuned(wall: &TunedWall, sheet: &DataSheet, rate_hz: u32) -> ChosenLaw {
         law: wall.settings(rate_hz, sheet.force_n),
         estimator: Some([wall.estimator(); 3]),
         source: format!("tuned for {}", wall.name),
-        // A held stiffness is told to 5 %, and half a count of depth is that.
+        // The stiffness during a hold is measured to 5 %. Here half an encoder count of depth is more than 5 % of the press force.
         caution: (count_n > 0.1 * PRESS_SHARE * sheet.force_n).then(|| {
             format!(
                 "a count of {} is {count_n:.2} N in this wall: too coarse to tell what it shows",

@@ -123,7 +123,8 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     if stop.load(Ordering::Relaxed) {
         return Ok(ExitCode::from(interrupt::INTERRUPTED as u8));
     }
-    // A force that was held for longer is not the one of the record.
+    // At a missed tick the device keeps its last force for longer than the record says. The results state the number of missed
+    // ticks.
     let missed = report.missed_ticks;
     let mut found = Vec::new();
     for (name, record) in ["x", "y", "z"].into_iter().zip(&law.axes) {

@@ -71,7 +71,8 @@ impl FromStr for Scenery {
 /// Options of `device run`.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Options {
-    /// plane (a floor through the centre), inclined (a slope in none of the axes), sphere (30 mm around the centre), or a mesh: a file of STL, OBJ or PLY.
+    /// plane (a floor through the centre), inclined (a slope in none of the axes), sphere (30 mm around the centre), or a mesh: a
+    /// file of STL, OBJ or PLY.
     #[arg(value_name = "OBJECT")]
     object: Scenery,
     /// Unit of the coordinates in the mesh's file, m; the file itself does not state it.
@@ -99,7 +100,7 @@ pub struct Options {
 }
 
 impl Scenery {
-    /// Object around which a simulated hand moves. For a mesh the hand moves as for a floor: it touches from above.
+    /// Object around which a simulated hand moves. At a mesh the hand moves as at a floor: it touches from above.
     fn object(&self) -> Object {
         match self {
             Self::Known(_, object) => *object,
@@ -148,7 +149,8 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     }
     let mesh = options.object.mesh(options.mesh_unit_m)?;
     let object = options.object.object();
-    // Before the motors are on: from here on Ctrl-C ends the loop and nothing else.
+    // This is done before the motors are switched on. From here on Ctrl-C only ends the loop, so that the motors are switched off
+    // afterwards.
     let stop = interrupt::noted()?;
     let simulated_hz = options
         .wall
@@ -209,7 +211,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         "wall      {}, {} {} N/mm at {rate_hz} Hz, {source}; up to {force_n} N, {}",
         options.object,
         settings.law.law.word(),
-        // A stiffness that came over a lever has more digits than anybody gave it.
+        // A stiffness that was converted with a lever's length has many digits, so it is rounded for the text.
         settings.law.k_desired.to_num::<f64>().round() / 1e3,
         if options.wall.no_guard {
             "no guard"
@@ -230,7 +232,7 @@ pub fn main(options: &Options) -> Result<ExitCode> {
         (false, true) => Box::new(DevicePace::new(rate_hz)),
         (false, false) => Box::new(RealTime::new(rate_hz)),
     };
-    // By time, and in simulated time by ticks.
+    // The length of the run: in seconds for a real device, in control ticks in simulated time.
     let programme = turn.map(|turn| turn.ticks());
     let seconds = options
         .seconds

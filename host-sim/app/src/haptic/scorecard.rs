@@ -29,7 +29,7 @@ pub enum HandProgramme {
     /// Probes the object, holds, slides along it and lets go, again and again.
     #[default]
     Explore,
-    /// Touches, presses, holds and lets go; then moves in the wall at 1, 2 and 4 Hz; and ends.
+    /// Touches, presses, holds and lets go; then moves to and fro in the wall at 1, 2 and 4 Hz; and ends.
     Scorecard,
 }
 
@@ -108,7 +108,7 @@ impl ScoreOptions {
     }
 }
 
-/// Fraction of the largest force with which a hand touches before it presses.
+/// Force with which a hand touches the wall before it presses, as a fraction of the largest force.
 const TOUCH_SHARE: f64 = 2.0 / 15.0;
 /// Time at which the hand's programme begins, after the force has faded in, s.
 const BEGIN_S: f64 = 1.2;
@@ -171,7 +171,8 @@ impl PlayedOnDevice<'_> {
             })
             .collect();
         let rate_hz = self.settings.law.rate_hz;
-        // In none of the axes a depth is least sure; where a surface turns it is taken so.
+        // The depth is least certain in a direction that is equally far from all three axes. Where the normal turns, this direction
+        // is assumed.
         let least_sure = [1.0 / 3.0_f64.sqrt(); 3];
         let stiffness = self.turn.map_or_else(
             || stiffness(self.sheet, self.settings, least_sure),

@@ -52,7 +52,8 @@ pub fn values(motor: &MeasuredMotor) -> [Estimate; 7] {
     ]
 }
 
-/// Refuses a folder that contains a file with the name of a setup's file, but no progress file of a setup.
+/// Returns an error for a folder that has a file with the name of a setup's file, but no progress file: the file is not from a
+/// setup.
 fn untouched(folder: &Path) -> Result<()> {
     let taken = FILES
         .into_iter()
@@ -99,8 +100,8 @@ impl Kept {
         self.done.get("device")?.as_str()
     }
 
-    /// Records the device that is set up. It is the first file of a setup, so that after an interruption the others are known to be
-    /// its own.
+    /// Records the serial number of the device that is set up. This is the first file of a setup, so that after an interruption the
+    /// others are known to be its own.
     ///
     /// # Errors
     /// Another setup began in this folder meanwhile, or the file cannot be written.
@@ -116,7 +117,7 @@ impl Kept {
         })
     }
 
-    /// Discards all results, but keeps the device.
+    /// Discards the results of all steps, but keeps the device's serial number.
     pub fn again(&mut self) {
         self.done.retain(|key, _| key == "device");
     }
@@ -183,7 +184,7 @@ impl Kept {
     }
 }
 
-/// The motor's values with their uncertainties.
+/// The measured motor's values with their uncertainties, as JSON.
 pub fn as_json(motor: &MeasuredMotor) -> Value {
     let mut all: Map<String, Value> = VALUES
         .into_iter()

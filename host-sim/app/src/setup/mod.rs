@@ -57,7 +57,7 @@ pub struct Options {
     /// Reads the control law's settings from this file, as `touchstone tune --out` writes it, instead of tuning.
     #[arg(long, value_name = "FILE.toml", conflicts_with = "quick")]
     law: Option<PathBuf>,
-    /// Measures and tunes again, even if an earlier setup did.
+    /// Measures the knob and tunes the wall again, even if an earlier setup did.
     #[arg(long)]
     again: bool,
     /// Saves the alignment of an absolute encoder, so that the next start only checks it with a small motion.

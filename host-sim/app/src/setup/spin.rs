@@ -144,7 +144,7 @@ pub fn watched(settings: &DeviceSettings) -> DeviceSettings {
     asked
 }
 
-/// Receives telemetry until the device is ready; returns `None` if the user interrupts.
+/// Receives the telemetry of a calibration until the device is ready; returns `None` if the user interrupts.
 pub fn listen<T>(
     client: &mut Client,
     limit: Duration,

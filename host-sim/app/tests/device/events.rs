@@ -36,7 +36,7 @@ fn a_program_gets_every_position_of_a_turned_knob() {
         (&100.into(), &0.into()),
         "{first}"
     );
-    // Its own first position may be 0 or 1: the hand has begun to turn.
+    // The first position may be 0 or 1, because the hand has already begun to turn.
     let begun = first["first"].as_i64().unwrap();
     assert_eq!(first["last"].as_i64(), Some(begun + 10));
     demo.happens("turn 200");
@@ -68,7 +68,7 @@ fn a_knob_without_positions_says_what_to_give() {
         "{}",
         said.err
     );
-    // And with a distance it counts.
+    // With `--pitch` the command counts positions.
     let said = device
         .run(&["events", "--pitch", "10", "--seconds", "0.3"])
         .done();

@@ -51,7 +51,7 @@ const LOOK: Duration = Duration::from_millis(5);
 /// Duration of a calibration in control periods.
 const CALIBRATION: u32 = 400;
 
-/// State of the imitated board hardware behind the protocol session.
+/// State of the imitated board hardware, on which the protocol session acts.
 pub struct World {
     pub machine: Machine,
     pub saved: Option<Vec<u8>>,
@@ -67,7 +67,7 @@ pub struct World {
     calibrated_at: Option<u32>,
     decimation: u16,
     dropped: u32,
-    /// Number of requests received.
+    /// Number of requests that the fake device has received.
     pub answers: usize,
     records: u32,
 }
@@ -97,7 +97,7 @@ impl Fake {
         use serialport::{SerialPort, TTYPort};
         let (mut master, slave) = TTYPort::pair().unwrap();
         let address = slave.name().unwrap();
-        // A terminal that nobody has open is at its end; one that is open as a port cannot be opened again.
+        // A pseudo-terminal that no program has open reads as ended. One that is open as a serial port cannot be opened again.
         let held = std::fs::File::options()
             .read(true)
             .write(true)
@@ -177,7 +177,7 @@ pub trait Served: Backend {
     fn noise(&mut self) -> Vec<u8> {
         Vec::new()
     }
-    /// Called for each request, before its answer. `false` closes the connection.
+    /// Called for each request, before it is answered. If the function returns `false`, the connection is closed.
     fn is_asked(&mut self) -> bool {
         true
     }
@@ -197,7 +197,7 @@ pub fn listen<B: Served + Send + 'static>(both: &Arc<Mutex<(Session, B)>>) -> St
     let shared = Arc::clone(both);
     std::thread::spawn(move || {
         for stream in listener.incoming().flatten() {
-            // A connection that breaks is the other side's right.
+            // The other side may end the connection at any time, so errors are ignored.
             let _ = stream.set_read_timeout(Some(LOOK));
             let _ = serve(stream, &shared);
         }
@@ -265,7 +265,7 @@ impl Served for World {
         }
         let mut buffer = [0; FRAME_MAX];
         let mut frame = frame::encode(message, &mut buffer).unwrap().to_vec();
-        // Answers are counted from 0, and this one is counted already.
+        // Answers are numbered from 0. The counter already includes this answer.
         let this_one = self
             .trouble
             .damages

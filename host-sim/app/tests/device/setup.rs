@@ -86,7 +86,7 @@ fn a_board_becomes_a_tuned_knob() {
         assert_eq!(Phase::from(world.knob.device.state()), Phase::Ready);
     }
 
-    // The simulator runs that knob, and what the board had at first is there.
+    // The simulator can run this knob's scene, and the board's earlier settings were stored.
     let scene = out.join("knob.toml").display().to_string();
     run(&[
         "run",
@@ -99,7 +99,7 @@ fn a_board_becomes_a_tuned_knob() {
     assert!(before.contains("resistance_ohm = 6\n"), "{before}");
     assert!(out.join("report/index.html").is_file());
 
-    // Nothing spins a second time.
+    // A second setup does not spin the motor again.
     device.world().1.pulled_in = Some(Pulled::In(MeasuringPart::Low));
     let said = setup(&device, &out, &law).done();
     assert!(said.contains("measured before"), "{said}");
@@ -255,7 +255,7 @@ fn a_board_without_current_sensors_is_not_set_up() {
             &["does not measure its currents", "docs/voltage-mode.md"],
         );
     assert!(!out.join("before.toml").exists());
-    // Nor is it asked to by a setting.
+    // The setting that requests a motor measurement is refused, too.
     let failed = device.run(&["config", "set", "calibration.measures", "true"]);
     failed.failed(2, &["can measure no motor"]);
 }

@@ -211,14 +211,14 @@ fn no_older_file_is_lost_without_force_and_no_link_is_followed() {
             output.0
         );
         std::fs::remove_file(here.join("out")).unwrap();
-        // Its own of before.
+        // Some commands replace the output of their own earlier run. The others need `--force`.
         assert_eq!(output.run(&here, &board).code, Some(0), "{}", output.0);
         let again = output.run(&here, &board);
         match output.3 {
             true => assert_eq!(again.code, Some(0), "{}: {}", output.0, again.err),
             false => output.fails(&again, "--force"),
         }
-        // A link: what it leads to is not touched, with --force or without.
+        // The output path is a symbolic link. The file to which it leads is never changed, with --force or without.
         std::fs::write(here.join("other"), "mine").unwrap();
         std::fs::remove_file(here.join("out")).unwrap();
         symlink("other", here.join("out")).unwrap();
@@ -255,7 +255,7 @@ fn in_a_folder_no_foreign_file_is_lost_and_no_link_is_followed() {
         let again = output.run(&here, &board);
         assert_eq!(again.code, Some(0), "{}: {}", output.0, again.err);
         let made = names(&here.join("out"));
-        // A file of somebody's by the name of one of its own; then a link by that name.
+        // A file of the user has the same name as one of the command's files; then a symbolic link has this name.
         let page = here
             .join("out")
             .join(made.iter().find(|name| name.contains('.')).unwrap());
@@ -414,7 +414,7 @@ fn begun(output: &Output, here: &Path, board: &Fake) -> Child {
 fn is_whole(output: &Output, file: &Path) -> bool {
     let text = std::fs::read_to_string(file).unwrap();
     if output.0 == "monitor --csv" {
-        // Written while it is made: rows, each whole.
+        // This file is written during the recording, so it may contain only complete rows.
         return text.is_empty()
             || text.ends_with('\n') && text.lines().all(|row| row.split(',').count() == 13);
     }

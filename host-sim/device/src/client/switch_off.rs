@@ -5,9 +5,9 @@ use touchstone_link::told;
 use touchstone_protocol::{DeviceCommand, Reply, Request};
 use touchstone_sim::error::{Error, Result};
 
-/// Number of attempts before the device counts as out of reach: some ten seconds of silence.
+/// Number of attempts to switch the device off before it counts as out of reach: some ten seconds of silence.
 const ROUNDS: u32 = 20;
-/// First words of an error message when it is unknown whether the device is off.
+/// Beginning of an error message if it is unknown whether the device is off.
 pub const MAY_BE_ON: &str = "THE DEVICE MAY STILL BE ON";
 
 impl Client {
@@ -215,7 +215,7 @@ mod tests {
                 }
             }
         }
-        // Both ends are met: of the seeds a sixth loses every frame one way.
+        // Both results must occur often: about one seed in six loses all frames in one direction.
         assert!(confirmed > 500 && unsure > 100, "{confirmed}, {unsure}");
     }
 

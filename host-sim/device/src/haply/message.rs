@@ -54,17 +54,17 @@ impl Generation {
 pub struct CursorState {
     /// The name of the device.
     pub device: String,
-    /// Whether the device has its supply, is calibrated, and has its motors on.
+    /// Position of the handle in the device's own frame, m.
     pub position_m: [f64; 3],
     /// Whether the device has its supply, is calibrated and has its motors on.
     pub standing: DeviceStanding,
 }
 
 impl CursorState {
-    /// Reads a state from a message: that of the device with this name, or of the first device in the message.
+    /// Reads a device's state from a message: that of the device with this name, or of the first device in the message.
     ///
     /// # Errors
-    /// What is wrong with the message, in words.
+    /// A description of what is wrong with the message.
     pub fn of(text: &str, device: Option<&str>) -> Result<Self, String> {
         let message: Value = serde_json::from_str(text).map_err(|why| why.to_string())?;
         let all = message["inverse3"]

@@ -12,7 +12,7 @@ pub enum SwitchOff {
     Velocity,
     /// The device's watchdog received no command in time.
     Watchdog,
-    /// A program switched the motors off.
+    /// A program on the computer switched the motors off.
     Software,
     /// The USB connection was lost.
     Usb,

@@ -31,7 +31,7 @@ pub enum FaultKind {
     Stale,
     /// From this call on the motors give half of the commanded force, and the device reports them as saturated.
     Saturated,
-    /// The call takes this much longer.
+    /// The call takes longer by this duration.
     Slow(Duration),
     /// From this call on one coordinate is wrong by 20 mm.
     Jumps,

@@ -27,9 +27,9 @@ pub struct DataSheet {
     pub degrees: usize,
     /// Largest force of the device, N.
     pub force_n: f64,
-    /// Where the effector may be, relative to the origin of the device's frame.
+    /// Range of positions that the end effector can reach, relative to the origin of the device's frame.
     pub workspace: Workspace,
-    /// Resolution of the measured position, m.
+    /// Resolution of the measured position (distance per encoder count), m.
     pub count_m: f64,
     /// Slowest and fastest control rate, Hz.
     pub rates_hz: (u32, u32),
@@ -53,7 +53,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// Distance of a position outside the workspace, m; 0 inside.
+    /// How far a position is outside the workspace, m; 0 for a position inside.
     #[must_use]
     pub fn outside_m(&self, [x, y, z]: [f64; 3]) -> f64 {
         let across = (x.hypot(y) - self.radius_m).max(0.0);
@@ -71,7 +71,7 @@ pub struct Sensed {
     pub fresh: bool,
 }
 
-/// How much of a commanded force acts.
+/// Whether the whole commanded force acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Applied {
     /// The whole commanded force acts.
@@ -97,7 +97,7 @@ pub struct DeviceStanding {
 ///
 /// Every call returns within a bounded time. After a fault only [`HapticDevice::release`] may be called.
 pub trait HapticDevice {
-    /// The device's known data.
+    /// The device's data sheet.
     fn sheet(&self) -> &DataSheet;
 
     /// Switches the motors on, with no force.
@@ -170,7 +170,7 @@ mod tests {
             half_height_m: 0.055,
         };
         assert_eq!(space.outside_m([0.048, 0.064, -0.055]), 0.0);
-        // 3 mm across and 4 mm along are 5 mm.
+        // 3 mm beyond the radius and 4 mm beyond the height are a distance of 5 mm.
         assert!((space.outside_m([0.083, 0.0, -0.059]) - 0.005).abs() < 1e-12);
     }
 }

@@ -134,7 +134,7 @@ impl HapticDevice for SimulatedDelta {
             true => force_n,
             false => [0.0; 3],
         };
-        // As a real driver does: with the slopes at the measured pose.
+        // A real driver computes the torques with the Jacobian at the measured pose, so this simulation does the same.
         let torques = self
             .device
             .limited_torques_n_m(&self.measured, wanted.into());
@@ -192,7 +192,7 @@ mod tests {
         }
         let moved = delta.sense().expect("place").position_m;
         let by: Vec<f64> = (0..3).map(|i| moved[i] - start[i]).collect();
-        // 3 N on a hand of 300 N/m and its pad.
+        // 3 N move a hand with 300 N/m and a finger pad in series by 11.5 mm.
         assert!(
             (by[0] - 0.0115).abs() < 1e-3 && (by[1] + 0.0115).abs() < 1e-3,
             "{by:?}"

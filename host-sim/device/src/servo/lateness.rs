@@ -12,17 +12,17 @@ pub struct TickLateness {
     worst_s: f64,
 }
 
-/// A class of the histogram: the ticks whose lateness is within its limits.
+/// A class of the histogram: the control intervals (ticks) whose lateness is within the class's limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LatenessClass {
     /// Largest lateness of the class, µs; `None` for the last class, which has no upper limit.
     pub up_to_us: Option<f64>,
-    /// Number of ticks in the class.
+    /// Number of control intervals (ticks) in the class.
     pub ticks: u64,
 }
 
 impl TickLateness {
-    /// Counts a tick with this lateness, s.
+    /// Counts a control interval (tick) with this lateness, s.
     pub fn take(&mut self, late_s: f64) {
         let class = ENDS_US
             .iter()
@@ -32,13 +32,13 @@ impl TickLateness {
         self.worst_s = self.worst_s.max(late_s);
     }
 
-    /// Largest lateness of all ticks, s.
+    /// Largest lateness of all control intervals (ticks), s.
     #[must_use]
     pub fn worst_s(&self) -> f64 {
         self.worst_s
     }
 
-    /// All classes, the one with the smallest lateness first.
+    /// All classes of the histogram, the one with the smallest lateness first.
     pub fn classes(&self) -> impl Iterator<Item = LatenessClass> + '_ {
         self.counts
             .iter()

@@ -32,7 +32,7 @@ pub trait ForceLaw {
     fn commanded(&mut self, _force_n: [f64; 3]) {}
 }
 
-/// The loop's limits, which apply whatever the force law commands.
+/// The limits of the servo loop. They apply to every force that the force law returns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoLimits {
     /// Largest force, N; never more than the device's own largest force.
@@ -112,11 +112,11 @@ pub struct ServoReport {
 pub struct ServoTick {
     /// Number of the control interval (tick), from 0; missed ones are not counted.
     pub number: u64,
-    /// Number of control intervals since the first tick, including those of missed ticks.
+    /// Number of control intervals since the start of the loop, including missed ones.
     pub due: u64,
     /// Position of the end effector, m.
     pub position_m: [f64; 3],
-    /// The force that acts, N.
+    /// Commanded force after all limits, N.
     pub force_n: [f64; 3],
 }
 
@@ -130,10 +130,11 @@ impl<D: HapticDevice> Drop for Engaged<'_, D> {
     }
 }
 
-/// Time between two requests of the device's state, s.
+/// Time between two requests of the device's state (supply, motors), s.
 const STANDING_S: f64 = 1e-3;
 
-/// Runs a force law on a device until `more` returns false or a fault occurs. The device is released in every case.
+/// Runs the servo loop with a force law on a device, until `more` returns false or a fault occurs. The device is released in every
+/// case.
 pub fn play<D: HapticDevice>(
     device: &mut D,
     law: &mut impl ForceLaw,

@@ -13,16 +13,16 @@ pub struct Waited {
 
 /// Decides when the control intervals (ticks) of the servo loop begin.
 pub trait Pace {
-    /// Starts the pace: the first tick is due now.
+    /// Starts the pace: the first control interval (tick) is due now.
     fn start(&mut self);
-    /// Waits until the next tick is due.
+    /// Waits until the next control interval (tick) is due.
     fn wait(&mut self) -> Waited;
-    /// Time by which the present tick has already exceeded its interval, s.
+    /// Time by which the work of the present control interval has already exceeded the interval, s.
     fn late_s(&self) -> f64;
 }
 
-/// The pace of the machine's clock. If a tick is late by whole intervals, that many ticks are left out, so that no burst of ticks
-/// follows.
+/// The pace of the machine's clock. If a control interval (tick) begins late by whole intervals, as many are left out, so that no
+/// burst follows.
 #[derive(Debug, Clone)]
 pub struct RealTime {
     interval: Duration,
@@ -76,7 +76,7 @@ impl Pace for RealTime {
     }
 }
 
-/// The pace of simulated time: every tick is due at once and none is late.
+/// The pace of simulated time: every control interval (tick) is due at once and none is late.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct SimulatedPace;
 
@@ -90,8 +90,8 @@ impl Pace for SimulatedPace {
     }
 }
 
-/// The pace of a device that sets the servo loop's rate by its positions. If the time since the last tick exceeds an interval, the
-/// tick is late by the excess.
+/// The pace of a device that sets the servo loop's rate by its positions. If the time between two positions exceeds a control
+/// interval, the second one is late by the excess.
 #[derive(Debug, Clone)]
 pub struct DevicePace {
     interval: Duration,
@@ -146,11 +146,11 @@ mod tests {
         pace.start();
         pace.wait();
         std::thread::sleep(Duration::from_micros(5500));
-        // Due 1 ms after the first: 4.5 ms late at least, so four or more were missed.
+        // This tick was due 1 ms after the first. So it is at least 4.5 ms late, and at least four ticks were missed.
         assert!(pace.late_s() >= 4.4e-3);
         let late = pace.wait();
         assert!(late.late_s >= 4.4e-3 && late.missed_ticks >= 4, "{late:?}");
-        // No burst: the next one is due within an interval.
+        // The missed ticks are not made up for: the next tick is due within one interval.
         let begun = Instant::now();
         let next = pace.wait();
         let waited_s = begun.elapsed().as_secs_f64();

@@ -9,7 +9,8 @@ pub struct Priority {
     pub locked: Result<(), String>,
 }
 
-/// Requests real-time priority and locked memory for the calling thread. A refusal is no error, because missed ticks are counted.
+/// Requests real-time priority and locked memory for the calling thread. A refusal is no error, because the servo loop counts
+/// missed control intervals.
 #[must_use]
 pub fn real_time() -> Priority {
     Priority {

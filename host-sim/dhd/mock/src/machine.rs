@@ -119,7 +119,7 @@ impl Machine {
             lock: None,
             noted: Noted::default(),
         };
-        // For a program that is started by a test.
+        // A test that starts a program gives it the fault plan by this variable.
         for line in std::env::var("TOUCHSTONE_MOCK_DHD")
             .unwrap_or_default()
             .split(';')
@@ -279,7 +279,7 @@ impl Machine {
                 "closed {closed} force {acting} longest {:.2}\n",
                 self.noted.longest_n
             );
-            // A log that cannot be written is missed by the test that reads it.
+            // An error needs no report: the test that reads the log fails without it.
             let _ = std::fs::write(path, text);
         }
     }

@@ -8,7 +8,7 @@ mod budgets;
 
 /// Table of instruction counts per control law and number format, written by `cargo xtask thumb` and `cargo xtask cycles`.
 const COUNTED: &str = include_str!("board.txt");
-/// The board's clock, Hz.
+/// Clock frequency of the board's processor, Hz.
 const CLOCK_HZ: f64 = 170e6;
 /// Rate of the motor's current controller on the board, Hz.
 const CURRENT_LOOP_HZ: f64 = 20_000.0;

@@ -21,7 +21,7 @@ pub const NUDGE_RAD: f64 = 1e-12;
 /// Results of one closed-loop run.
 #[derive(Debug, Clone, Serialize)]
 pub struct ClosedPoint {
-    /// The name of the scene.
+    /// Name of the simulated scene.
     pub scene: &'static str,
     /// Name of the integration method, or `exact, start moved by 1e-12 rad` for the closed-form solution with a changed start.
     pub method: String,

@@ -39,7 +39,7 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
 }
 
 impl Double {
-    /// The number 0.
+    /// The number 0 with twice the digits of an `f64`.
     pub const ZERO: Double = Double {
         high: 0.0,
         low: 0.0,

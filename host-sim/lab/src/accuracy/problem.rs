@@ -21,7 +21,7 @@ pub struct Problem {
     pub name: &'static str,
     /// What makes the problem difficult for an integration method.
     pub about: &'static str,
-    /// The device that moves.
+    /// The simulated device.
     pub device: Device,
     /// The hand that holds the device; `None` without a hand.
     pub hand: Option<Hand>,

@@ -12,7 +12,7 @@ use touchstone_world::plant::{Device, Hand};
 /// controller.
 pub type Entries = [Double; 4];
 
-/// Columns of the extrapolation table.
+/// Number of columns of the extrapolation table.
 const COLUMNS: usize = 8;
 /// Largest number of stops and starts that are located in one tick.
 const MOST_EVENTS: u32 = 1000;

@@ -21,9 +21,9 @@ pub struct Told {
     pub file: PathBuf,
     /// Time of each tick in the recording, s.
     pub time_s: Vec<f64>,
-    /// Encoder count at each tick.
+    /// Encoder count at each tick (control period).
     pub count: Vec<f64>,
-    /// Penetration at each tick, rad.
+    /// Penetration at each tick (control period), rad.
     pub penetration_rad: Vec<f64>,
     /// Force commanded out of the wall at each tick, N·m.
     pub force_n_m: Vec<f64>,

@@ -37,7 +37,7 @@ const DEEP_COUNTS: f64 = 20.0;
 /// Number of cells that are computed between two writes to the file.
 const CELLS_A_WRITE: usize = 8;
 
-/// Describes the map to compute.
+/// Plan of a map: its base scene, control law, axes and search length.
 #[derive(Debug, Clone)]
 pub struct BoundaryPlan {
     /// Scene that gives inertia, rate, encoder, friction and press. Damping, delay and stiffness come from each cell.

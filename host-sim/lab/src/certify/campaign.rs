@@ -193,7 +193,7 @@ pub struct Row {
     pub frequency_hz: f64,
     /// Largest ratio of the speed at which the device returns to the wall after a bounce to the speed of the touch before.
     pub bounce: f64,
-    /// Energy that the enhanced law gives out in the press beyond what it took, as a fraction of the largest energy that it may
+    /// Energy that the control law gives out in the press beyond what it took, as a fraction of the largest energy that it may
     /// lend.
     pub loan_used: Option<f64>,
     /// Largest magnitude of an eigenvalue of the loop while measured penetrations are multiplied by the largest gain that rounding

@@ -14,7 +14,7 @@ use touchstone_world::plant::Hand;
 pub struct Played {
     /// Largest ratio of the speed at which the device returns to the wall after a bounce to the speed of the touch before.
     pub bounce: f64,
-    /// Energy that the enhanced law gives out in the press beyond what it took, as a fraction of the largest energy that it may
+    /// Energy that the control law gives out in the press beyond what it took, as a fraction of the largest energy that it may
     /// lend.
     pub loan_used: Option<f64>,
 }

@@ -13,7 +13,7 @@ pub const SLOWEST_PER_S: f64 = 1.0;
 pub const DECAYS_WITHIN: f64 = 0.5;
 /// Fraction of a hold after which the simulation judges whether the knob rests.
 pub const JUDGED_AFTER: f64 = 0.75;
-/// Largest fraction of the enhanced law's energy loan (energy that it may give out beyond what it took) that a press may use.
+/// Largest fraction of the law's energy loan (energy that it may give out beyond what it took) that a press may use.
 pub const LOAN_USED: f64 = 1.0;
 /// Rate of exponential growth above which a motion is called unstable, 1/s.
 pub const FASTEST_GROWTH_PER_S: f64 = 0.25;
@@ -93,7 +93,7 @@ pub struct HandReport {
     pub switching: Option<f64>,
     /// Largest ratio of the speed at which the device returns to the wall after a bounce to the speed of the touch before.
     pub bounce: f64,
-    /// Energy that the enhanced law gives out in the press beyond what it took, as a fraction of the largest energy that it may
+    /// Energy that the control law gives out in the press beyond what it took, as a fraction of the largest energy that it may
     /// lend; `None` without a loan or a press.
     pub loan_used: Option<f64>,
     /// Least and largest motion at the end of the simulated touches, as multiples of a limit cycle's threshold (four encoder

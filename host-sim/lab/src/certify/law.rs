@@ -1,14 +1,16 @@
 //! The control laws as linear systems, in the phases in which they are linear.
 //!
-//! A law receives the penetration `e` and the displacement `m` per tick (control period `T`), from samples or from an estimator, and returns
-//! the force `f`. All signals are deviations from a point of rest inside the wall. `k_de` is the requested stiffness.
+//! A law receives the penetration `e` and the displacement `m` per tick (control period `T`), from samples or from an estimator,
+//! and returns the force `f`. All signals are deviations from a point of rest inside the wall. `k_de` is the requested stiffness.
 //!
-//! **Spring, with or without damping; TDPA and FBA where they do not reduce the force**: `f = k_de e + (B/T) m` (5), with the damping `B = 0`
-//! for all but the spring-damper.
+//! **Spring, with or without damping; TDPA and FBA where they do not reduce the force**: `f = k_de e + (B/T) m` (5), with the
+//! damping `B = 0` for all but the spring-damper.
 //!
-//! **Enhanced augmentation** after the first contact. Its virtual mass `m` at the position `e_f` is coupled to the device by a spring `k_f` and
-//! a damper `c_f`, and presses on a soft spring `k_v` with the offset `O` and the force `p`. `c_env` is the mass' damping to ground.
-//! With `M = m/T²`, `C = c_f/T`, `D = M + k_f + C + c_env/T` and the mass' displacement `d`:
+//! **Enhanced augmentation** after the first contact. Its virtual mass at the position `e_f` is coupled to the device by a
+//! spring `k_f` and a damper `c_f`, and presses on a soft spring `k_v` with the offset `O` and the force `p`. `c_env` is the mass'
+//! damping to ground, `d` its displacement per tick. `M` is the mass divided by `T²`, `C = c_f/T`, `D = M + k_f + C + c_env/T`. The
+//! stiffness `k_t` at the mass is `k_de`, or `k_de k_f/(k_f - k_de)` where the spring `k_f` is compensated (setting
+//! `mass-compensated`).
 //!
 //! ```text
 //! O(n)   = O(n-1) + κ (k_de e(n) - f(n-1))                  regulated at the device   (6)
@@ -19,14 +21,14 @@
 //! f(n)   = k_f (e(n) - e_f(n)) + C (m(n) - d(n))                                      (11)
 //! ```
 //!
-//! As in the implementation, two values are one tick old: the force with which the offset `O` is compared, and the mass' position in the
-//! wall's force. The gain `κ` is `c/k_v` or `c/k_de` (setting `of_ideal`) while the ideal step is the smallest of the law's three bounds on a
-//! step of the offset, and less while another bound is smaller. Near rest the ideal step is always the smallest, because only that bound
-//! vanishes with the error. With a frozen offset `κ = 0`, and the constant `O` is left out.
+//! As in the implementation, two values are one tick old: the force with which the offset `O` is compared, and the mass' position
+//! in the wall's force. The gain `κ` is `c/k_v` or `c/k_de` (setting `of_ideal`) while the ideal step is the smallest of the law's
+//! three bounds on a step of the offset, and less while another bound is smaller. Near rest the ideal step is always the smallest,
+//! because only that bound vanishes with the error. With a frozen offset `κ = 0`, and the constant `O` is left out.
 //!
-//! **Original and continuous augmentation**: `f = k_v (e + O)`. At an inward tick `O` changes by `±g m`, with `g = k_c/k_v - 1` and the
-//! largest stiffness `k_c` that sampling allows. So the force changes by `k_v (1 ± g) m` inward and by `k_v m` outward (12). This is a
-//! stiffness times the displacement; the stiffness changes from tick to tick within `[k_v (1 - g), k_v (1 + g)]`.
+//! **Original and continuous augmentation**: `f = k_v (e + O)`. At an inward tick `O` changes by `±g m`, with `g = k_c/k_v - 1` and
+//! the largest stiffness `k_c` that sampling allows. So the force changes by `k_v (1 ± g) m` inward and by `k_v m` outward (12).
+//! This is a stiffness times the displacement; the stiffness changes from tick to tick within `[k_v (1 - g), k_v (1 + g)]`.
 //!
 //! In the first contact every law is the spring `k_de` until the motion turns.
 
@@ -34,7 +36,7 @@ use super::linear_law::{LinearLaw, Phase};
 use touchstone_control::law::EnhancedSfa;
 use touchstone_control::{AnyLaw, OffsetUpdate, Regulate};
 
-/// Name of the linear phase in which the enhanced law changes its offset (shift of the wall's surface) at every tick.
+/// Name of the linear phase in which the law changes its offset (shift of the wall's surface) at every tick.
 pub const OFFSET_UPDATED: &str = "offset updated";
 
 /// How a control law may change between its linear phases.
@@ -151,7 +153,7 @@ impl Phases {
     }
 }
 
-/// Treatment of the enhanced law's offset (shift of the wall's surface) in a linear phase.
+/// Treatment of the law's offset (shift of the wall's surface) in a linear phase of enhanced successive force augmentation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Offset {
     /// The offset changes at every tick by the ideal step, equation (6) or (7) in `law.rs`.

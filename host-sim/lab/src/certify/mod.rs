@@ -10,8 +10,8 @@
 //!   Dry friction counts as damping for an oscillation as large as the press.
 //! - The loop is also stable while readings are multiplied by up to [`judge::ROUNDING_GAIN`], the effect that rounding may have.
 //! - Rounding to counts moves a knob at rest by less than [`judge::ROUNDING_RMS_COUNTS`].
-//! - Every gain between the phases is stable. Gains that depend on the amplitude are tried one by one; if a gain depends on the direction
-//!   of the motion, the circle criterion (16) must hold.
+//! - Every gain between the phases is stable. Gains that depend on the amplitude are tried one by one; if a gain depends on the
+//!   direction of the motion, the circle criterion (16) must hold.
 //! - Bounces die away, and the press uses no more energy than the enhanced law may lend.
 //!
 //! The loop is called **unstable** if bounces grow, or if a phase in which the law stays grows faster than
@@ -19,9 +19,8 @@
 //!
 //! Matrices do not describe the change between phases, nor a device that leaves the wall and returns. Therefore touches are
 //! simulated to their end unless the matrices say unstable. The verdict is **stable** if all simulations come to rest, **unstable**
-//! if none does,
-//! **undecided** if only some do. The certificate gives the cause. The matrices are exact. Bounces, the law's energy loan and touches are
-//! simulated by [`touch`]. The limits of [`judge`] are judgement, set with the random runs of [`campaign`].
+//! if none does, **undecided** if only some do. The certificate gives the cause. The matrices are exact. Bounces, the law's energy
+//! loan and touches are simulated by [`touch`]. The limits of [`judge`] are judgement, set with the random runs of [`campaign`].
 
 pub mod campaign;
 pub mod contact;

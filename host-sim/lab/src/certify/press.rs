@@ -1,5 +1,5 @@
 //! Simulated slow presses, for walls on which simulated touches do not show enough. A slow press excites an offset of the law that
-//! decays slowly, and uses more of the energy that the enhanced law may lend than a touch.
+//! decays slowly, and uses more of the energy that the law may give out beyond what it took.
 
 use super::contact::Contact;
 use super::touch::{hold_s, of_plant};

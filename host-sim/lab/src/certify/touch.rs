@@ -254,7 +254,7 @@ pub fn ends(scene: &Scene, contact: &Contact, hand: &Hand) -> Result<[f64; 2]> {
     Ok(found)
 }
 
-/// Energy that the enhanced law gives out in the scene's press beyond what it took, if it may lend without limit, divided by the
+/// Energy that the control law gives out in the scene's press beyond what it took, if it may lend without limit, divided by the
 /// scene's limit of the loan. `None` without a loan, a press or a hand.
 ///
 /// # Errors
@@ -274,7 +274,7 @@ pub fn loan_used(scene: &Scene, contact: &Contact, hand: Option<&Hand>) -> Resul
     Ok(least.map(|least| (-least).max(0.0) / loan_j))
 }
 
-/// Limit of the enhanced law's energy loan that is larger than any press can use, J.
+/// Limit of the law's energy loan (energy given out beyond what it took) that is larger than any press can use, J.
 const ENDLESS_J: f64 = 1e3;
 
 /// Least stiffness of a simulated hand's spring, N·m/rad. A hand that holds no position pushes through a spring this soft, which

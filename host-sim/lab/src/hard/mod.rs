@@ -21,7 +21,7 @@ use touchstone_sim::error::Result;
 
 use crate::report::ProgramVersion;
 
-/// How long the cases run.
+/// Whether the hard cases run in their short or their long form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Effort {
     /// Runs 10^9 ticks where the short form runs 10^7 or fewer.
@@ -71,7 +71,7 @@ impl Finding {
         self.holds() == self.fails_because.is_none()
     }
 
-    /// Value divided by its bound: 0 at best, 1 at the bound.
+    /// Measured value divided by its bound: 0 at best, 1 at the bound.
     #[must_use]
     pub fn used(&self) -> f64 {
         if self.value == 0.0 {

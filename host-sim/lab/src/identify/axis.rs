@@ -1,15 +1,15 @@
 //! Identifies mass, damping and friction of one axis of a haptic device, from recorded forces and positions of an axis in motion.
 //!
-//! The equation of motion is `M dv/dt + b v + F_c sign(v) + c = F`, with mass `M`, damping `b`, dry friction `F_c`, velocity `v` and commanded
-//! force `F`. `c` is a constant force: a weight that is not compensated, or a motor's offset. Each side is multiplied by a bump function
-//! `φ` of time, which is zero at its ends, and integrated by parts over the position `x`:
+//! The equation of motion is `M dv/dt + b v + F_c sign(v) + c = F`, with mass `M`, damping `b`, dry friction `F_c`, velocity `v`
+//! and commanded force `F`. `c` is a constant force: a weight that is not compensated, or a motor's offset. Each side is multiplied
+//! by a bump function `φ` of time, which is zero at its ends, and integrated by parts over the position `x`:
 //!
 //! ```text
 //! M ∫φ'' x  -  b ∫φ' x  +  F_c ∫φ sign(v)  +  c ∫φ  =  ∫φ F
 //! ```
 //!
-//! These are Shinbrot's modulating functions. No measured value is differentiated, and position and speed at the start of a bump are not
-//! needed. Every bump gives one equation; all equations are solved by least squares.
+//! These are Shinbrot's modulating functions. No measured value is differentiated, and position and speed at the start of a bump
+//! are not needed. Every bump gives one equation; all equations are solved by least squares.
 
 use super::Estimate;
 use nalgebra::{Matrix4, Vector4};
@@ -19,7 +19,7 @@ use nalgebra::{Matrix4, Vector4};
 pub struct AxisMechanics {
     /// Mass that moves with the axis, kg.
     pub mass_kg: Estimate,
-    /// Viscous damping, N·s/m.
+    /// Viscous damping of the axis, N·s/m.
     pub damping_n_s_per_m: Estimate,
     /// Dry friction while the axis moves, N.
     pub friction_n: Estimate,

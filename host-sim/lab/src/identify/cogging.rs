@@ -18,7 +18,7 @@ use touchstone_protocol::settings::cogging::{
 /// Data that a device sends for one control period (tick) of a cogging sweep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SweepTick {
-    /// Number of the control tick.
+    /// Number of the control period (tick).
     pub tick: u32,
     /// Direction of the turn in which the data were measured.
     pub part: MeasuringPart,
@@ -59,7 +59,7 @@ pub struct Swept {
     pub drag_n_m: f64,
 }
 
-/// A cogging map and its quality.
+/// A measured cogging map, with its torque and repeatability.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredCogging {
     /// The cogging map, in the form that the device stores.
@@ -78,7 +78,7 @@ pub enum NoMap {
     /// Data of the sweep are missing.
     #[error("the sweep is not whole: a turn is missing, or {lost} records in a row were lost")]
     Incomplete {
-        /// Longest gap in the data, ticks.
+        /// Longest gap in the data, in ticks (control periods).
         lost: u32,
     },
     /// No harmonic of the cogging exceeds the noise.

@@ -23,7 +23,7 @@ pub struct AxisOfDevice {
     pub name: String,
     /// Mass that moves with the axis, kg.
     pub mass_kg: f64,
-    /// Viscous damping, N·s/m.
+    /// Viscous damping of the axis, N·s/m.
     pub damping_n_s_per_m: f64,
     /// Dry friction of the axis, N.
     pub friction_n: f64,

@@ -14,11 +14,11 @@ use touchstone_protocol::MeasuringPart;
 /// Data that a device sends for one control period (tick) of the motor's measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorTick {
-    /// Number of the control tick.
+    /// Number of the control period (tick).
     pub tick: u32,
     /// Part of the measurement to which the tick belongs.
     pub part: MeasuringPart,
-    /// Position, encoder counts.
+    /// Position of the shaft, encoder counts.
     pub count: i32,
     /// Current in A that the current controller has just used, as the complex number `d + jq` in the rotating frame (`d` along the
     /// field, `q` across it).
@@ -73,7 +73,7 @@ pub enum NotMeasured {
     /// A push was too short: it reached its speed after too few samples.
     #[error("a push lasted {ticks} ticks, too short for the voltage to be seen to rise")]
     ShortPush {
-        /// Duration of the push, ticks.
+        /// Duration of the push, in ticks (control periods).
         ticks: usize,
     },
     /// A computed value is impossible for a motor.

@@ -56,11 +56,11 @@ pub struct Estimate {
 /// Identified properties of a device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mechanics {
-    /// Inertia, kg·m².
+    /// Inertia of the device, kg·m².
     pub inertia_kg_m2: Estimate,
-    /// Viscous damping, N·m·s/rad.
+    /// Viscous damping of the device, N·m·s/rad.
     pub damping_n_m_s_per_rad: Estimate,
-    /// Dry friction while sliding, N·m.
+    /// Dry friction of the device while sliding, N·m.
     pub friction_n_m: Estimate,
     /// Root mean square difference between predicted and measured angles, rad. If it exceeds a few encoder counts, the device has
     /// properties besides inertia, damping and friction.

@@ -57,7 +57,7 @@ pub struct Named {
     pub ns: Option<f64>,
 }
 
-/// How the simulator runs a scene.
+/// Description of how the simulator runs a scene.
 #[derive(Debug, Clone, Serialize)]
 pub struct Planned {
     /// Version of the results' format.

@@ -112,8 +112,8 @@ pub fn untried(scene: &Scene) -> impl Iterator<Item = &'static Effect> {
     })
 }
 
-/// Simulates the scene with each effect that it does not have, one at a time, and calls `step` for each. Effects that exclude one of the
-/// scene's are left out.
+/// Simulates the scene with each effect that it does not have, one at a time, and calls `step` for each. Effects that exclude one
+/// of the scene's are left out.
 ///
 /// # Errors
 /// A scene that cannot be run.

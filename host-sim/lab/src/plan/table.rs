@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::{Omitted, Planned};
 
-/// Formats all results as text.
+/// Formats the description of how a scene is simulated as text.
 #[must_use]
 pub fn render(plan: &Planned) -> String {
     let mut out = String::new();

@@ -117,7 +117,7 @@ pub enum Shape {
     Vertical(f64),
     /// Filled rectangles, each as left, right, bottom, top.
     Tiles(Vec<[f64; 4]>),
-    /// Single points, each with a sign.
+    /// Single points, each with a symbol for a verdict.
     Signs(Vec<(f64, f64, Sign)>),
 }
 

@@ -69,7 +69,7 @@ pub struct VerdictWords {
     pub mark: Sign,
     /// ANSI colour code of the verdict in a terminal.
     pub ansi: &'static str,
-    /// Meaning of the verdict.
+    /// Meaning of the verdict, in words.
     pub meaning: &'static str,
 }
 

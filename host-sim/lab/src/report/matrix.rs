@@ -42,7 +42,7 @@ pub struct Matrix {
     pub distinction: String,
     /// Requested stiffness of each row, N·m/rad, ascending.
     pub stiffnesses: Vec<f64>,
-    /// Control law of each column.
+    /// Control law (or named set of its settings) of each column.
     pub laws: Vec<Column>,
     /// Indices of the runs in `cells[row][column]`; several if the same conditions were run more than once.
     pub cells: Vec<Vec<Vec<usize>>>,

@@ -76,7 +76,7 @@ pub struct ReportInput<'a> {
     pub scenes: &'a [Scene],
     /// Files from which the scenes were read. Recordings are not among them; the scenes name those.
     pub inputs: &'a [PathBuf],
-    /// Which files the report writes.
+    /// Options on the files that the report writes.
     pub files: FileOptions,
     /// Largest stable stiffness of a plain sampled spring for device and control rate, N·m/rad. It is drawn next to the displayed
     /// stiffness.

@@ -32,7 +32,7 @@ const RESULTS: &str = "results.json";
 /// Names of the files in the report's folder.
 pub(super) const FILES: [&str; 2] = [RESULTS, PAGE];
 
-/// Contents of the report page.
+/// Contents of the report page in three degrees of freedom.
 #[derive(Debug, Clone, Copy)]
 pub struct Input<'a> {
     /// Command line that repeats the report.

@@ -35,7 +35,7 @@ pub fn numbers(run: &Record) -> [(&'static str, f64); 8] {
     ]
 }
 
-/// Contents of `results.json`.
+/// Contents of `results.json` for the comparison in three degrees of freedom.
 #[must_use]
 pub fn results(input: &Input) -> serde_json::Value {
     let runs: Vec<_> = input

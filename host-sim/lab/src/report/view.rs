@@ -109,7 +109,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Axes that fit this run alone.
+    /// Ranges of the axes that fit this run alone.
     pub fn ranges(&self) -> Ranges {
         let trace = self.trace;
         let k_de = self.run.summary.k_desired;

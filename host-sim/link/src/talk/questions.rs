@@ -89,7 +89,7 @@ impl Questions {
         Some(self.under_way.remove(at).purpose)
     }
 
-    /// Sends a request again if its answer is overdue. Returns the purpose of a request that was sent as often as allowed in vain.
+    /// Sends a request again if its answer is overdue. If all attempts of a request failed, removes it and returns its purpose.
     pub fn overdue(&mut self, now_ms: f64) -> Option<Purpose> {
         let late = |asked: &Question| asked.until_ms <= now_ms;
         while let Some(at) = self.under_way.iter().position(late) {

@@ -31,7 +31,7 @@ impl Words {
         let table = Table::parse(elf)
             .map_err(|why| format!("has messages that cannot be read: {why}"))?
             .ok_or("has no messages in it: no section .defmt")?;
-        // Without locations only the places in the source code are missing.
+        // A program without source locations is accepted; its messages then have no location.
         let locations = table.get_locations(elf).unwrap_or_default();
         Ok(Self { table, locations })
     }

@@ -87,7 +87,7 @@ fn step(event: ProgressEvent, totals: &mut Vec<(Phase, u64)>) -> Option<Step> {
             operation, size, ..
         } => Some(Step::Done(phase(operation)?, size)),
         ProgressEvent::Finished(operation) => Some(Step::Ends(phase(operation)?)),
-        // A failure is an error as well.
+        // A failure is also returned as an error, so it is not reported here.
         _ => None,
     }
 }

@@ -276,7 +276,7 @@ impl Cpu {
                 self.r[SP] = address;
             }
             14 => {
-                // The processor halts on it, not behind it.
+                // The processor halts at the breakpoint instruction, not behind it.
                 self.r[PC] = at;
                 return Err(Stop::Breakpoint);
             }
@@ -329,7 +329,7 @@ impl Cpu {
     }
 
     fn branch(&mut self, first: u32, second: u32, at: u32) -> Result<(), Stop> {
-        // DSB, DMB and ISB: nothing is out of order here.
+        // DSB, DMB and ISB have no effect, because this processor executes everything in order.
         if first == 0xf3bf && second & 0xff00 == 0x8f00 {
             return Ok(());
         }

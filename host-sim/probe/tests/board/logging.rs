@@ -180,9 +180,9 @@ fn messages_become_words() {
             "- as it is"
         ]
     );
-    // While it is read, the processor is never halted.
+    // The processor is never halted while the log is read.
     assert_eq!(board.machine.lock().unwrap().halts, halts);
-    // Once more where it ends, and the program runs on.
+    // Reads again up to the end of the log; the program goes on running.
     drop(attached);
     let machine = board.machine.lock().unwrap();
     assert_eq!(machine.halts, halts + 1);
@@ -229,7 +229,7 @@ fn a_reset_in_between_is_followed() {
     let (board, program) = (Board::g474("A1"), program(None));
     let (mut once, mut looks) = (says(message(1, &[])), 0);
     let played: Played = Box::new(move |memory, begins| {
-        // A while after its message was read the program begins anew, as by the board's button.
+        // Some time after its message was read, the program restarts, as by the board's reset button.
         let read = memory.load(READ, 4).unwrap();
         looks += u32::from(!begins && read != 0 && memory.load(WRITE, 4) == Some(read));
         once(memory, begins || looks == 50);
@@ -246,7 +246,7 @@ fn a_program_that_was_just_written_is_heard_from_its_start() {
     let (board, program) = (Board::g474("A1"), program(None));
     {
         let mut machine = board.machine.lock().unwrap();
-        // It takes a while until the ring is there.
+        // The program sets up the ring buffer only after some time.
         let (mut looks, mut said) = (0, says(all_messages()));
         machine.played = Some(Box::new(move |memory, begins| {
             looks = if begins { 0 } else { looks + 1 };
@@ -280,7 +280,7 @@ fn what_cannot_be_read_is_said() {
     };
     let board = Board::g474("A1");
     let mut attached = running(&board, Box::new(|_, _| {}));
-    // Nothing is set up within two seconds.
+    // The program does not set up the ring buffer within two seconds.
     refused(&mut attached, &elf, &["has set up no log", "device status"]);
     let mute = Program::default().with(FLASH, code(4000)).elf();
     refused(&mut attached, &mute, &["keeps no log"]);
@@ -308,7 +308,7 @@ fn the_boards_own_messages() {
         let mut attached =
             attach(choose::open(&connected(&[&board]), None).unwrap(), chip).unwrap();
         attached.write(&image, |_| {}).unwrap();
-        // The loader used the RAM; the program put its own there again.
+        // The loader used the RAM, and the program then wrote its data there again.
         let mut machine = board.machine.lock().unwrap();
         machine.played = Some(Box::new(move |memory, begins| {
             if begins {

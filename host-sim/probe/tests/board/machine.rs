@@ -173,7 +173,7 @@ impl Machine {
         }
         self.halted = false;
         if self.cpu.r[15] < RAM {
-            // The board's own program, of which this plays only what a probe sees.
+            // Stands for the board's own program, as far as a probe sees it.
             if control & STEP != 0 {
                 self.halt(HALTED);
             }

@@ -80,7 +80,7 @@ impl SoftProbe {
 
     fn access_read(&mut self, register: u32) -> Result<u32, ArmError> {
         if self.select >> 24 != 0 {
-            // No other access port.
+            // There is no other access port.
             return Ok(0);
         }
         Ok(match register {
@@ -143,7 +143,7 @@ impl RawDapAccess for SoftProbe {
             RegisterAddress::ApRegister(register) => self.access_read(self.bank(register)),
             RegisterAddress::DpRegister(register) => Ok(match register.address {
                 DPIDR_OR_ABORT => 0x2ba0_1477,
-                // What was asked to be powered is.
+                // Every power-up request is acknowledged at once.
                 CTRL_STAT if self.select & 0xf == 0 => self.control | (self.control & POWER) << 1,
                 _ => 0,
             }),

@@ -75,7 +75,7 @@ fn a_program_is_erased_for_written_compared_and_started() {
     let machine = board.machine.lock().unwrap();
     let pages = [0, 0x800, 0x1000, 0x4_0000, 0x4_0800].map(|page| FLASH + page);
     assert_eq!(machine.memory.flash.erased, pages);
-    // What is told of it: five pages, then the parts in pieces of 1 KiB.
+    // The reported progress: five pages are erased, then the parts are written in pieces of 1 KiB.
     assert_eq!(phases[&0], (0x2800, 0x2800));
     assert_eq!(phases[&1].0, phases[&1].1);
     assert_eq!(phases[&2].0, phases[&2].1);

@@ -100,7 +100,7 @@ where
             Box::new(delayed)
         }
     };
-    // From the plant outwards.
+    // Adds the effects of the hand from the plant outwards.
     if let (Some(reflex), Some(hand)) = (reflex(scene), hand(scene)) {
         let ticks = (reflex.delay_s / period).round() as usize;
         let gain = reflex.muscle_stiffness_n_m_per_rad / hand.stiffness;
@@ -120,7 +120,7 @@ where
 /// Largest number of plant steps into which delay or jitter splits one tick (control period).
 pub(super) fn parts(scene: &Scene) -> u64 {
     if is_irregular(scene) {
-        // Until the command comes, and after it.
+        // Before and after the command changes.
         return 2 * u64::from(PARTS.ilog2());
     }
     1 + u64::from(scene.timing.computational_delay_s > 0.0)
@@ -151,7 +151,7 @@ fn reflex(scene: &Scene) -> Option<&scene::HandReflex> {
 
 /// Converts an error of the plant's settings to an error that names the field of the scene.
 pub(super) fn refused(scene: &Scene, invalid: &plant::Invalid) -> Error {
-    // The plant speaks of positions and forces of any kind, the scene of angles and torques.
+    // The plant's names are for any axis; the scene's names are those of a knob.
     let path = match invalid.field {
         "inertia" => "device.inertia_kg_m2",
         "damping" => "device.damping_n_m_s_per_rad",

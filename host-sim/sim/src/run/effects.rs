@@ -19,7 +19,7 @@ use crate::scene::{
 /// One effect of the simulation, such as friction or sensor noise.
 #[derive(Debug, Clone, Copy)]
 pub struct Effect {
-    /// The effect's name.
+    /// Name of the effect in lists and commands.
     pub name: &'static str,
     /// Place of the effect in the loop.
     pub place: Place,
@@ -68,7 +68,7 @@ fn transmission(scene: &Scene) -> Transmission {
     let rate = std::f64::consts::TAU * 150.0;
     Transmission {
         spring_n_m_per_rad: reduced * rate * rate,
-        // A twentieth of critical.
+        // A twentieth of the critical damping.
         damper_n_m_s_per_rad: 0.1 * reduced * rate,
         ..given
     }
@@ -297,7 +297,7 @@ const WORLD: &[Effect] = &[
         add: |scene| {
             let friction = friction(scene);
             friction.bristle_stiffness_n_m_per_rad = Some(10.0);
-            // Bristles without friction never let go.
+            // Bristles without friction in motion would never yield, so the friction must be above 0.
             friction.kinetic_n_m = friction.kinetic_n_m.max(1e-6);
             friction.static_n_m = Some(friction.static_n_m().max(friction.kinetic_n_m));
         },

@@ -35,11 +35,12 @@ pub struct Judge {
 /// How often and how far the energy guard reduced the force in a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GuardWatch {
-    /// Lowest value of the guard's energy account, J.
+    /// Lowest value of the energy guard's account, J: energy that the wall may still give.
     pub account_min_j: f64,
-    /// Number of ticks in which the guard passed less force than the control law requested.
+    /// Number of ticks in which the energy guard passed less force than the control law requested.
     pub limited_ticks: u64,
-    /// Tick from which the guard held the force at zero after a shut-down (such as overspeed); `None` if it did not shut down.
+    /// Tick from which the energy guard held the force at zero after a shut-down (such as overspeed); `None` if it did not shut
+    /// down.
     pub tripped_tick: Option<u64>,
 }
 
@@ -101,7 +102,7 @@ impl Felt {
     fn record(&mut self, tick: &Tick, terms: &Terms, wall_j: f64, loss_j: f64) {
         let e = tick.angle_rad - terms.surface_rad;
         let force = tick.motor_force_n_m;
-        // The force is held over the tick, so the motion that belongs to it is that of the tick's middle.
+        // The force is held over the tick, so it belongs to the position in the middle of the tick.
         let middle = 0.5 * (tick.angle_rad + tick.angle_after_rad) - terms.surface_rad;
         self.peak.record(e);
         if let Some(settle) = &mut self.settle {
@@ -114,7 +115,7 @@ impl Felt {
             release.record(tick.index, e, tick.velocity_rad_per_s);
         }
         self.ripple.record(tick.index, force);
-        // A detent before the wall is no contact with it.
+        // The torque of a detent outside the wall is not a contact with the wall.
         let is_walls = e > 0.0 || !terms.has_more;
         self.hardness.record(e, if is_walls { force } else { 0.0 });
         self.rise.record(e, tick.velocity_rad_per_s, force);
@@ -124,7 +125,7 @@ impl Felt {
             .get_or_insert(kinetic_j(tick.velocity_rad_per_s));
         self.wall_window.record(wall_j);
         self.stored_j += tick.stored_j;
-        // What the hand put in is in the wall, in the device's losses, in its motion, or in what else it keeps energy in.
+        // The hand's energy went into the wall, the device's losses, its motion, or its springs, gravity and magnets.
         let moving_j = kinetic_j(tick.velocity_after_rad_per_s) + self.stored_j;
         self.hand_window
             .record(wall_j + loss_j + moving_j - start_j);
@@ -134,7 +135,7 @@ impl Felt {
 /// Verdict and measures of a whole run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Judgement {
-    /// How the run ended.
+    /// Verdict on the run, such as passive or unstable.
     pub verdict: Verdict,
     /// Reason why the run could not be judged; `None` if it was judged.
     pub not_judged: Option<NotJudged>,
@@ -179,7 +180,7 @@ pub struct Judgement {
     pub guard: Option<GuardWatch>,
     /// Time until the press had settled, in ticks.
     pub settled: Option<Settled>,
-    /// Largest penetration, rad.
+    /// Largest penetration of the device into the wall, rad.
     pub penetration_max: f64,
     /// Largest absolute force, N·m.
     pub force_max: f64,
@@ -245,7 +246,7 @@ impl Judge {
         Judgement {
             verdict,
             not_judged: rested.not_judged.filter(|_| verdict == Verdict::NotJudged),
-            // The mean over an oscillation that leaves the wall is no stiffness.
+            // Over an oscillation that leaves the wall, mean force over mean penetration is not a stiffness.
             k_displayed: (held
                 && has_wall
                 && !matches!(verdict, Verdict::Unstable | Verdict::NoContact)
@@ -263,7 +264,7 @@ impl Judge {
             ripple_rms_n_m: felt.ripple.tick_to_tick_rms_n_m(),
             ripple_above_50_hz_rms_n_m: felt.ripple.above_50_hz_rms_n_m(),
             release_speed_rad_per_s: felt.release.map(|release| release.speed_rad_per_s()),
-            // It is measured from the wall's surface.
+            // The excursion is measured from the wall's surface, so it needs the main wall.
             release_excursion_rad: felt
                 .release
                 .filter(|_| has_wall)
@@ -296,7 +297,7 @@ impl Judge {
 
     /// Most energy that the user got out beyond what was put in, J.
     fn energy_out(&self) -> f64 {
-        // Rounding of the two sums, and a millionth of what went through the port.
+        // Tolerance for the rounding of the two sums: a millionth of the exchanged energy.
         let tolerance = 1e-12 + 1e-6 * self.throughput;
         if self.energy_user_min < -tolerance {
             -self.energy_user_min
@@ -329,7 +330,7 @@ impl Recorder for Judge {
         let touching = force != 0.0;
         self.finite &= tick.angle_rad.is_finite();
         self.contact_ticks += u64::from(touching);
-        // An end to the other side pushes with a negative force.
+        // The lower end stop pushes with a negative force.
         self.force_max = self.force_max.max(force.abs());
         self.penetration_max = self.penetration_max.max(e);
         self.energy_true += tick.absorbed_j;
@@ -337,13 +338,13 @@ impl Recorder for Judge {
         self.loss += tick.device_loss_j;
         self.energy_true_min = self.energy_true_min.min(self.energy_true);
         self.energy_user_min = self.energy_user_min.min(self.energy_true + self.loss);
-        // NaN (no observer) never is the smaller.
+        // `min` ignores NaN, which stands for a law without an observer.
         self.energy_observed_min = self.energy_observed_min.min(tick.inside.energy_j);
         if let Some(guard) = &tick.inside.guard {
             GuardWatch::record(&mut self.guard, tick.index, guard);
         }
         self.press(tick, e);
-        // In a detent the force is none; there is no wall to leave.
+        // The force is also 0 in the middle of a detent, where there is no wall to leave.
         let left = self.terms.has_wall && self.touching && !touching;
         self.rest.record(tick, left, &self.terms);
         self.felt

@@ -64,7 +64,7 @@ impl Live {
     /// # Errors
     /// Settings that the control law or its number format cannot represent; a plant that cannot be built.
     pub fn new(scene: &Scene) -> Result<Self> {
-        // The hand waits where it would without a motion, so a recording is not looked for.
+        // The hand starts where a hand without a motion rests, so the scene's recording is not read.
         let mut still = scene.clone();
         still.operator.motion = MotionSpec::None;
         let motion = RestPath::from_scene(&still)?;
@@ -106,7 +106,7 @@ impl Live {
         self.mechanics.angle_rad()
     }
 
-    /// Number of ticks run so far.
+    /// Number of ticks (control periods) simulated so far.
     #[must_use]
     pub fn ticks(&self) -> u64 {
         self.next

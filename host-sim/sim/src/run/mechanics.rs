@@ -76,7 +76,7 @@ impl<C: Crossing> Mechanics for Moving<C> {
             (Some(recorder), _) => cycle_recorded(
                 crossing, *state, control, rest_rad, ticks, period_s, recorder,
             ),
-            // A hand that does not move is not asked where it is.
+            // If the hand does not move, its rest point is not computed again in every tick.
             (None, Some(still)) => cycle(crossing, *state, control, |_| still, ticks, period_s),
             (None, None) => cycle(crossing, *state, control, rest_rad, ticks, period_s),
         };

@@ -35,7 +35,7 @@ pub fn refusal(scene: &Scene) -> Result<Option<Error>> {
 }
 
 fn spring(scene: &Scene) -> Option<Error> {
-    // The enhanced law up to `k_v` is a damped spring.
+    // Without augmentation (`k_de` up to the soft stiffness `k_v`), the enhanced law is a damped spring.
     let set = scene.law.virtual_damping_n_m_s_per_rad;
     let own = match scene.law.kind {
         LawKind::SpringDamper => set,

@@ -58,7 +58,7 @@ pub fn control(scene: &Scene) -> Result<Box<dyn Control>> {
         Number::F32 => sampled::<f32>(scene),
         Number::F64 => sampled::<f64>(scene),
     }?;
-    // From the law outwards, a line an effect.
+    // Adds the effects from the control law outwards to the motor.
     if let Some(limit_n_m) = scene.device.torque_limit_n_m {
         control = Staged::around(control, Limited { limit_n_m });
     }
@@ -127,7 +127,7 @@ fn sampled<N: Reported + 'static>(scene: &Scene) -> Result<Box<dyn Control>> {
 fn count_scale(scene: &Scene) -> Result<CountScale> {
     let surface = Si::checked_from_num(scene.wall.surface_rad)
         .ok_or_else(|| scene.error("wall.surface_rad", "too large", "give a value below 2e9"))?;
-    // Without an encoder the scale is never read.
+    // Without an encoder the scale is not used.
     let counts = scene
         .encoder
         .as_ref()
@@ -246,7 +246,7 @@ fn by<M: Method<N> + 'static, const N: usize>(
     model: &Model<N>,
     state: State<N>,
 ) -> Result<Box<dyn Mechanics>> {
-    // The parts of a delayed tick share its substeps by their lengths.
+    // A delay divides a tick into parts; each gets substeps in proportion to its length.
     let per_s = f64::from(plant.substeps) / scene.timing.period_s();
     let substeps = |interval_s: f64| (interval_s * per_s).round().max(1.0) as u32;
     crossed(

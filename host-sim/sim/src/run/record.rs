@@ -29,7 +29,7 @@ pub struct Summary {
     pub encoder_counts_per_rev: Option<f64>,
     /// Control rate, Hz.
     pub rate_hz: u32,
-    /// How the run ended.
+    /// Verdict on the run, such as passive or unstable.
     pub verdict: Verdict,
     /// Reason why the run could not be judged; `None` if it was judged.
     pub not_judged: Option<String>,
@@ -37,7 +37,8 @@ pub struct Summary {
     pub k_displayed: Option<f64>,
     /// Rate-hardness of the first contact (thesis, equation 1.5), computed from true force and true motion, N·m/rad.
     pub rate_hardness: Option<f64>,
-    /// Extended rate-hardness of the first contact (Han and Choi 2010), N·m/rad.
+    /// Extended rate-hardness of the first contact (Han and Choi 2010), N·m/rad: largest rate of change of the force, divided by
+    /// the largest speed.
     pub extended_rate_hardness: Option<f64>,
     /// Largest torque of the motor in the first five milliseconds of the first contact, N·m.
     pub touch_torque_n_m: Option<f64>,
@@ -87,7 +88,7 @@ pub struct Summary {
     pub penetration_max: f64,
     /// Largest commanded force, N·m.
     pub force_max: f64,
-    /// Number of ticks simulated.
+    /// Number of ticks (control periods) that were simulated.
     pub ticks: u64,
     /// Number of ticks (control periods) in which the wall exerted a force.
     pub contact_ticks: u64,
@@ -171,7 +172,7 @@ impl Summary {
 /// Columns of the recorded run, one entry per tick. All vectors have the same length.
 #[derive(Debug, Clone, Default)]
 pub struct Trace {
-    /// Time of the sample, s.
+    /// Time of each position sample, s.
     pub time_s: Vec<f64>,
     /// True angle of the device, rad.
     pub angle_rad: Vec<f64>,
@@ -181,7 +182,7 @@ pub struct Trace {
     pub angle_measured_rad: Vec<f64>,
     /// Angle of the hand's mass, rad; without a hand, the device's angle.
     pub hand_rad: Vec<f64>,
-    /// The hand's moving rest point, rad.
+    /// Rest point of the hand, rad: the angle to which the person pulls the hand.
     pub rest_rad: Vec<f64>,
     /// Force of the control law after its limit, N·m, positive out of the wall.
     pub force_n_m: Vec<f64>,
@@ -199,7 +200,7 @@ pub struct Trace {
     pub energy_true_j: Vec<f64>,
     /// Energy that the device has dissipated since the start, J (viscous and dry friction).
     pub energy_device_loss_j: Vec<f64>,
-    /// Energy account of the guard, J: energy that the wall may still give to the hand. NaN for a scene without a guard.
+    /// Account of the energy guard, J: energy that the wall may still give to the hand. NaN for a scene without an energy guard.
     pub guard_account_j: Vec<f64>,
 }
 
@@ -207,7 +208,7 @@ impl Trace {
     /// All columns, in the order of the fields.
     #[must_use]
     pub fn columns(&self) -> [&[f64]; 14] {
-        // No `..` here: a field that is forgotten does not compile.
+        // No `..` here, so that a forgotten field is a compile error.
         let Trace {
             time_s,
             angle_rad,
@@ -243,7 +244,7 @@ impl Trace {
     }
 }
 
-/// One finished run.
+/// A finished simulation, with its measures and its trace.
 #[derive(Debug, Clone)]
 pub struct Run {
     /// The measures of the run.

@@ -146,7 +146,7 @@ pub(super) struct Rested {
 
 impl Rest {
     pub fn new(terms: &Terms) -> Self {
-        // Without a hold, the last fifth of the run stands for one.
+        // Without a hold, the last fifth of the run counts as a hold.
         let quiet = if terms.holds.is_empty() {
             vec![(terms.ticks - terms.ticks / 5, terms.ticks)]
         } else {
@@ -211,7 +211,7 @@ impl Rest {
     pub fn finish(&self, terms: &Terms) -> Rested {
         let mut windows = self.found.clone();
         windows.extend(self.still.end(terms));
-        // A recorded hand that never rests is looked at as any other: at the end.
+        // If a recorded hand never holds still, the end of the run is examined, as for other motions.
         if windows.is_empty() {
             windows.extend(self.holds.iter().map(|hold| hold.seen));
         }
@@ -253,9 +253,9 @@ impl Rest {
         let seen_s = windows
             .last()
             .map_or(0.0, |window| window.ticks as f64 * terms.period_s);
-        // A tick's share of slack: times are rounded to ticks.
+        // One control period of tolerance, because times are rounded to ticks.
         if seen_s + terms.period_s < LEAST_REST_S {
-            // What moves so shortly need not go on.
+            // A motion over such a short time need not continue.
             rested.oscillates = false;
             rested.not_judged = Some(NotJudged::TooShort {
                 seen_s,

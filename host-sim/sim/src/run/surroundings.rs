@@ -34,7 +34,7 @@ struct Placed(f64);
 
 impl<N: Reported> Reading<N> for Placed {
     fn angle(&self) -> Si {
-        // A plant that left all numbers is nowhere; its run is called unstable for it.
+        // The angle is NaN after the simulation diverged; the run is then called unstable elsewhere.
         match self.0.is_nan() {
             true => Si::ZERO,
             false => Si::saturating_from_num(self.0),

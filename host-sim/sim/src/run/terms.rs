@@ -97,7 +97,7 @@ impl Terms {
                 (Some(tremor), Some(_)) => 2.0 * tremor.amplitude_rad,
                 _ => 0.0,
             },
-            // The law's own limit is met a quantum early: it is rounded towards zero.
+            // A force limited by the law may be one step of the number format below the limit, because it is rounded towards zero.
             force_limit_n_m: device_limit.min(scene.law.force_limit_n_m) * (1.0 - 1e-3),
             press: push(&scene.operator.motion).and_then(|(push_n_m, ramp_end_s)| {
                 holds.last().map(|&(_, release)| Press {
@@ -151,7 +151,7 @@ fn rhythm_s(motion: &MotionSpec) -> Option<(f64, (f64, f64))> {
     let start_s = m.start_s + m.ramp_s;
     let end_s = start_s + m.wiggle_s - 0.5 * period_s;
     let from_s = start_s + period_s.max(SETTLING_S);
-    // A hair below a whole number is that number.
+    // The tolerance of 1e-9 counts a value slightly below a whole number as that number.
     let periods = ((end_s - from_s) / period_s + 1e-9).floor();
     (m.wiggle_amplitude_n_m > 0.0 && periods >= 1.0)
         .then_some((m.wiggle_frequency_hz, (end_s - periods * period_s, end_s)))

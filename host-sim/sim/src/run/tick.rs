@@ -6,7 +6,7 @@ use super::wall::Inside;
 /// unless a field says otherwise.
 #[derive(Debug, Clone, Copy)]
 pub struct Tick {
-    /// Number of the tick, from 0.
+    /// Number of the tick (control period), from 0.
     pub index: u64,
     /// Time of the position sample with which the tick starts, s.
     pub time_s: f64,
@@ -20,7 +20,7 @@ pub struct Tick {
     pub velocity_after_rad_per_s: f64,
     /// Angle of the hand's mass, rad; without a hand, the device's angle.
     pub hand_rad: f64,
-    /// The hand's rest point, rad.
+    /// Rest point of the hand, rad: the angle to which the person pulls the hand.
     pub rest_rad: f64,
     /// Penetration that the control law received from the sensor, rad.
     pub told_rad: f64,

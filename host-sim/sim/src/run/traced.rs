@@ -55,7 +55,7 @@ impl Recorder for Traced {
                 .map_or(tick.angle_rad, |mass| mass + self.surface_rad),
         );
         trace.energy_observed_j.push(tick.inside.energy_j);
-        // Up to the sample, as the observed energy: what this tick moves comes after it.
+        // Energy up to the sample, like the observed energy; the energy of this tick is added afterwards.
         trace.energy_true_j.push(self.judge.energy_true_j());
         trace.energy_device_loss_j.push(self.judge.device_loss_j());
         let account = tick.inside.guard.map_or(f64::NAN, |guard| guard.account_j);

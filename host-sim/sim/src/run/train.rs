@@ -107,7 +107,7 @@ impl Train {
             Some(_) => [from.hand_rad, from.hand_velocity_rad_per_s],
             None => device,
         };
-        // The parts of a tick share its substeps by their lengths.
+        // A delay or jitter divides a tick into parts; each gets substeps in proportion to its length.
         let per_s = f64::from(self.substeps) / scene.timing.period_s();
         let substeps = |interval_s: f64| (interval_s * per_s).ceil().max(1.0) as u32;
         crossed::crossed_apart(

@@ -22,11 +22,11 @@ pub struct Inside {
 /// Internal values of the energy guard after a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InsideGuard {
-    /// Energy account of the guard, J: energy that the hand may still get out of the wall.
+    /// Account of the energy guard, J: energy that the hand may still get out of the wall.
     pub account_j: f64,
-    /// Whether the guard passed less force than the control law requested.
+    /// Whether the energy guard passed less force than the control law requested.
     pub limited: bool,
-    /// Whether the guard has switched the force off, for overspeed or at the end of the range of positions.
+    /// Whether the energy guard has switched the force off, because of overspeed or the end of the range of positions.
     pub tripped: bool,
 }
 
@@ -109,8 +109,8 @@ impl<N: Reported> Wall for Controlled<N> {
     }
 }
 
-/// Converts the internal values of a control law and its guard to SI units. Without a law, the observer's energy is NaN and the
-/// offset 0.
+/// Converts the internal values of a control law and its energy guard to SI units. Without a law, the observer's energy is NaN and
+/// the offset 0.
 pub(super) fn inside<N: Reported>(view: Option<&View<N>>, guard: Option<&Guarded<N>>) -> Inside {
     let energy = view.and_then(|view| view.energy);
     Inside {

@@ -44,7 +44,7 @@ impl Work {
     pub fn of(scene: &Scene) -> Self {
         let (steps, step_s, cause) = steps(scene);
         let ticks = scene.timing.ticks();
-        // Where most of a run is its ticks, their number is what asks for it.
+        // With few plant steps per tick, the number of ticks causes most of the cost.
         let (path, reason) = cause
             .filter(|_| steps > 32)
             .map_or(("timing.duration_s", None), |(path, reason)| {
@@ -175,7 +175,7 @@ fn steps(scene: &Scene) -> (u64, f64, Option<(&'static str, String)>) {
         let reason = format!(
             "device and pad move so fast beside a tick that friction needs {series} series"
         );
-        // Nearly every tick of a plant that is not stiff is one matrix.
+        // For a plant that is not stiff, nearly every tick is one product with a matrix.
         let step_s = if series > 2 { SERIES_S } else { SUBSTEP_S };
         return (series + parts - 1, step_s, Some((path, reason)));
     }
@@ -244,7 +244,7 @@ mod tests {
             );
             assert_eq!(error.lines().count(), 1, "{error}");
         }
-        // A day of an ordinary knob is no more than minutes; its trace is too much.
+        // A simulated day of an ordinary knob takes only minutes, but its trace is too long.
         let scene = of("thesis-knob", &[day]);
         Work::of(&scene).check(&scene).unwrap();
         let error = run(&scene, true).unwrap_err().to_string();

@@ -218,12 +218,12 @@ fn recording(recorded: &Recorded) -> Option<Problem> {
 
 fn duration(scene: &Scene) -> Option<Problem> {
     let end = match &scene.operator.motion {
-        // The release may be cut short: nothing is judged in it.
+        // The release may be cut off by the end of the run, because no measure needs it.
         motion @ (MotionSpec::RampAndHold(_)
         | MotionSpec::PressWiggleRelease(_)
         | MotionSpec::TouchAndPress(_)) => motion.hold_window_s()?.1,
         MotionSpec::Tap(tap) => tap.start_s + tap::length_s(tap),
-        // The way back may be cut short.
+        // The turn back may be cut off by the end of the run.
         MotionSpec::Turn(turn) => turn.start_s + turn.turn_s + turn.stay_s,
         MotionSpec::None | MotionSpec::Recorded(_) => return None,
     };

@@ -24,7 +24,7 @@ pub struct DeviceSpec {
     /// Resolution of the amplifier: smallest step between two torques that it can make, N·m, above 0. Absent: no steps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplifier_step_n_m: Option<f64>,
-    /// Dry friction. Absent: none.
+    /// Dry friction of the device. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
     /// Cogging torque of the motor. Absent: none.
@@ -51,7 +51,7 @@ impl Default for DeviceSpec {
             // paddle (7e-4), as a motor that can hold the thesis' pushes of 0.1 N·m is no gimbal motor.
             inertia_kg_m2: 1e-4,
             // The thesis found 5e-4 by feel with a finger on the knob, so that value holds the finger's damping too.
-            // This much in the device and 3.4e-4 in a medium fingertip come near it.
+            // The default damping of the device and that of a medium fingertip together come near this value.
             damping_n_m_s_per_rad: 4e-4,
             initial_angle_rad: None,
             initial_velocity_rad_per_s: 0.0,
@@ -101,7 +101,7 @@ impl Friction {
 
 impl Default for Friction {
     fn default() -> Self {
-        // Small direct-drive motors have 0.5 to 3 mN·m (sweep it: no maker publishes it).
+        // Small direct-drive motors have 0.5 to 3 mN·m. No maker publishes the value, so it should be varied.
         Friction {
             kinetic_n_m: 1e-3,
             static_n_m: None,
@@ -147,7 +147,7 @@ choice! {
         ImplicitEuler = "implicit-euler",
         /// Implicit midpoint rule; dry friction is solved exactly in each step, including sticking (set-valued friction).
         ImplicitMidpoint = "implicit-midpoint",
-        /// Semi-implicit Euler.
+        /// Semi-implicit Euler; dry friction takes at most the torque that stops the device.
         SemiImplicitEuler = "semi-implicit-euler",
         /// Classical Runge–Kutta of order 4; dry friction is smoothed around zero velocity.
         RungeKutta4 = "runge-kutta-4",
@@ -173,7 +173,7 @@ impl Default for Plant {
     fn default() -> Self {
         Plant {
             integrator: Integrator::default(),
-            // Enough for an explicit method beside a pole of a few kilohertz at 1 kHz.
+            // Enough for an explicit method with a pole of a few kilohertz, at a control rate of 1 kHz.
             substeps: 16,
         }
     }
@@ -222,7 +222,7 @@ impl Default for Timing {
             rate_hz: Settings::default().rate_hz,
             // The default press (2.5 s) and half a second to see that the released device comes to rest.
             duration_s: 3.0,
-            // The thesis' bounds are those without delay.
+            // The thesis' bounds hold without a delay.
             computational_delay_s: 0.0,
             jitter_s: None,
             latency_spread_s: None,

@@ -40,7 +40,7 @@ impl Draft {
             tables: BTreeSet::new(),
             origin: Origin::of_file(file),
         };
-        // Where lines end, once: a file may have a hundred thousand keys.
+        // The line ends are searched only once, because a file may have a hundred thousand keys.
         let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
         let line = |offset| 1 + ends.partition_point(|end| *end < offset);
         draft.take("", table.get_ref(), &line);
@@ -51,7 +51,7 @@ impl Draft {
                 .entry("name".into())
                 .or_insert_with(|| Value::String(stem.to_string_lossy().into_owned()));
         }
-        // A recording stands beside its scene, wherever the program is started.
+        // The path of a recording is relative to the scene's folder, not to the current folder.
         if let (Some(Value::String(recording)), Some(folder)) =
             (draft.fields.get_mut("operator.motion.file"), file.parent())
         {
@@ -83,7 +83,7 @@ impl Draft {
             return Err(self.origin.error(BASE, problem, fix));
         };
         let below = Draft::from_toml(text, &file)?;
-        // Another hand or motion takes the place of the base's.
+        // A hand or motion in the text replaces that of the base scene as a whole.
         let writes_hand =
             self.fields.contains_key("operator.grip") || self.has_table("operator.hand");
         let motion = match self.fields.get(MOTION_KIND) {
@@ -214,7 +214,7 @@ impl Draft {
     /// Checks all fields and builds the scene. Of several errors, the one that comes first in the file is returned.
     pub fn build(mut self) -> Result<Scene> {
         let mut problems = self.problems();
-        // Overrides first, then line by line; on one line the outermost.
+        // Problems of overrides come first, then those of the file by line; on one line the outermost field comes first.
         problems
             .sort_by_cached_key(|problem| (self.origin.place(&problem.path), problem.path.len()));
         if let Some(Problem { path, problem, fix }) = problems.into_iter().next() {
@@ -239,7 +239,7 @@ impl Draft {
                 "compare with a shipped scene",
             )
         })?;
-        // Both come to tables and logs, in one line.
+        // Name and description are printed in tables and logs, where they must be one line.
         scene.name = harmless::one_line(&scene.name);
         scene.description = harmless::one_line(&scene.description);
         scene.origin = self.origin;
@@ -251,7 +251,7 @@ impl Draft {
 
     /// Lists the problems of single fields: unknown names, wrong types and values out of range.
     fn problems(&self) -> Vec<Problem> {
-        // A motion of unknown kind is reported itself; which fields it should have is then unknown too.
+        // An unknown motion is reported by itself; its fields are then not checked, because they are unknown too.
         let motion = self
             .motion()
             .filter(|motion| choices(MOTION_KIND).contains(motion));
@@ -354,7 +354,7 @@ fn syntax_error(text: &str, file: &Path, error: &toml::de::Error) -> Error {
             .chars()
             .all(|c| c.is_ascii_alphanumeric() || more.contains(c))
     };
-    // The two slips that TOML's own words explain least.
+    // The two mistakes that the TOML parser's own message explains least.
     let (problem, fix) = if value.starts_with(|c: char| c.is_ascii_alphabetic()) && plain("-_./") {
         (
             "text without quotes".to_owned(),

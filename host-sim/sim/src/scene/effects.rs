@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SensorErrors {
-    /// White noise. Absent: none.
+    /// White noise of the position sensor. Absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<SensorNoise>,
     /// Angle error that repeats every turn. Absent: none.
@@ -78,7 +78,7 @@ impl Default for Cogging {
     fn default() -> Self {
         Cogging {
             torque_n_m: 1e-3,
-            // The least common multiple of 12 slots and 14 poles.
+            // The least common multiple of 12 slots and 14 poles, a common motor.
             periods_per_rev: 84,
             phase_rad: 0.0,
         }
@@ -141,7 +141,7 @@ pub struct CurrentLoop {
 impl Default for CurrentLoop {
     fn default() -> Self {
         CurrentLoop {
-            // The firmware's own default.
+            // The default of the firmware.
             bandwidth_hz: 600.0,
             back_emf_n_m_s_per_rad: 0.0,
         }

@@ -64,7 +64,7 @@ impl Default for FurtherWall {
     fn default() -> Self {
         FurtherWall {
             at_rad: 0.0,
-            // Opposite the first one, which is solid above.
+            // Opposite to the main wall, which is solid above its surface.
             solid: Side::Below,
             stiffness_n_m_per_rad: None,
         }

@@ -14,7 +14,7 @@ choice! {
         Fixed32 = "fixed32",
         /// Fixed point, 16 bits: small enough for proofs that go through all values.
         Fixed16 = "fixed16",
-        /// IEEE single precision.
+        /// IEEE single precision floating point, 32 bits.
         F32 = "f32",
         /// IEEE double precision: the reference for comparisons.
         F64 = "f64",

@@ -113,7 +113,7 @@ impl Hand {
 
 impl Default for Hand {
     fn default() -> Self {
-        // The grip that is nearest to that of the thesis' experiments.
+        // The grip that is most similar to that of the thesis' experiments.
         Grip::Medium.hand().expect("a preset")
     }
 }
@@ -136,7 +136,7 @@ pub enum MotionSpec {
     TouchAndPress(TouchAndPress),
     /// Turns the knob by an angle and back, with or without a wall.
     Turn(Turn),
-    /// Follows a recorded motion.
+    /// Follows a recorded motion from a CSV file.
     Recorded(Recorded),
 }
 
@@ -241,7 +241,7 @@ impl Default for RampAndHold {
         RampAndHold {
             // A tenth of a second of rest shows that the device starts in equilibrium.
             start_s: 0.1,
-            // An unhurried press.
+            // A press at a moderate pace.
             ramp_s: 0.5,
             // Pad and hand ring for about half a second; the second half of the hold is still.
             hold_s: 1.5,

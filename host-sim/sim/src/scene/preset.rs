@@ -1,4 +1,4 @@
-//! Named sets of the law's parameters.
+//! Named sets of the control law's parameters.
 
 use super::experiment::Scene;
 use super::origin::Place;

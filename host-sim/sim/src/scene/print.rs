@@ -53,7 +53,7 @@ fn entry(scene: &Scene, field: &Field, value: Option<&Value>) -> String {
         return format!("# {name} absent: {}\n", field.absent.unwrap_or("no value"));
     };
     let value = match (field.kind, value) {
-        // Counts read better without a decimal point.
+        // Large whole numbers, such as encoder counts, read better without a decimal point.
         (Kind::Number(_), Value::Float(number))
             if number.fract() == 0.0 && number.abs() >= 100.0 && number.abs() < 1e15 =>
         {
@@ -63,7 +63,7 @@ fn entry(scene: &Scene, field: &Field, value: Option<&Value>) -> String {
         (_, value) => value.to_string(),
     };
     let mut line = format!("{name} = {value}");
-    // Name and description are plain by themselves, and a long text may take several lines.
+    // Name and description at the top level need no explanation, and may take several lines.
     if !field.table().is_empty() {
         line = format!("{line:<44} # {}", field.about_with_unit());
         if let (Kind::Choice(words), false) = (field.kind, field.path == "operator.grip") {

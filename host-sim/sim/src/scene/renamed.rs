@@ -28,13 +28,13 @@ const RENAMED: &[(&str, &str)] = &[
 
 /// Returns the present path of a setting, given its former path or the end of its former path.
 pub fn renamed(old: &str) -> Option<&'static str> {
-    // The law's settings lay in the wall's table on a device.
+    // Devices formerly had the law's settings in the table `wall`.
     let moved = |path: &&'static str| {
         let new = path.strip_prefix("law.")?;
         (old.strip_prefix("wall.")? == new).then_some(*path)
     };
     let name = |path: &'static str| path.rsplit('.').next();
-    // The end of a path names it only if it is no name of today.
+    // The end of a former path is accepted only if no present field has that name.
     let was = |path: &'static str, new: &'static str| {
         let end = path.strip_suffix(old);
         end == Some("") || name(path) != name(new) && end.is_some_and(|rest| rest.ends_with('.'))

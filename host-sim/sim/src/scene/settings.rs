@@ -60,7 +60,7 @@ impl Scene {
             .as_ref()
             .map_or(0.0, |encoder| encoder.step_rad());
         PositionSettings {
-            // Rounded up.
+            // The count is rounded up by one step of the format, so that it is not below the true value.
             count: Si::saturating_from_num(count).saturating_add(if count > 0.0 {
                 Si::DELTA
             } else {

@@ -58,7 +58,7 @@ pub(crate) fn explain(path: &str, motion: Option<&str>, value: Option<&Value>) -
 /// Problem and remedy, as text, for a setting that is now called `new`.
 pub(crate) fn was_renamed(new: &str) -> (String, String) {
     let fix = if new.ends_with("_per_ms") {
-        // What it was a share of each tick.
+        // The former setting was a fraction per control period; the new one is a fraction per millisecond.
         format!("write {new}, of the value times timing.rate_hz/1000")
     } else {
         format!("write {new}")
@@ -72,7 +72,7 @@ pub(crate) fn wrong_unit(
     fields: &[&Field],
     value: Option<&Value>,
 ) -> Option<(String, String)> {
-    // The longest stem first: `touch_ramp_…` begins with `touch`.
+    // Fields with the longest name first, because `touch_ramp_…` also begins with `touch`.
     let mut stems: Vec<(&str, &Field)> = fields
         .iter()
         .filter_map(|field| Some((field.stem()?, *field)))
@@ -138,7 +138,7 @@ fn converted(field: &Field, given: &str, value: Option<&Value>) -> String {
 /// Guesses which of `names` the user meant by `name`: the only one that begins with all words of `name`, or one that differs in at
 /// most a quarter of its letters. Capital letters, and underscores in place of hyphens, make no difference.
 pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
-    // No name is so long, and comparing takes the product of the lengths.
+    // No field has such a long name, and the time to compare grows with the product of the lengths.
     if name.len() > 200 {
         return None;
     }

@@ -21,7 +21,7 @@ impl<M: Method<N>, const N: usize> Substepped<M, N> {
     pub fn new(model: &Model<N>, interval_s: f64, substeps: u32) -> Result<Self, Invalid> {
         not_negative("interval_s", interval_s)?;
         let substeps = substeps.max(1);
-        // An interval of zero length has no step: nothing moves.
+        // An interval of zero length has no substep, so nothing moves.
         let method = (interval_s > 0.0)
             .then(|| M::new(model, interval_s / f64::from(substeps)))
             .transpose()?;

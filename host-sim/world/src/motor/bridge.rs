@@ -10,10 +10,10 @@ pub enum Drive {
     On([u16; 3]),
 }
 
-/// A bridge and its supply.
+/// A three-phase bridge and its supply voltage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bridge {
-    /// Bus voltage, V.
+    /// Voltage of the supply (bus), V.
     pub bus_v: f64,
     /// PWM compare value at which a phase is at the bus voltage during the whole PWM period.
     pub top: u16,
@@ -25,7 +25,7 @@ pub struct Bridge {
 }
 
 impl Bridge {
-    /// A bridge without dead time.
+    /// Makes a bridge without dead time and without diode voltage.
     #[must_use]
     pub const fn ideal(bus_v: f64, top: u16) -> Self {
         Self {

@@ -7,10 +7,10 @@
 //!                                       shunts (codes)                    encoder (frames)
 //! ```
 //!
-//! Each step lasts one PWM period. During a period the bridge is represented by its average voltages, constant in the stator's frame. The
-//! shaft's speed is also taken as constant: a trial step gives its mean over the period. With these two assumptions windings and mechanics
-//! are linear, and each has a closed-form solution ([`Windings::step`], [`crate::plant::Stepper`]). The remaining error of constant speed
-//! and torque falls with the square of the period (a test checks this).
+//! Each step lasts one PWM period. During a period the bridge is represented by its average voltages, constant in the stator's
+//! frame. The shaft's speed is also taken as constant: a trial step gives its mean over the period. With these two assumptions
+//! windings and mechanics are linear, and each has a closed-form solution ([`Windings::step`], [`crate::plant::Stepper`]). The
+//! remaining error of constant speed and torque falls with the square of the period (a test checks this).
 //!
 //! Equal inputs give results with equal bits: the module uses no clock and no random numbers.
 

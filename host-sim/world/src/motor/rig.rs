@@ -66,7 +66,7 @@ impl<S: Stepper> Rig<S> {
                 .freewheel(self.bridge.bus_v, self.bridge.diode_v, angle),
             Drive::On(duties) => {
                 let voltages = self.bridge.voltages(duties, self.windings.currents_a());
-                // The period's mean speed, from a trial step with the torque of the last period.
+                // The mean speed in this period comes from a trial step with the torque of the last period.
                 let mut ahead = self.state;
                 let turning = self.with_cogging(self.torque_n_m, angle);
                 self.plant.step(&mut ahead, turning, rest_rad);

@@ -1,5 +1,5 @@
-//! The windings of a motor without saliency (equal inductance in all directions), with a closed-form solution over an interval of constant
-//! speed.
+//! The windings of a motor without saliency (equal inductance in all directions), with a closed-form solution over an interval of
+//! constant speed.
 //!
 //! The phase currents are written as one complex number in the stator's frame (amplitude-invariant:
 //! `i = 2/3 (i_a + i_b e^{2πj/3} + i_c e^{4πj/3})`):
@@ -8,11 +8,11 @@
 //! L di/dt = v - R i - j ω λ e^{jθ}          torque = 3/2 p λ Im(i e^{-jθ})
 //! ```
 //!
-//! `v` is the voltage, `R` and `L` are resistance and inductance of a phase, `λ` is the flux linkage and `p` the number of pole pairs. The
-//! rotor has the electrical angle `θ` and the electrical speed `ω`.
+//! `v` is the voltage, `R` and `L` are resistance and inductance of a phase, `λ` is the flux linkage and `p` the number of pole
+//! pairs. The rotor has the electrical angle `θ` and the electrical speed `ω`.
 //!
-//! For constant `v` and `ω` the solution is `i = v/R + i_p e^{jθ} + c e^{-Rt/L}` with `i_p = -jωλ/(R + jωL)`; the initial current gives `c`.
-//! The mean torque over the interval follows in closed form.
+//! For constant `v` and `ω` the solution is `i = v/R + i_p e^{jθ} + c e^{-Rt/L}` with `i_p = -jωλ/(R + jωL)`; the initial current
+//! gives `c`. The mean torque over the interval follows in closed form.
 
 use nalgebra::Complex;
 
@@ -164,7 +164,7 @@ impl Windings {
         let (before, after) = (polar(1.0, theta), polar(1.0, theta + omega * t));
         let transient = self.current - constant - turning * before;
         self.current = constant + turning * after + transient * self.decay;
-        // ∫ i e^{-jθ} dt, part by part; the transient turns and decays.
+        // Computes ∫ i e^{-jθ} dt term by term; the transient term rotates and decays.
         let rate = C::new(r / l, omega);
         let end = polar(self.decay, -omega * t);
         let integral = turning * t
@@ -194,7 +194,7 @@ impl Windings {
         let decay = libm::exp(-r / l * until);
         let left = ((size + limit) * decay - limit).max(0.0);
         let left = if until < self.interval_s { 0.0 } else { left };
-        // ∫ |i| dt of (size + limit) e^{-Rt/L} - limit.
+        // Integral of the current's magnitude, which is (size + limit) e^{-Rt/L} - limit over time.
         let integral = (size + limit) * (1.0 - decay) * l / r - limit * until;
         let direction = self.current / size;
         self.current = direction * left;

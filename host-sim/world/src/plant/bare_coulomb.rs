@@ -93,8 +93,8 @@ impl BareCoulomb {
         }
     }
 
-    /// Computes the motion from the velocity `v` to rest under a torque `w` of the opposite sign. Returns the time `τ` to the stop, with
-    /// displacement and loss until then.
+    /// Computes the motion from the velocity `v` to rest under a torque `w` of the opposite sign. Returns the time `τ` to the stop,
+    /// with displacement and loss until then.
     ///
     /// With inertia `J`, damping `b` and `q = -b v / w = exp(b τ / J) - 1`:
     ///
@@ -104,8 +104,8 @@ impl BareCoulomb {
     /// b ∫v² dt = J v² (1/2 - Λ(q))
     /// ```
     ///
-    /// Up to `q = 1` all three values come from the series of `atanh`, `ln(1 + q) = 2 atanh(q / (2 + q))`. Its terms do not cancel, even for
-    /// `b = 0`.
+    /// Up to `q = 1` all three values come from the series of `atanh`, `ln(1 + q) = 2 atanh(q / (2 + q))`. Its terms do not cancel,
+    /// even for `b = 0`.
     fn stop(&self, v: f64, w: f64) -> (f64, Piece) {
         let (j, b) = (self.sliding.inertia, self.sliding.damping);
         let q = (-v * b / w).min(f64::MAX);

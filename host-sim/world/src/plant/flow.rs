@@ -1,15 +1,16 @@
-//! Closed-form step of a linear system as a matrix. The matrix is computed once, when a plant is made, and applied in every interval.
+//! Closed-form step of a linear system as a matrix. The matrix is computed once, when a plant is made, and applied in every
+//! interval.
 //!
-//! A plant has a state `z` and a *drive* `y`, with `y' = M y` and `z' = R y`. The drive contains all values on which the motion depends:
-//! velocities, strains and the held torque, but no absolute angle. For an interval `h`:
+//! A plant has a state `z` and a *drive* `y`, with `y' = M y` and `z' = R y`. The drive contains all values on which the motion
+//! depends: velocities, strains and the held torque, but no absolute angle. For an interval `h`:
 //!
 //! ```text
 //! z(h) - z(0) = R Ψ(h) y(0),    Ψ(h) = ∫₀ʰ exp(M t) dt,    exp(M h) = I + M Ψ(h)
 //! ```
 //!
-//! This is the augmented matrix exponential of Van Loan (IEEE TAC 23(3) 395, 1978), written for increments. Increments keep their relative
-//! accuracy when damping or interval go to zero, where the usual closed form `(m/b)(1 - exp(-bT/m))` cancels (mass `m`, damping `b`, time
-//! `T`). A singular `M` (no damping, no spring) needs no special case.
+//! This is the augmented matrix exponential of Van Loan (IEEE TAC 23(3) 395, 1978), written for increments. Increments keep their
+//! relative accuracy when damping or interval go to zero, where the usual closed form `(m/b)(1 - exp(-bT/m))` cancels (mass `m`,
+//! damping `b`, time `T`). A singular `M` (no damping, no spring) needs no special case.
 
 use super::device::Invalid;
 use nalgebra::{SMatrix, Scalar};
@@ -122,7 +123,7 @@ pub(crate) fn quadratic_integral<const K: usize>(
     q: &SMatrix<f64, K, K>,
     h: f64,
 ) -> SMatrix<f64, K, K> {
-    // The series runs in `Mᵀ Q + Q M`.
+    // The terms of the series come from repeated `Mᵀ Q + Q M`.
     let doublings = halvings((row_sum_norm(m) + row_sum_norm(&m.transpose())) * h);
     let base = libm::ldexp(h, -(doublings as i32));
     let mut term = q * base;
@@ -206,7 +207,7 @@ mod tests {
         let (sin, cos) = SERIES_NORM.sin_cos();
         let expected = matrix![sin, 1.0 - cos; cos - 1.0, sin];
         assert!(largest(&(flow_integral(&turn, SERIES_NORM) - expected)) < 1e-16);
-        // ∫ cos² dt, with the turn as the motion.
+        // Tests the integral of cos² over time, with a rotation as the motion.
         let q = matrix![1.0, 0.0; 0.0, 0.0];
         let s = quadratic_integral(&turn, &q, 0.25);
         assert!((s[(0, 0)] - (0.125 + 0.5_f64.sin() / 4.0)).abs() < 1e-16);
@@ -214,7 +215,7 @@ mod tests {
 
     #[test]
     fn flow_integral_solves_its_differential_equation_when_the_matrix_is_singular() {
-        // Double integrator: Ψ is exact in three terms.
+        // For a double integrator, three terms of the series give Ψ exactly.
         let m: Matrix3 = matrix![0.0, 1.0, 0.0; 0.0, 0.0, 1.0; 0.0, 0.0, 0.0];
         let h = 0.125;
         let expected = matrix![h, h * h / 2.0, h * h * h / 6.0; 0.0, h, h * h / 2.0; 0.0, 0.0, h];
@@ -224,7 +225,7 @@ mod tests {
 
     #[test]
     fn flow_survives_stiffness() {
-        // One rate of 1e9 beside a rate of 1: the fast one has decayed, the slow one has not.
+        // A rate of 1e9 1/s together with a rate of 1 1/s: the fast motion has decayed, the slow one has not.
         let m = matrix![-1e9, 0.0; 0.0, -1.0];
         let psi = flow_integral(&m, 1.0);
         assert!((psi[(0, 0)] - 1e-9).abs() < 1e-22);
@@ -252,7 +253,7 @@ mod tests {
 
     #[test]
     fn quadratic_integral_is_van_loans() {
-        // Van Loan: exp([-Mᵀ Q; 0 M] h) = [.. G; 0 Φ], S = Φᵀ G.
+        // Van Loan's method for comparison: exp([-Mᵀ Q; 0 M] h) = [.. G; 0 Φ] gives S = Φᵀ G.
         let m = oscillator();
         let q: Matrix3 = matrix![0.0, 0.0, 0.0; 0.0, 2.0, -1.0; 0.0, -1.0, 3.0];
         for h in [1e-5, 1e-3, 2e-2] {

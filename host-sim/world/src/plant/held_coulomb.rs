@@ -17,10 +17,10 @@ use events::Mode;
 
 /// A device in a hand, with dry friction: the equations of motion of [`super`], with four states and two modes.
 ///
-/// *Sliding*: friction is a constant torque `F_k`, so the total is `w = u - sign(v) F_k` and the step is that of [`HeldLinear`]. `u` is the held
-/// torque, `v` the device's velocity. *Stuck*: the angle `x` stays the same bit for bit, `v` is exactly zero, and the hand moves
-/// against a pad whose other side is fixed. Because the pad oscillates, the velocity may change sign twice in an interval, which
-/// its value at the interval's end does not show.
+/// *Sliding*: friction is a constant torque `F_k`, so the total is `w = u - sign(v) F_k` and the step is that of [`HeldLinear`].
+/// `u` is the held torque, `v` the device's velocity. *Stuck*: the angle `x` stays the same bit for bit, `v` is exactly zero, and
+/// the hand moves against a pad whose other side is fixed. Because the pad oscillates, the velocity may change sign twice in an
+/// interval, which its value at the interval's end does not show.
 ///
 /// Each step therefore first evaluates a bound that holds in every case: on an interval of length `h` a function `f` stays within
 /// `h²/8 max|f''|` of the straight line between its end values. If that leaves no room for a stop or a start, which is nearly
@@ -37,12 +37,12 @@ pub struct HeldCoulomb {
     kinetic: f64,
     breakaway: f64,
     /// Factors that bound `h²/8 · |d²v/dt²|` while the device slides, for the interval `h` and the device's velocity `v`. There is
-    /// one factor for the magnitude of each entry of [`Drive`] (velocities, strains, torque).
+    /// one factor for the magnitude of each entry of `held::Drive` (velocities, strains, torque).
     slide_guard: [f64; 5],
     /// Factors for a finer bound of `h²/8 · |d²v/dt²|` while the device slides, for the interval `h` and the velocity `v`. There is
-    /// one factor for the rate of change of each entry of [`Drive`].
+    /// one factor for the rate of change of each entry of `held::Drive`.
     slide_rate_guard: [f64; 5],
-    /// Matrix `M` that gives the rate of change `M y` of the vector `y` ([`Drive`]) while the device slides, by columns.
+    /// Matrix `M` that gives the rate of change `M y` of the vector `y` (`held::Drive`) while the device slides, by columns.
     rates: [[f64; 5]; 5],
     /// Increment of the hand's angle and velocity in an interval while the device is stuck. One column for each of pad strain, hand
     /// velocity and strain of the hand's spring.

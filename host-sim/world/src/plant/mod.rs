@@ -1,5 +1,5 @@
-//! The mechanical side of a simulation: device and hand between two control ticks, solved exactly for a torque that is constant in between
-//! (zero-order hold).
+//! The mechanical side of a simulation: device and hand between two control ticks, solved exactly for a torque that is constant in
+//! between (zero-order hold).
 //!
 //! ```text
 //!   u (torque, held)           pad k_p, b_p             spring k_h
@@ -16,12 +16,12 @@
 //! J_h dv_h/dt =    - k_p (x_h - x) - b_p (v_h - v) - b_h v_h + k_h (r - x_h)
 //! ```
 //!
-//! `x`, `v`, `J`, `b` are angle, velocity, inertia and viscous damping of the device; those of the hand have the index `h`. `k_p` and `b_p` are
-//! stiffness and damping of the fingertip pad, `k_h` is the stiffness of the hand's spring.
+//! `x`, `v`, `J`, `b` are angle, velocity, inertia and viscous damping of the device; those of the hand have the index `h`. `k_p`
+//! and `b_p` are stiffness and damping of the fingertip pad, `k_h` is the stiffness of the hand's spring.
 //!
-//! Torque `u` and rest point `r` are constant during an interval, so the linear part needs no numerical integration: one precomputed matrix
-//! step is the exact solution (Van Loan, IEEE TAC 23(3) 395, 1978). Dry friction adds stops and starts, whose times are calculated. There is
-//! no step size and no accuracy setting.
+//! Torque `u` and rest point `r` are constant during an interval, so the linear part needs no numerical integration: one
+//! precomputed matrix step is the exact solution (Van Loan, IEEE TAC 23(3) 395, 1978). Dry friction adds stops and starts, whose
+//! times are calculated. There is no step size and no accuracy setting.
 //!
 //! Hand and friction are optional. Each combination is a type of its own, so that the choice costs no branch in a tick:
 //!
@@ -37,8 +37,8 @@
 //! A device with three translations is either three axes, each with its own stepper ([`Cartesian`]), or a mechanism of arms
 //! ([`DeltaPlant`]).
 //!
-//! Units are those of a knob (rad, N·m, kg·m²). A translational axis has the same equations with m, N and kg; the units in the names of
-//! fields then do not apply.
+//! Units are those of a knob (rad, N·m, kg·m²). A translational axis has the same equations with m, N and kg; the units in the
+//! names of fields then do not apply.
 //!
 //! [`train`] has a drive train: a current that lags, a compliant transmission, cogging, imbalance and further models of friction.
 

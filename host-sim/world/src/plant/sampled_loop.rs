@@ -1,5 +1,5 @@
-//! The closed loop of plant, sampler, computational delay and a spring as control law. Its stability limit is a reference value for the
-//! whole simulator.
+//! The closed loop of plant, sampler, computational delay and a spring as control law. Its stability limit is a reference value for
+//! the whole simulator.
 //!
 //! With a command held for a control period `T` and delayed by `t_d`, a stiffness `K` on a device with damping `b` is stable up to
 //!
@@ -7,8 +7,8 @@
 //! K_max = b / (T/2 + t_d)
 //! ```
 //!
-//! if the inertia `J` of the device is large against its damping (`b T / J` small). The eigenvalues of the loop's exact matrix give the
-//! same limit within a few per cent; [`critical_stiffness`] bisects on them.
+//! if the inertia `J` of the device is large against its damping (`b T / J` small). The eigenvalues of the loop's exact matrix give
+//! the same limit within a few per cent; [`critical_stiffness`] bisects on them.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -76,7 +76,7 @@ pub fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
         }
         log_radius += weight * libm::log(norm);
         power /= norm;
-        // Entry by entry, and not by `*`, which where the standard library is there rounds as the processor's kernel does.
+        // The product is computed entry by entry, because `*` uses processor-dependent kernels that round differently.
         power = DMatrix::from_fn(power.nrows(), power.ncols(), |row, column| {
             power
                 .row(row)
@@ -108,7 +108,7 @@ pub fn critical_stiffness(
     not_negative("delay_s", delay_s)?;
     let period = 1.0 / rate_hz;
     let whole = (delay_s * rate_hz).floor();
-    // Rounding may put a delay of whole ticks a hair below or above the tick: never a negative rest of it.
+    // Rounding may put a delay of whole ticks slightly below or above a tick; the rest must not become negative.
     let before_s = (delay_s - whole * period).clamp(0.0, period);
     let after_s = period - before_s;
     let whole = whole as usize;
@@ -170,7 +170,7 @@ mod tests {
         let turned = dmatrix![0.6, -0.8; 0.8, 0.6] * 0.99;
         assert!((spectral_radius(&turned) - 0.99).abs() < 1e-11);
         assert_eq!(spectral_radius(&dmatrix![0.0, 5.0; 0.0, 0.0]), 0.0);
-        // Defective: a Jordan block.
+        // A defective matrix, a Jordan block.
         assert!((spectral_radius(&dmatrix![0.5, 1e6; 0.0, 0.5]) - 0.5).abs() < 1e-9);
     }
 
@@ -183,7 +183,7 @@ mod tests {
         };
         let whole = BareLinear::new(&device, 1.0).unwrap();
         let none = BareLinear::new(&device, 0.0).unwrap();
-        // Double integrator, T = 1: x' = x + v + u/2, v' = v + u with u = -3 x two ticks ago.
+        // A double integrator with T = 1: x' = x + v + u/2, v' = v + u, where u is -3 times the x of two ticks before.
         let expected = dmatrix![
             1.0, 1.0, 0.0, 0.5;
             0.0, 1.0, 0.0, 1.0;
@@ -191,7 +191,7 @@ mod tests {
             0.0, 0.0, 1.0, 0.0
         ];
         assert_eq!(closed_loop_matrix(&none, &whole, 2, 3.0), expected);
-        // Half a tick: the old command over the first half, the new one over the second.
+        // A delay of half a tick: the old command acts in the first half of the tick, the new one in the second.
         let half = BareLinear::new(&device, 0.5).unwrap();
         let expected = dmatrix![
             1.0 - 3.0 * 0.125, 1.0, 0.375;

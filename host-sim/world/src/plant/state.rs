@@ -59,7 +59,7 @@ impl<const N: usize> Kinematics for State<N> {
         self.0[1]
     }
 
-    // The last pair belongs to the hand, and to the device where it is the only pair.
+    // The last pair of angle and velocity belongs to the hand. If it is the only pair, it belongs to the device.
     #[inline(always)]
     fn hand_position(&self) -> f64 {
         self.0[N - 2]

@@ -60,14 +60,14 @@ pub struct Port {
     pub force: f64,
     /// The motor's work on the device, J.
     pub work_j: f64,
-    /// Dissipated energy.
+    /// Energy dissipated in device and hand.
     pub loss: Loss,
     /// Change of the energy stored in springs, gravity and magnets of the device, J. The kinetic energy is not included.
     pub stored_j: f64,
 }
 
 impl Loss {
-    /// Sum of the losses, J.
+    /// Energy dissipated in device and hand together, J.
     #[must_use]
     pub fn total_j(&self) -> f64 {
         self.device_j + self.hand_j

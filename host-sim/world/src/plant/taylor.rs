@@ -37,12 +37,12 @@ pub(super) struct Series(pub(super) [f64; TERMS]);
 impl Series {
     pub(super) const ZERO: Self = Self([0.0; TERMS]);
 
-    /// The value `p(t)`.
+    /// Value of the series `p` at the fraction `t` of the interval.
     pub(super) fn at(&self, t: f64) -> f64 {
         self.0.iter().rev().fold(0.0, |sum, c| sum * t + c)
     }
 
-    /// The integral `∫₀ᵗ p`.
+    /// Integral of the series `p` from 0 to the fraction `t` of the interval.
     pub(super) fn integral(&self, t: f64) -> f64 {
         let sum = self
             .0
@@ -53,7 +53,7 @@ impl Series {
         sum * t
     }
 
-    /// The integral `∫₀ᵗ p²`.
+    /// Integral of the square of the series `p` from 0 to the fraction `t` of the interval.
     pub(super) fn integral_of_square(&self, t: f64) -> f64 {
         let half = 0.5 * t;
         let pair = |(node, weight): (f64, f64)| {
@@ -97,7 +97,8 @@ impl Series {
             .sum();
         let rounding = 2.0 * f64::EPSILON * c.iter().map(|c| c.abs()).sum::<f64>();
         let mut t = 0.0;
-        // Quadratic near a simple root, a factor of 0.6 near a double one: some 80 steps are the worst case.
+        // Convergence is quadratic near a simple root, and by a factor of 0.6 per step near a double one. The worst case is about
+        // 80 steps.
         for _ in 0..200 {
             let (value, slope) = value_and_slope(&c, t);
             let above = value.max(0.0);
@@ -167,7 +168,7 @@ mod tests {
 
     #[test]
     fn first_root_of_several() {
-        // Roots at 0.25, 0.5, 0.75.
+        // A series with the roots 0.25, 0.5 and 0.75.
         let p = series(&[0.09375, -0.6875, 1.5, -1.0]);
         assert!((p.first_negative().unwrap() - 0.25).abs() < 1e-14);
         // cos(t / 2) falls to cos(0.3) at t = 0.6.
@@ -177,7 +178,7 @@ mod tests {
 
     #[test]
     fn a_dip_is_found_and_a_near_miss_is_not() {
-        // (t - 0.5)² - m
+        // The parabola (t - 0.5)² - m.
         for (m, hit) in [(1e-6, true), (1e-12, true), (-1e-6, false), (-1e-12, false)] {
             let found = series(&[0.25 - m, -1.0, 1.0]).first_negative();
             assert_eq!(found.is_some(), hit, "{m}");
@@ -189,15 +190,15 @@ mod tests {
 
     #[test]
     fn what_cannot_come_down_is_not_searched_and_what_just_can_is_found() {
-        // 1 - s t falls to 1 - s.
+        // The line 1 - s t falls to 1 - s at the end of the interval.
         for (fall, hit) in [(1.0 + 1e-9, true), (1.0 + 1e-12, true), (1.0 - 1e-6, false)] {
             let found = series(&[1.0, -fall]).first_negative();
             assert_eq!(found.is_some(), hit, "{fall}");
         }
-        // All falling, none of them far enough alone.
+        // All terms fall, but none alone falls far enough to make the sum negative.
         assert!(series(&[1.0, -0.3, -0.3, -0.5]).first_negative().is_some());
         assert_eq!(series(&[1.0, -0.3, -0.3, -0.3]).first_negative(), None);
-        // With opposite signs the sum of magnitudes is no judge.
+        // With opposite signs, the sum of magnitudes does not decide whether the series becomes negative.
         assert_eq!(series(&[1.0, -1.5, 1.0]).first_negative(), None);
     }
 
@@ -207,9 +208,9 @@ mod tests {
         assert_eq!(series(&[0.0, -1.0, 5.0]).first_negative(), Some(0.0));
         assert_eq!(series(&[-0.0, 0.0, 1.0]).first_negative(), None);
         assert_eq!(series(&[]).first_negative(), None);
-        // t² (0.5 - t): starts from zero with zero slope, turns at 0.5.
+        // The series t² (0.5 - t) starts from zero with zero slope, and becomes negative at 0.5.
         assert!((series(&[0.0, 0.0, 0.5, -1.0]).first_negative().unwrap() - 0.5).abs() < 1e-15);
-        // A start that is tiny against the rest of the series is still a start.
+        // A motion whose start is small compared with the rest of the series still counts as started.
         assert_eq!(series(&[0.0, 1e-30, 1.0]).first_negative(), None);
     }
 

@@ -63,7 +63,7 @@ fn check(books: &Books, friction: bool, hand: bool) {
         "off by {:e} of throughput",
         books.imbalance
     );
-    // The audit saw what it is meant to see.
+    // The simulated motion must contain the cases that the test is for.
     assert!(
         books.loss.device_j > 0.01 * books.throughput,
         "{:?} of {}",

@@ -3,11 +3,12 @@
 /// An instruction, in the classes that the analysis of calls, floats and the stack distinguishes.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Instruction {
-    /// `BL` or `B.W`, with or without a condition; the value is the distance in bytes from the address after the instruction.
+    /// A call or jump with a fixed target (`BL` or `B.W`), with or without a condition. The value is the distance in bytes from the
+    /// address after the instruction.
     Branch(i32),
-    /// `BLX` through a register.
+    /// The instruction `BLX` through a register: a call whose target is not fixed.
     CallRegister,
-    /// `BX` through a register other than the link register.
+    /// The instruction `BX` through a register other than the link register: a jump whose target is not fixed.
     JumpRegister,
     /// An instruction of the float unit (coprocessors 10 and 11).
     FloatUnit,

@@ -24,7 +24,7 @@ pub const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
 /// A source file's place among the crates, and its imports. They decide which items the names in the file can mean.
 #[derive(Default)]
 pub struct File {
-    /// Number of the file's crate; a crate may only use crates with lower or equal numbers.
+    /// Number of the file's crate in the order of dependencies; a crate may only use crates with lower or equal numbers.
     pub rank: usize,
     /// Path of the file's module: crate, folders and file, such as `touchstone_control`, `law`, `tdpa`.
     pub modules: Vec<String>,

@@ -114,7 +114,7 @@ impl Statements {
         format!("{harness} {:016x} {:016x}", numbers.statement, numbers.code)
     }
 
-    /// Compares a proof's line of the lock with the present sources.
+    /// Compares a proof's line of the lock (the committed list of proofs) with the present sources.
     pub fn standing(&self, line: &str) -> Standing {
         let now = self.line(name(line));
         let statement = |line: &str| line.rsplit_once(' ').map(|(it, _)| it.to_owned());
@@ -128,12 +128,12 @@ impl Statements {
     }
 }
 
-/// Name of the harness (proof) in a line of the lock.
+/// Name of the harness (proof) in a line of the lock, the committed list of proofs.
 pub fn name(line: &str) -> &str {
     line.split(' ').next().unwrap_or_default()
 }
 
-/// File and name of the property that a harness proves: `tdpa::p7_leaves` for the harness `tdpa::w8::p7_leaves::proof`.
+/// File and name of the property that a harness (proof) proves: `tdpa::p7_leaves` for the harness `tdpa::w8::p7_leaves::proof`.
 fn property(harness: &str) -> String {
     let parts: Vec<&str> = harness.trim_end_matches("::proof").split("::").collect();
     let (first, last) = (parts.first(), parts.last());

@@ -56,8 +56,8 @@ const HARNESSES: [&str; 3] = [
     "laws::p7_law::proof",
 ];
 
-/// Replaces the text `was` by `instead` in `file`. Returns the names of the harnesses whose statement's hash changes, and of those
-/// whose code's hash changes.
+/// Replaces the text `was` by `instead` in `file`. Returns the names of the harnesses (proofs) whose statement's hash changes, and
+/// of those whose code's hash changes.
 fn voided(file: &str, was: &str, instead: &str) -> (Vec<&'static str>, Vec<&'static str>) {
     let before = numbers(&FILES);
     let changed = FILES.map(|(path, text)| {

@@ -29,13 +29,14 @@ const PROCESSOR_S: f64 = 120.0;
 
 /// Result files of a run of the model checker, and the limit of memory.
 pub struct Run<'r> {
-    /// Text of the checker's report in JSON.
+    /// Text of the model checker's report, in JSON.
     pub report: &'r str,
-    /// Memory and processor time, as text with one line per harness: name of the harness's file, kibibytes, seconds.
+    /// Memory and processor time of each harness (proof), as text. A line has the name of the harness's file, kibibytes and
+    /// seconds.
     pub usage: &'r str,
     /// Most memory that a harness (proof) may use, in KiB.
     pub memory_kib: u64,
-    /// File with the results of earlier runs, to which this run's are added.
+    /// File with the results of earlier runs, to which the results of this run are added.
     pub memo: &'r Path,
 }
 
@@ -49,7 +50,7 @@ impl Run<'_> {
         Ok(found)
     }
 
-    /// Stores the harnesses that were proved within their limits of time and memory, so that a later run can resume.
+    /// Stores the harnesses (proofs) that succeeded within their limits of time and memory, so that a later run can resume.
     fn keep(
         &self,
         found: &BTreeMap<String, Verdict>,
@@ -81,7 +82,7 @@ pub fn some(run: &Run, part: &str) -> Result<Answer, String> {
     Ok(say(&found, wrong(&found, run.memory_kib)))
 }
 
-/// Prints those harnesses of the model checker's list that are not yet proved for the present code and statements.
+/// Prints those harnesses (proofs) of the model checker's list that are not yet proved for the present code and statements.
 pub fn remaining(list: &str, memo: &Path) -> Result<Answer, String> {
     let statements = Statements::read()?;
     let known = memo::kept(memo, &statements);
@@ -106,8 +107,7 @@ fn read_lock() -> Result<String, String> {
     std::fs::read_to_string(LOCK).map_err(|why| format!("{LOCK}: {why}"))
 }
 
-/// The harnesses in the committed list (lock) whose hashes equal those of the present sources, so that their proofs are still
-/// valid.
+/// The harnesses (proofs) in the committed list whose hashes equal those of the present sources, so that they are still valid.
 fn held(locked: &str, statements: &Statements) -> BTreeSet<String> {
     let lines = locked
         .lines()
@@ -115,7 +115,7 @@ fn held(locked: &str, statements: &Statements) -> BTreeSet<String> {
     lines.map(|line| name(line).to_owned()).collect()
 }
 
-/// Checks the results of all harnesses against the committed list (lock) and writes the table of results.
+/// Checks the results of all harnesses (proofs) against the committed list (lock) and writes the table of results.
 ///
 /// `words` describe the checker and its run time, `machine` describes what else ran. With `bless`, the proved harnesses are written
 /// into the list. With the checker's own `list` of harnesses, results of earlier runs count, and every harness in that list must be
@@ -208,8 +208,8 @@ fn wrong(found: &BTreeMap<String, Verdict>, most_memory_kib: u64) -> Vec<String>
     wrong
 }
 
-/// Differences from the committed list (lock): harnesses of the list that neither ran nor are in `held` (still valid by their
-/// hashes), and harnesses that ran without being in the list. Also names lines of the list that do not fit the sources.
+/// Differences from the committed list (lock): harnesses (proofs) of the list that neither ran nor are in `held` (still valid by
+/// their hashes), and harnesses that ran without being in the list. Also names lines of the list that do not fit the sources.
 fn against_lock(
     found: &BTreeMap<String, Verdict>,
     held: &BTreeSet<String>,
@@ -248,8 +248,8 @@ fn changed(locked: &str, statements: &Statements, standing: Standing) -> Vec<Str
         .collect()
 }
 
-/// Checks that every statement equals the one that was proved when the lock was written, and counts the harnesses whose code is
-/// unchanged too. Without running the model checker more cannot be known.
+/// Checks that every statement equals the one that was proved when the lock (the committed list of proofs) was written. Counts the
+/// harnesses (proofs) whose code is unchanged too. Without running the model checker more cannot be known.
 pub fn unchanged(locked: &str) -> Result<Answer, String> {
     let statements = Statements::read()?;
     let wrong = changed(locked, &statements, Standing::OtherStatement);
@@ -312,8 +312,8 @@ fn about(found: &BTreeMap<String, Verdict>, words: &str, machine: &str) -> Strin
     )
 }
 
-/// Whether the model checker refuted exactly this harness, by one of the harness's own assertions. The answer is "not run" if it
-/// was neither proved nor refuted in this way.
+/// Whether the model checker refuted exactly this harness (proof), by one of the harness's own assertions. The answer is "not run"
+/// if it was neither proved nor refuted in this way.
 pub fn refuted(report: &str, harness: &str) -> Result<Answer, String> {
     let found = match report::read(report) {
         Ok(found) => found,

@@ -14,7 +14,7 @@ use super::lock::writes_a_property;
 pub struct Property {
     /// Name of the file with the property, without ending, such as `tdpa`.
     pub file: String,
-    /// Name of the property, such as `p7_leaves`.
+    /// Name of the property (statement to prove), such as `p7_leaves`.
     pub name: String,
     /// The comment above the property, one or two sentences such as `P1: ...`.
     pub meaning: String,
@@ -34,7 +34,7 @@ impl Property {
     }
 }
 
-/// All properties in the source files of a folder.
+/// All properties (statements to prove) in the source files of a folder.
 pub fn properties(folder: &Path) -> Vec<Property> {
     let mut files: Vec<_> = std::fs::read_dir(folder)
         .into_iter()
@@ -57,7 +57,7 @@ pub fn properties(folder: &Path) -> Vec<Property> {
     found
 }
 
-/// The properties in the text of one source file; `file` is the file's name.
+/// The properties (statements to prove) in the text of one source file; `file` is the file's name.
 pub fn read(file: &str, text: &str) -> Vec<Property> {
     let mut found: Vec<Property> = Vec::new();
     // `None` outside any property, `Some(false)` in its head, `Some(true)` in its body.

@@ -27,7 +27,7 @@ pub enum Answer {
     Refuted(String),
     /// Every check holds, but may hold only because code is unreachable; the text names what could not be reached.
     Empty(String),
-    /// The checker gave no answer within the time limit of a harness.
+    /// The model checker gave no answer within the time limit of a harness (proof).
     TimedOut,
     /// The checker gave no answer for another reason, such as memory, a crash of a solver, or a check without a verdict.
     Unknown(String),
@@ -40,11 +40,12 @@ pub struct Verdict {
     /// Whether an assertion of the property itself failed, not only a check that the compiler or the model checker inserted.
     pub own_failed: bool,
     pub covers: (usize, usize),
-    /// Wall-clock time of the harness in seconds.
+    /// Wall-clock time that the harness (proof) took, in seconds.
     pub seconds: f64,
-    /// Name of the solver that decided the harness.
+    /// Name of the solver that decided the harness (proof).
     pub solver: String,
-    /// Name of the file on which the checker's tools worked, without endings. It shows which processes belong to the harness.
+    /// Name of the file on which the checker's tools worked, without endings. It shows which processes belong to the harness
+    /// (proof).
     pub program: String,
     /// Memory and processor time of the checker's tools; `None` if they were not measured.
     pub usage: Option<Usage>,
@@ -66,8 +67,8 @@ impl Verdict {
     }
 }
 
-/// The results of all harnesses in a report, by the harness's name. Errors: the text is no such report, or has two results for a
-/// harness.
+/// The results of all harnesses (proofs) in a report, by the harness's name. Errors: the text is no such report, or has two results
+/// for a harness.
 pub fn read(text: &str) -> Result<BTreeMap<String, Verdict>, String> {
     let report: Value =
         serde_json::from_str(text).map_err(|why| format!("the checker's report: {why}"))?;

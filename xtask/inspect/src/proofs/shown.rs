@@ -50,7 +50,7 @@ fn look(tokens: &TokenStream, shown: &[LineColumn], lines: &mut Vec<usize>) {
 }
 
 /// Whether an assertion without a message is at this position. An assertion with a message belongs to a replacement of shipped
-/// code, which not every harness uses.
+/// code, which not every harness (proof) uses.
 fn is_asserted(all: &[TokenTree], place: usize) -> bool {
     let [
         TokenTree::Ident(name),
@@ -84,8 +84,8 @@ fn has_words(arguments: &TokenStream, before: usize) -> bool {
     all.iter().nth(before).is_some_and(words)
 }
 
-/// Whether the search leaves out the block at this position: the definition of `assert_reached!`, which contains its cover, or a
-/// module of tests.
+/// Whether the search leaves out the block at this position. It leaves out modules of tests, and the definition of
+/// `assert_reached!`, whose assertion needs no other cover (statement that must be reached).
 fn is_out_of_it(all: &[TokenTree], place: usize) -> bool {
     let before = |back: usize| {
         let tree = place.checked_sub(back).map(|at| &all[at]);

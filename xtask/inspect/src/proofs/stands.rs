@@ -40,7 +40,7 @@ pub struct Ground<'i> {
     called: BTreeMap<&'i str, BTreeSet<usize>>,
     /// Pairs of a module and a name that the module imports; the name is `*` if the module has a `use …::*`.
     handed_on: BTreeSet<(&'i str, &'i str)>,
-    /// Results of [`Ground::seen`] that are already known, by the item's number.
+    /// Results of [`Ground::seen`] (the items that an item names) that are already known, by the item's index.
     seen: RefCell<HashMap<usize, Rc<[usize]>>>,
 }
 

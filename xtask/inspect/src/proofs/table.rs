@@ -18,7 +18,8 @@ pub fn write(path: &Path, found: &BTreeMap<String, Verdict>, about: &str) -> Res
     std::fs::write(path, table).map_err(|why| format!("{}: {why}", path.display()))
 }
 
-/// Table with one row per property; a property proved at several widths has one line per width in the last columns.
+/// Table with one row per property (statement to prove). A property that is proved at several widths has one line per width in the
+/// last columns.
 fn table(
     found: &BTreeMap<String, Verdict>,
     properties: &[Property],
@@ -92,13 +93,14 @@ fn code(text: &str) -> String {
     format!("`{text}`")
 }
 
-/// Whether a harness proves a property: `tdpa::w8::p7_leaves::proof` proves the property `p7_leaves` in `tdpa.rs`.
+/// Whether a harness (proof) belongs to a property: `tdpa::w8::p7_leaves::proof` proves the property `p7_leaves` in `tdpa.rs`.
 fn is_of(harness: &str, property: &Property) -> bool {
     let parts: Vec<&str> = harness.split("::").collect();
     matches!(parts.as_slice(), [file, .., name, "proof"] if *file == property.file && *name == property.name)
 }
 
-/// Width of the numbers in bits, from the digits in the harness's path or at the end of its name; `-` if there are none.
+/// Width of the numbers in bits for which a harness (proof) holds, from the digits in the harness's path or at the end of its name;
+/// `-` if there are none.
 fn width(harness: &str) -> String {
     let parts: Vec<&str> = harness.split("::").collect();
     let digits = |part: &&str| {

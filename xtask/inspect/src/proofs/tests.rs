@@ -4,7 +4,7 @@
 use super::*;
 use report::Answer;
 
-/// Most memory that a harness may use in these tests, in KiB.
+/// Most memory that a harness (proof) may use in these tests, in KiB.
 const MEMORY_KIB: u64 = 8 << 20;
 
 fn recorded() -> BTreeMap<String, Verdict> {
@@ -15,7 +15,7 @@ fn answer(name: &str) -> Answer {
     recorded()[name].answer.clone()
 }
 
-/// Reason why the gate rejects a harness that the checker called successful.
+/// The reason that the report's reader gives for rejecting a harness (proof) that the model checker called successful.
 fn empty(name: &str) -> String {
     match answer(name) {
         Answer::Empty(why) => why,
@@ -84,7 +84,8 @@ fn a_failed_assertion_is_a_refutation_and_nothing_else_is() {
     );
 }
 
-/// Checks that only a failed assertion of the named harness, run alone, catches a mutant (a wrong change of the code).
+/// Checks that a mutant (a wrong change of the code) counts as caught only if an assertion of the named harness (proof) failed and
+/// the harness ran alone.
 #[test]
 fn a_mutant_is_caught_by_its_own_harness_only() {
     let only = |name: &str| BTreeMap::from([(name.to_string(), recorded()[name].clone())]);
@@ -175,7 +176,7 @@ fn no_report_and_an_empty_one_are_not_a_pass() {
     ));
 }
 
-/// Checks that a status that the gate does not know does not count as success.
+/// Checks that a status which the reader of the model checker's report does not know does not count as success.
 #[test]
 fn an_unknown_status_is_no_answer() {
     let text = include_str!("fixtures/every-end.json").replace(

@@ -10,23 +10,23 @@
 //! their data (`touchstone_drive::calibration`, `touchstone_drive::measurement`).
 //!
 //! - **The field's angle** ([`field`]). A slowly turning field holds the rotor like a spring of `K = p k_t I` (pole pairs, torque
-//!   constant, current; 1.75 N·m/rad with seven, 0.25 N·m/A and 1 A). A clock sets the field's speed. The rotor lags by its load torque divided
-//!   by `K`. Constant friction and damping shift each direction as a whole, which does not affect the harmonics. Friction that depends on the
-//!   angle has the opposite sign on the way back and cancels in the mean of both directions. Cogging repeats with slots and poles, not once or
-//!   twice per turn. A torque that repeats once or twice per turn, in both directions alike, remains. An unbalanced weight of 1 mN·m shifts
-//!   the shaft by 0.03 degrees with these numbers, and by 0.3 with the small motor's. **The field alone cannot distinguish such a torque from
-//!   an eccentric magnet.**
+//!   constant, current; 1.75 N·m/rad with seven, 0.25 N·m/A and 1 A). A clock sets the field's speed. The rotor lags by its load
+//!   torque divided by `K`. Constant friction and damping shift each direction as a whole, which does not affect the harmonics.
+//!   Friction that depends on the angle has the opposite sign on the way back and cancels in the mean of both directions. Cogging
+//!   repeats with slots and poles, not once or twice per turn. A torque that repeats once or twice per turn, in both directions
+//!   alike, remains. An unbalanced weight of 1 mN·m shifts the shaft by 0.03 degrees with these numbers, and by 0.3 with the small
+//!   motor's. **The field alone cannot distinguish such a torque from an eccentric magnet.**
 //! - **The shaft's own motion** ([`coast`]). With the motor switched off only inertia, damping and friction act, and the shaft
-//!   slows down evenly. A torque `T` that repeats `n` times per turn moves the shaft by `T/(J (n ω)²)`, with the inertia `J`. The motion falls
-//!   with the square of the speed `ω`, while the encoder's error is the same at any speed. A coast from fast to slow therefore distinguishes
-//!   the two, but is short and less accurate.
+//!   slows down evenly. A torque `T` that repeats `n` times per turn moves the shaft by `T/(J (n ω)²)`, with the inertia `J`. The
+//!   motion falls with the square of the speed `ω`, while the encoder's error is the same at any speed. A coast from fast to slow
+//!   therefore distinguishes the two, but is short and less accurate.
 //!
 //! The result combines both motions. It is the field's value, with an uncertainty of at least the difference between the two. If
 //! the field's value differs from the coast's by more than twice the coast's uncertainty, the result is the coast's value.
 //!
-//! **Neither motion shows** orders above two, such as a magnetic encoder's own fourth order; they stay in the residual. A rotor with
-//! unevenly spaced poles looks like an encoder error to the field, as far as the windings do not average it out. An eddy current
-//! brake that depends on the angle has a ripple in proportion to `1/ω`, between the two terms of the coast.
+//! **Neither motion shows** orders above two, such as a magnetic encoder's own fourth order; they stay in the residual. A rotor
+//! with unevenly spaced poles looks like an encoder error to the field, as far as the windings do not average it out. An eddy
+//! current brake that depends on the angle has a ripple in proportion to `1/ω`, between the two terms of the coast.
 
 pub mod coast;
 pub mod cost;
@@ -49,11 +49,11 @@ const COUNT_SHARE: f64 = 0.25;
 /// Data that a device sends for one control period (tick) of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CalibrationTick {
-    /// Number of the control tick.
+    /// Number of the control period (tick).
     pub tick: u32,
     /// Part of the measurement; `None` while the field turns.
     pub part: Option<MeasuringPart>,
-    /// Position, encoder counts.
+    /// Position of the shaft, encoder counts.
     pub count: i32,
 }
 
@@ -73,9 +73,9 @@ pub struct KnownEncoder {
 /// One order `n` of the encoder's error over the shaft's angle `θ`: `A sin(n θ + φ)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Harmonic {
-    /// Amplitude `A`, rad.
+    /// Amplitude of the error of this order, rad.
     pub amplitude_rad: f64,
-    /// Phase `φ`, rad.
+    /// Phase of the error of this order, rad.
     pub phase_rad: f64,
     /// Uncertainty of amplitude and phase as a phasor `A e^(jφ)`, in any direction of the complex plane, rad.
     pub uncertainty_rad: f64,
@@ -113,7 +113,7 @@ pub struct Eccentricity {
     pub apart_rad: Option<[f64; ORDERS]>,
     /// Residual of the fit to the field's motion, root mean square, rad.
     pub residual_rms_rad: f64,
-    /// Size of an encoder count, rad.
+    /// Angle of one encoder count, rad.
     pub count_rad: f64,
 }
 

@@ -6,12 +6,12 @@ use crate::run::wall::{Inside, Wall};
 /// Computes the motor's torque from the device's true angle. The loop calls `torque_n_m` or `answer` once per tick (control
 /// period).
 pub trait Control {
-    /// Returns the torque of the motor in N·m, positive along `+x`, at a true angle in rad.
+    /// Returns the torque of the motor in N·m, in the direction of positive angles, at a true angle in rad.
     fn torque_n_m(&mut self, angle_rad: f64) -> f64;
     /// Returns the same torque as `torque_n_m`, bit for bit, with internal values for a recording.
     fn answer(&mut self, angle_rad: f64) -> Answer;
-    /// Reports the torque that was really commanded, N·m along `+x`, after a limit or another effect changed the torque of the
-    /// control law.
+    /// Reports the torque that was really commanded, N·m in the direction of positive angles, after a limit or another effect
+    /// changed the torque of the control law.
     fn commanded(&mut self, torque_n_m: f64);
     /// Reports the true angle at the moment when the motor's torque last changed, rad.
     fn changed_at(&mut self, angle_rad: f64);
@@ -20,7 +20,7 @@ pub trait Control {
 /// A motor torque, with the internal values of the control law that computed it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Answer {
-    /// Torque of the motor along `+x`, N·m.
+    /// Torque of the motor in the direction of positive angles, N·m.
     pub torque_n_m: f64,
     /// Force of the control law, N·m, positive out of the wall.
     pub force_n_m: f64,
@@ -40,10 +40,10 @@ pub struct Sampled<S, W> {
 }
 
 impl<S: Sensor, W: Wall> Control for Sampled<S, W> {
-    // Reached through a table of functions in any case, and the law's code then stands in the program once.
+    // The loop calls this method indirectly in any case. Without inlining, the law's code exists only once.
     #[inline(never)]
     fn torque_n_m(&mut self, angle_rad: f64) -> f64 {
-        // The wall pushes out, along -x.
+        // The wall's force pushes out of the wall, in the direction of -x.
         -self.sensor.read(&mut self.wall, angle_rad)
     }
 

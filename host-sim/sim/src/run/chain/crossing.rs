@@ -6,7 +6,7 @@ use touchstone_world::plant::{Kinematics, Stepper};
 /// Energies exchanged in one tick (control period): work of the motor, losses and storage in the device.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Flow {
-    /// Mean torque of the motor along `+x` over the tick, N·m.
+    /// Mean torque of the motor in the direction of positive angles over the tick, N·m.
     pub torque_n_m: f64,
     /// Work of the motor on the device, J: the sum of torque times displacement over the parts of the tick. It is exact, because
     /// the torque is constant over each part.
@@ -109,7 +109,7 @@ pub struct Delayed<S> {
 impl<S: Stepper> Delayed<S> {
     /// Builds a delay of `whole` control periods plus the time over which `before` advances the plant.
     pub fn new(before: S, after: S, whole: usize) -> Self {
-        // Before the first command arrives the motor is off.
+        // Until the first command takes effect, the motor has no torque.
         Self {
             before,
             after,

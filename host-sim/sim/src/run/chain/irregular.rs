@@ -65,7 +65,7 @@ impl<S: Stepper> Irregular<S> {
         let [jitters, latencies] = streams;
         Ok(Self {
             steppers,
-            // Room for all commands that can be on their way, so that no tick needs more.
+            // Capacity for all commands that can be delayed at a time, so that no tick allocates memory.
             queue: VecDeque::with_capacity((longest / u64::from(PARTS)) as usize + 4),
             acting_n_m: 0.0,
             delay: lateness.delay,
@@ -160,7 +160,7 @@ impl<S: Stepper> Crossing for Irregular<S> {
             sum.device_loss_j += flow.device_loss_j;
             sum.stored_j += flow.stored_j;
         });
-        // Two samples at one time: nothing moved, and the mean of nothing is what acts.
+        // With two samples at the same time, the tick has no duration; its mean torque is the torque that acts.
         sum.torque_n_m = if time_s > 0.0 {
             impulse / time_s
         } else {

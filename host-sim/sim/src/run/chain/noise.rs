@@ -85,11 +85,11 @@ impl Stage for Noisy {
 /// disc or magnet off the axis; a tilt adds the second term.
 #[derive(Debug, Clone, Copy)]
 pub struct Eccentric {
-    /// Amplitude `A`, rad.
+    /// Amplitude `A` of the angle error, rad.
     pub amplitude_rad: f64,
-    /// Periods `n` per turn.
+    /// Number of periods `n` of the angle error per turn.
     pub per_rev: f64,
-    /// Phase `phi`, rad.
+    /// Phase `phi` of the angle error, rad.
     pub phase_rad: f64,
     /// Amplitude `A2` and phase `phi2` of the component with `2n` periods per turn, rad; `None` without this component.
     pub second: Option<(f64, f64)>,
@@ -165,7 +165,7 @@ mod tests {
             let spread = (variance / n).sqrt();
             assert!((found - expected).abs() < 5.0 * spread, "{power}: {found}");
         }
-        // White: neighbours, and the two of a pair, are not correlated.
+        // The noise is white: neighbouring numbers, such as the two of a pair, are not correlated.
         for lag in 1..=8 {
             let sum: f64 = numbers.windows(lag + 1).map(|w| w[0] * w[lag]).sum();
             assert!((sum / n).abs() < 5.0 / n.sqrt(), "lag {lag}: {}", sum / n);

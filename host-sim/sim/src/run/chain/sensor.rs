@@ -84,7 +84,7 @@ impl Counts {
     #[inline(always)]
     fn count(&self, angle_rad: f64) -> i64 {
         let scaled = angle_rad * self.per_rad;
-        // By adding half and flooring, without the library call that `round` is on plain x86-64.
+        // Adding half and flooring avoids `round`, which is a library call on plain x86-64.
         let shifted = scaled + 0.5;
         let cut = shifted as i64;
         cut.saturating_sub(i64::from((cut as f64) > shifted))

@@ -15,7 +15,7 @@ pub trait Stage {
         angle_rad
     }
 
-    /// Returns the torque to pass on to the motor, N·m along `+x`.
+    /// Returns the torque to pass on to the motor, N·m in the direction of positive angles.
     #[inline(always)]
     fn torque_n_m(&mut self, torque_n_m: f64) -> f64 {
         torque_n_m
@@ -79,7 +79,7 @@ impl<S: Stage> Control for Staged<S> {
     }
 }
 
-/// Limits the torque.
+/// Limits the motor's torque to a largest absolute value.
 #[derive(Debug, Clone, Copy)]
 pub struct Limited {
     /// Largest absolute torque, N·m.

@@ -51,7 +51,7 @@ pub struct Tremor {
     pub amplitude_rad: f64,
     /// Advance of the sine's phase per tick (control period), rad.
     pub per_tick_rad: f64,
-    /// Number of ticks since the start.
+    /// Number of ticks (control periods) since the start.
     pub tick: u64,
 }
 

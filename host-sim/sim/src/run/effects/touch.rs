@@ -31,7 +31,7 @@ fn damped(scene: &mut Scene, from: VelocityKind) {
     if scene.law.kind != LawKind::SpringDamper {
         scene.law.kind = LawKind::SpringDamper;
         scene.law.states = StatesKind::Measured;
-        // Below half of the damping that the thesis' knob has: the settings' default is none, which no velocity changes.
+        // Half of the damping of the thesis' knob or less. The default damping is 0, with which the velocity has no effect.
         scene.law.virtual_damping_n_m_s_per_rad = 2e-4;
     }
     scene.law.velocity.from = from;

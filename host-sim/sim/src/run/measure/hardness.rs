@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn the_way_back_does_not_count_and_a_touch_of_two_ticks_has_no_slope() {
-        // Constant velocity in, then out with no force at all.
+        // The device enters at constant velocity, then leaves without a force.
         let mut there = RateHardness::new(PERIOD_S);
         (1..=10).for_each(|i| there.record(f64::from(i) * 1e-3, f64::from(i) * 5e-3));
         (1..=9).for_each(|i| there.record(f64::from(10 - i) * 1e-3, 0.0));

@@ -1,6 +1,6 @@
 //! Largest penetration of the device into the wall.
 
-/// The deepest penetration of a press.
+/// Measures the deepest penetration of the device during a press.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PeakPenetration {
     peak_rad: f64,
@@ -26,14 +26,14 @@ mod tests {
 
     #[test]
     fn a_press_that_is_put_suddenly_on_a_spring_overshoots_by_two() {
-        // J x'' = F - k x from rest: x = F/k (1 - cos wt), the deepest 2 F/k.
+        // From rest, J x'' = F - k x gives x = F/k (1 - cos wt), whose maximum is 2 F/k.
         let (k, push) = (5.0, 0.1);
         let mut peak = PeakPenetration::default();
         for step in 0..10_000 {
             peak.record(push / k * (1.0 - (f64::from(step) * 1e-3).cos()));
         }
         let ratio = peak.ratio(push, k);
-        // The top lies within half a step, 0.0005, of a sample: its height within 0.0005²/2.
+        // The maximum lies within half a step (0.0005) of a sample, so the sampled value is within 0.0005²/2 of it.
         assert!((ratio - 2.0).abs() < 1e-6, "{ratio}");
         // The same motion is ten times too deep for a wall that should be ten times as stiff.
         assert!((peak.ratio(push, 10.0 * k) - 20.0).abs() < 1e-5);

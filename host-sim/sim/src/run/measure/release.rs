@@ -27,7 +27,7 @@ impl Release {
         }
     }
 
-    /// Largest outward speed, rad/s.
+    /// Largest outward speed of the device, rad/s.
     #[must_use]
     pub fn speed_rad_per_s(&self) -> f64 {
         self.speed_rad_per_s
@@ -46,7 +46,7 @@ mod tests {
 
     #[test]
     fn a_mass_on_a_spring_that_is_let_go_swings_through_with_all_it_held() {
-        // Held `a` inside, let go at tick 500: x = a cos wt, v = -a w sin wt.
+        // The device is held at the depth `a` and released at tick 500: x = a cos wt, v = -a w sin wt.
         let (a, w, period_s) = (0.02, 50.0, 1e-4);
         let mut release = Release::new(500);
         for index in 0..2_000_u64 {

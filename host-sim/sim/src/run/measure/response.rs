@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 /// A rhythmic motion of the hand at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wiggle {
-    /// Frequency of the motion, Hz.
+    /// Frequency of the hand's motion, Hz.
     pub frequency_hz: f64,
     /// First tick, and tick after the last, of the measurement: whole periods at full amplitude.
     pub window: (u64, u64),
@@ -15,7 +15,7 @@ pub struct Wiggle {
 /// Dynamic stiffness: ratio of force to penetration at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DynamicStiffness {
-    /// Frequency, Hz.
+    /// Frequency of the hand's motion, Hz.
     pub frequency_hz: f64,
     /// Amplitude of the force divided by that of the penetration, N·m/rad.
     pub modulus_n_m_per_rad: f64,
@@ -79,7 +79,7 @@ impl Response {
         if index < from || index >= to {
             return;
         }
-        // A wall that is left is no spring any more, whatever the sines say.
+        // If the device leaves the wall, the fitted sines do not describe a stiffness.
         self.touched &= penetration_rad > 0.0 && force_n_m > 0.0;
         let (sin, cos) = libm::sincos((index - from) as f64 * self.radians_per_tick);
         self.ticks += 1.0;
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn a_spring_shows_its_stiffness_without_lead_or_lag_at_every_frequency() {
-        // 3 and 7 Hz: a period is no whole number of ticks.
+        // At 3 and 7 Hz a period is not a whole number of ticks.
         for frequency_hz in [0.25, 1.0, 3.0, 7.0, 16.0] {
             let found = wall(frequency_hz, 5.0, 0.0, 0.0).unwrap();
             assert!((found.modulus_n_m_per_rad - 5.0).abs() < 1e-9, "{found:?}");
@@ -183,7 +183,7 @@ mod tests {
 
     #[test]
     fn a_wall_that_is_left_or_a_hand_that_is_still_has_no_value() {
-        // What pulls inward is no touched wall.
+        // A force that pulls inward is not a contact with the wall.
         assert!(wall(1.0, -5.0, 0.0, 0.0).is_none());
         let still = Wiggle {
             frequency_hz: 1.0,

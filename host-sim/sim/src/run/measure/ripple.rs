@@ -142,7 +142,7 @@ mod tests {
             let found = sine(0.01, frequency_hz).above_50_hz_rms_n_m().unwrap();
             let ratio = warp(HIGH_PASS_HZ) / warp(frequency_hz);
             let expected = 0.01 / SQRT_2 / (1.0 + ratio.powi(4)).sqrt();
-            // What is left of the filter's start decays by e^(-222) in the second before the window.
+            // The filter's start transient decays by e^(-222) in the second before the window.
             assert!(
                 (found / expected - 1.0).abs() < 1e-6,
                 "{frequency_hz} Hz: {found} {expected}"

@@ -126,11 +126,11 @@ mod tests {
         assert_eq!((rise.n_m_per_rad(), rise.torque_n_m()), (None, None));
         rise.record(1e-3, 1.0, 5e-3);
         rise.record(2e-3, 1.0, 10e-3);
-        // What comes later than five milliseconds is no rise, but hardness.
+        // A force later than 5 ms does not count as the rise, but it counts for the hardness.
         (3..=10).for_each(|i| rise.record(f64::from(i) * 1e-3, 1.0, f64::from(i) * 5e-3));
         assert_eq!(rise.torque_n_m(), Some(25e-3));
         assert!((rise.n_m_per_rad().unwrap() - 5.0).abs() < 1e-9);
-        // Out, and in once more with a blow.
+        // The device leaves the wall and enters once more, faster.
         rise.record(-1e-3, -1.0, 0.0);
         rise.record(1e-3, 9.0, 1.0);
         assert!((rise.n_m_per_rad().unwrap() - 5.0).abs() < 1e-9);

@@ -50,7 +50,7 @@ impl Settle {
             self.settled = index;
         }
         let wanted = self.k_desired * penetration_rad;
-        // A hand that was thrown out again has not settled; nor has a number that is none.
+        // A device outside the wall has not settled; neither has one with a NaN value.
         let near = (force_n_m - wanted).abs() <= TOLERANCE * wanted.abs();
         if !(near && penetration_rad > 0.0) {
             self.settled = index + 1;
@@ -98,7 +98,7 @@ mod tests {
     fn what_settles_before_the_ramp_ends_waits_for_nothing_and_what_does_not_settle_says_so() {
         assert_eq!(approach(5.0, 1_000).unwrap().from_ramp_end, 0);
         assert_eq!(approach(500.0, 1_000), None);
-        // A spring that is a tenth too soft never arrives, one that is exact has arrived at once.
+        // A spring that is a tenth too soft never settles; an exact spring has settled at once.
         for (shown, expected) in [(4.5, None), (5.0, Some(0))] {
             let mut settle = Settle::new(5.0, 0, 100);
             (0..100).for_each(|index| settle.record(index, 0.02, shown * 0.02));

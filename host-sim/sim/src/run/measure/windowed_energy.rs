@@ -47,7 +47,7 @@ mod tests {
     #[test]
     fn what_was_put_in_first_does_not_hide_what_is_given_later() {
         assert_eq!(worst([10.0, 7.0, 9.0, 3.0, 4.0]), 7.0);
-        // Never below the start, so that a count from the start sees nothing.
+        // The energy never falls below its start, so a sum from the start would show no energy given out.
         assert_eq!(worst([-2.0, -1.0, -4.0]), 4.0, "the start is 0");
     }
 

@@ -14,7 +14,7 @@ const MOST_SAMPLES: usize = 3_600_000;
 /// Smallest time stamp, in the file's unit, after which a fall to less than half is explained as the wrap of a counter. The
 /// smallest counter, of 8 bits, ends at 255.
 const LEAST_OF_COUNTER: f64 = 255.0;
-/// Shortest accepted recording, s.
+/// Shortest duration of an accepted recording, s.
 const SHORTEST_S: f64 = 1e-5;
 /// Largest accepted angle of either sign, rad.
 const LARGEST_RAD: f64 = 1e6;

@@ -5,15 +5,16 @@
 //! M = m 1 + I slopesᵀ slopes        c: accelerations of the joints while the effector moves straight on
 //! ```
 //!
-//! `x` and `v` are position and velocity of the effector, `θ` the joint angles with damping `b_θ`, `τ` the motor torques, `b` the damping of the
-//! effector, and `hand` the force of the hand. `slopes` is the derivative of the joint angles over `x`.
+//! `x` and `v` are position and velocity of the effector, `θ` the joint angles with damping `b_θ`, `τ` the motor torques, `b` the
+//! damping of the effector, and `hand` the force of the hand. `slopes` is the derivative of the joint angles over `x`.
 //!
 //! Two thirds of each forearm's mass count at the elbow and one third at the effector (Codourey, *Dynamic modeling of parallel
-//! robots*, Int. J. Robotics Research 17(12), 1998). The moving parts are therefore an inertia `I` at each motor and a mass `m` at the
-//! effector. The equations are Lagrange's for the energy `m v²/2 + Σ I (dθ/dt)²/2`, without gravity, which counts as compensated.
+//! robots*, Int. J. Robotics Research 17(12), 1998). The moving parts are therefore an inertia `I` at each motor and a mass `m` at
+//! the effector. The equations are Lagrange's for the energy `m v²/2 + Σ I (dθ/dt)²/2`, without gravity, which counts as
+//! compensated.
 //!
-//! The equations have no closed-form solution. Each interval is integrated by the classical Runge–Kutta method in substeps. Work and losses
-//! are integrated along with the motion, so that the energy balance shows the error of the method.
+//! The equations have no closed-form solution. Each interval is integrated by the classical Runge–Kutta method in substeps. Work
+//! and losses are integrated along with the motion, so that the energy balance shows the error of the method.
 
 use super::geometry::{DeltaGeometry, DeltaPose, FALCON_GEOMETRY, Unreachable};
 use crate::plant::device::{Invalid, not_negative, positive};
@@ -51,8 +52,8 @@ pub struct DeltaDevice {
 /// Parameters of the Novint Falcon: the lengths of [`FALCON_GEOMETRY`], and the encoder as in the library libnifalcon. The encoder
 /// has 320 slots with four edges each, on a capstan drive of 14.25 to 110 mm.
 ///
-/// **Masses, damping and torque are chosen, not measured**: no source gives them. At the centre they make 0.095 kg and 0.94 N·s/m sideways,
-/// 0.132 kg and 2.65 N·s/m upwards, and 8 N in every direction, the force that the library CHAI3D assumes.
+/// **Masses, damping and torque are chosen, not measured**: no source gives them. At the centre they make 0.095 kg and 0.94 N·s/m
+/// sideways, 0.132 kg and 2.65 N·s/m upwards, and 8 N in every direction, the force that the library CHAI3D assumes.
 pub const FALCON: DeltaDevice = DeltaDevice {
     geometry: FALCON_GEOMETRY,
     masses: DeltaMasses {
@@ -161,12 +162,12 @@ impl DeltaState {
 /// The integrated vector: the twelve numbers of a [`DeltaState`], the work of the motors, and the losses of device and hand.
 type Entries = SVector<f64, 15>;
 
-/// Energies of a step, J.
+/// Work of the motors and losses in one simulated interval, J.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DeltaWork {
     /// Work of the motors on the device.
     pub motors_j: f64,
-    /// Dissipated energy.
+    /// Energy dissipated in device and hand.
     pub loss: Loss,
 }
 

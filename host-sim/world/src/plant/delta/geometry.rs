@@ -8,9 +8,9 @@
 //! (u - a cos θ)² + (w - a sin θ)² = L²        L = ends + sqrt(b² - v²)
 //! ```
 //!
-//! `b` is the length of the forearm, and `ends` the length of its two end pieces. The equation is linear in `cos θ` and `sin θ`, so a position
-//! gives its joint angles in closed form. Newton's method gives the position for joint angles. The first derivative gives the slopes of
-//! the joint angles (radians per metre), the second derivative their curvature.
+//! `b` is the length of the forearm, and `ends` the length of its two end pieces. The equation is linear in `cos θ` and `sin θ`, so
+//! a position gives its joint angles in closed form. Newton's method gives the position for joint angles. The first derivative
+//! gives the slopes of the joint angles (radians per metre), the second derivative their curvature.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -44,7 +44,7 @@ pub const FALCON_GEOMETRY: DeltaGeometry = DeltaGeometry {
     ends_m: 2.0 * 0.01125,
     reach_m: 0.040 - 0.01443,
     aside_m: 0.02309 - 0.025,
-    // 90°, -30° and -150°, each 15° on.
+    // The directions 90°, -30° and -150°, each turned by 15°.
     legs_rad: [
         105.0 * std::f64::consts::PI / 180.0,
         -15.0 * std::f64::consts::PI / 180.0,

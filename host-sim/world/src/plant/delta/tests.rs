@@ -20,7 +20,7 @@ fn joints_and_back_are_the_place() {
     let mut worst = 0.0_f64;
     for place in places() {
         let pose = FALCON.geometry.pose(place).expect("inside");
-        // From 10 mm away.
+        // Newton's method starts 10 mm away from the position.
         let near = place + Vector3::new(0.006, -0.006, 0.005);
         let found = FALCON.geometry.place(pose.joints_rad, near).expect("back");
         worst = worst.max((found.place_m - place).norm());
@@ -98,7 +98,7 @@ fn a_force_beyond_a_motor_keeps_its_direction() {
         shortened += usize::from(force.norm() < 0.99 * wanted.norm());
     }
     assert!(shortened > 1000, "{shortened}");
-    // 8 N in every direction at the centre, and a little more.
+    // At the centre the motors must give 8 N in every direction, and only slightly more.
     let pose = FALCON.geometry.pose(Vector3::zeros()).expect("centre");
     let needed = |way: Vector3<f64>| pose.torques_n_m(way.normalize() * 8.0).amax();
     println!(
@@ -125,7 +125,7 @@ fn singular_places_are_refused() {
         Some(Unreachable::TooFar(_))
     ));
     assert!(refused(f64::NAN, 0.0, 0.0).is_some());
-    // Straight up until arms and forearms are in line, at 118 mm + 63 mm of the base.
+    // Moves straight up until arms and forearms are in line, 118 mm + 63 mm above the base.
     let mut last = None;
     for i in 0..1000 {
         let z = 1e-4 * f64::from(i);
@@ -138,7 +138,7 @@ fn singular_places_are_refused() {
     }
     let (why, z) = last.expect("a limit");
     assert!(matches!(why, Unreachable::Stretched(_)), "{why} at {z}");
-    // Nor is there a place for angles that lift each arm straight in.
+    // Joint angles that point each arm inwards belong to no position either.
     assert!(
         geometry
             .place(Vector3::repeat(3.0), Vector3::zeros())
@@ -171,7 +171,7 @@ fn free_motion_keeps_its_energy() {
         now / start - 1.0
     );
     assert!((now / start - 1.0).abs() < 1e-11, "{}", now / start - 1.0);
-    // And it is no mass that all directions move alike: that would have kept its speed.
+    // The inertia depends on the direction of motion: a constant mass would have kept its speed.
     assert!(slowest < 0.99 * speed, "{slowest}");
 }
 

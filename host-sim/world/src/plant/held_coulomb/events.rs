@@ -76,7 +76,7 @@ impl HeldCoulomb {
                     now.0[0] += piece.length_s * piece.v.integral(until);
                     now.0[1] = piece.v.at(until);
                 }
-                // Its series is nothing but zeros.
+                // All coefficients of the velocity's series are zero.
                 Mode::Stuck => now.0[1] = 0.0,
             }
             now.0[2] += piece.length_s * piece.v_h.integral(until);

@@ -54,7 +54,8 @@ fn solve(
     } else {
         substep_s
     };
-    // z at the end is `left z + stretch v`; the torque is that of the mean deflection and of its mean rate, `held + per_v v`.
+    // The deflection at the end is `left z + stretch v`. The torque follows from the mean deflection and its mean rate: `held +
+    // per_v v`.
     let rate = lugre.damping / substep_s;
     let held = bristle * (0.5 * lugre.stiffness * (1.0 + left) - rate * (1.0 - left));
     let per_v = stretch_s * (0.5 * lugre.stiffness + rate);

@@ -43,7 +43,7 @@ pub enum Friction {
         /// Stribeck velocity, rad/s; `None`: the break-away torque applies at rest only.
         stribeck: Option<f64>,
     },
-    /// Friction by elastic bristles (LuGre).
+    /// Dry friction modelled by elastic bristles (LuGre model).
     Bristles(LuGre),
 }
 

@@ -27,7 +27,7 @@ pub(super) const SHAFT: usize = 3;
 /// = k_t^2/(1.5 R)`, where `k_t` is for an amplitude of 1 A.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Current {
-    /// Bandwidth `f`, Hz; above zero.
+    /// Bandwidth of the lag, Hz; above zero.
     pub bandwidth_hz: f64,
     /// Damping `D` of the back-EMF, N·m·s/rad; zero or more.
     pub back_emf: f64,
@@ -44,9 +44,9 @@ impl Current {
 /// A compliant transmission between the motor's shaft and a knob.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transmission {
-    /// Stiffness `k_t`, N·m/rad; above zero.
+    /// Stiffness of the transmission, N·m/rad; above zero.
     pub stiffness: f64,
-    /// Damping `c_t`, N·m·s/rad; zero or more.
+    /// Damping of the transmission, N·m·s/rad; zero or more.
     pub damping: f64,
     /// Inertia of the knob, kg·m²; above zero and below the device's inertia, which includes it.
     pub knob_inertia: f64,
@@ -85,7 +85,7 @@ pub struct Links {
 }
 
 impl Links {
-    /// Number of linear states.
+    /// Number of linear states of the drive train.
     #[must_use]
     pub fn states(&self) -> usize {
         let pairs = 1 + usize::from(self.transmission.is_some()) + usize::from(self.hand.is_some());
@@ -195,7 +195,7 @@ pub(super) fn assemble<const N: usize, const K: usize>(
             motor_power[(torque, 1)] = 0.5;
         }
     }
-    // The pair that the hand holds, and its inertia.
+    // Index of the body that the hand holds, and the body's inertia.
     let mut held = (0, motor_inertia);
     if let Some(transmission) = &links.transmission {
         let knob = (2, knob_inertia);

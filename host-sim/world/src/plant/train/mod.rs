@@ -8,13 +8,13 @@
 //!  imbalance --------------/
 //! ```
 //!
-//! `u` is the commanded torque, `tau` the torque of the motor, `x` the shaft angle, `r` the hand's rest point; `J` are inertias, `k_t` and `c_t`
-//! stiffness and damping of the transmission.
+//! `u` is the commanded torque, `tau` the torque of the motor, `x` the shaft angle, `r` the hand's rest point; `J` are inertias,
+//! `k_t` and `c_t` stiffness and damping of the transmission.
 //!
 //! All linear parts are one exact matrix step, as in the other plants of the parent module. The nonlinear parts ([`Shaft`], and the
 //! play of a transmission) are torques that are held during a substep. Their values are those at the substep's middle. Friction is
-//! consistent with the velocity at the substep's end. A train without nonlinear parts therefore needs no substeps. With nonlinear parts the
-//! linear part stays exact, however stiff it is.
+//! consistent with the velocity at the substep's end. A train without nonlinear parts therefore needs no substeps. With nonlinear
+//! parts the linear part stays exact, however stiff it is.
 
 mod bristles;
 mod friction;

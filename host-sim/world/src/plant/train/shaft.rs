@@ -23,7 +23,7 @@ impl Harmonic {
         -self.amplitude * libm::sin(self.per_rev * angle + self.phase)
     }
 
-    /// The potential energy at a shaft angle, J.
+    /// Potential energy that belongs to the torque, at a shaft angle, J.
     fn potential_j(&self, angle: f64) -> f64 {
         -self.amplitude / self.per_rev * libm::cos(self.per_rev * angle + self.phase)
     }
@@ -32,7 +32,7 @@ impl Harmonic {
 /// The nonlinear torques at the motor's shaft.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Shaft {
-    /// The model of dry friction.
+    /// The model of dry friction at the shaft.
     pub friction: Friction,
     /// Torques of cogging and imbalance over the shaft angle; they are added.
     pub harmonics: Vec<Harmonic>,
