@@ -5,7 +5,8 @@
 //! range of rates. The scorecard's measures at these rates are in `docs/devices.md`.
 
 use super::Mechanism;
-use touchstone_control::settings::FilterSettings;
+use crate::tune::parameters::PULSE;
+use touchstone_control::settings::{FilterSettings, ImpactSettings};
 use touchstone_control::{EstimatorSettings, Settings, Si, StatesKind};
 use touchstone_world::plant::{Device, OMEGA3_AXIS};
 
@@ -170,6 +171,11 @@ impl TunedWall {
                 ground_damping: si(self.ground_damping),
             },
             states: StatesKind::Estimated,
+            estimator: self.estimator(),
+            // The estimator's mass is tuned; the pulse is to take the axis' own momentum.
+            impact: ImpactSettings {
+                momentum: si(PULSE * self.axis_kg / self.estimator_kg),
+            },
             ..Settings::default()
         }
     }
