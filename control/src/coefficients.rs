@@ -3,7 +3,7 @@
 //! A function here builds one law. None returns the enum of all laws, because that enum is large and each return path would copy
 //! it.
 
-use crate::choices::{IdealStep, OffsetUpdate, Regulate};
+use crate::choices::{IdealStep, OffsetUpdate, Regulate, StatesKind};
 use crate::filter::VirtualMass;
 use crate::law::{Augmentation, EnhancedSfa, Fba, Impact, Sfa, Spring, Tdpa};
 use crate::quotient::over;
@@ -187,13 +187,14 @@ pub(crate) fn soft_damper<N: Number>(settings: &Settings) -> Result<Stiffness<N>
 const APART_HZ: u32 = 50;
 
 impl<N: Number> Impact<N> {
-    /// The pulse at the touch, for validated settings; `None` if they have none.
+    /// The pulse at the touch, for validated settings; `None` if they have none. It needs the inertia and the speed of an estimator,
+    /// so on measured states there is none.
     ///
     /// # Errors
     /// The pulse or the force limit does not fit the number format.
     pub fn pulse_of(settings: &Settings) -> Result<Option<Self>, SettingsError> {
         let share = settings.impact.momentum;
-        if share == Si::ZERO {
+        if share == Si::ZERO || settings.states == StatesKind::Measured {
             return Ok(None);
         }
         let rate = Si::saturating_from_num(settings.rate_hz);

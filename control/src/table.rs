@@ -141,7 +141,7 @@ macro_rules! law_settings {
             /// The pulse at the touch: a short torque that takes the device's momentum away when it enters a wall.
             impact ImpactSettings {
                 ImpactMomentum momentum, share_of_momentum: number("0", "2") = "1", "",
-                    "the share of the estimator inertia's momentum that a pulse takes away at the touch (0: no pulse)";
+                    "the share of the estimator inertia's momentum that a pulse takes away at the touch (0, or measured states: none)";
             }
         }
     };

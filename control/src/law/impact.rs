@@ -7,7 +7,8 @@
 //!
 //! At the first control period inside the wall the pulse has the impulse `s J v`: a fraction `s` of the momentum of the inertia `J`
 //! at the speed `v`. Each period adds as much of it to the law's force as the force limit leaves. What is left is dropped when the
-//! motion turns and when the device leaves the wall. The energy guard stands behind the sum of both forces.
+//! motion turns and when the device leaves the wall. The energy guard stands behind the sum of both forces. Speed and inertia are those
+//! of the state estimator; a law on measured states has no pulse.
 
 use super::Sample;
 use crate::{Force, Number, Position, Stiffness};

@@ -112,6 +112,7 @@ impl LengthUnit {
         };
         Impact::pulse_of(&Settings {
             estimator,
+            states: si.states,
             ..self.settings(si)
         })
     }

@@ -259,6 +259,7 @@ const KNOWN: [&[(&str, f64)]; 3] = [
         ("law.estimator.bandwidth_hz", 1.25),
         ("law.estimator.delay_s", 1.9),
         ("law.estimator.inertia_kg_m2", 0.95),
+        ("law.impact.share_of_momentum", 0.1),
     ],
     &[
         ("law.limit_of_penetration_per_ms", 0.97),
@@ -269,6 +270,7 @@ const KNOWN: [&[(&str, f64)]; 3] = [
         ("law.virtual_damping_n_m_s_per_rad", 1.05),
         ("law.estimator.bandwidth_hz", 0.93),
         ("law.estimator.inertia_kg_m2", 1.5),
+        ("law.impact.share_of_momentum", 0.1),
     ],
     &[
         ("law.limit_of_penetration_per_ms", 0.196),
@@ -283,5 +285,6 @@ const KNOWN: [&[(&str, f64)]; 3] = [
         ("law.estimator.bandwidth_hz", 1.14),
         ("law.estimator.delay_s", 1.47),
         ("law.estimator.inertia_kg_m2", 0.69),
+        ("law.impact.share_of_momentum", 3.3),
     ],
 ];
