@@ -1,6 +1,7 @@
-//! Tests that the controller runs its parts in order (states, law, guard), and passes to each what it needs.
+//! Tests that the controller runs its parts in order (states, law, pulse at the touch, guard), and passes to each what it needs.
 
 use touchstone_control::estimator::EstimatorState;
+use touchstone_control::law::Impact;
 use touchstone_control::{
     AnyLaw, Controller, Field, Fixed16, Fixed32, Force, Guard, GuardSettings, Guarded, LawKind,
     Position, Settings, SettingsError, Si, States, StatesKind,
@@ -36,9 +37,10 @@ fn a_tick_is_the_law_and_then_the_guard() {
     let (mut compared, mut limited, mut tripped, mut estimated) = (0, 0, 0, 0);
     while compared < 60_000 {
         let settings = any(&mut random);
-        let (Ok(mut wall), Ok(mut law)) = (
+        let (Ok(mut wall), Ok(mut law), Ok(mut impact)) = (
             Controller::<Fixed32>::new(&settings),
             AnyLaw::<Fixed32>::new(&settings),
+            Impact::<Fixed32>::pulse_of(&settings),
         ) else {
             continue;
         };
@@ -65,7 +67,11 @@ fn a_tick_is_the_law_and_then_the_guard() {
             let (e, _) = hand.moves(&mut random, tick, i128::from(force.0.to_bits()));
             let e = Position(e);
             states.commanded(force);
-            let wanted = law.tick(states.sample(e));
+            let sample = states.sample(e);
+            let mut wanted = law.tick(sample);
+            if let Some(impact) = &mut impact {
+                wanted = impact.with_pulse(sample, wanted);
+            }
             force = match &mut guard {
                 Some(guard) => guard.tick(e, None, wanted),
                 None => wanted,

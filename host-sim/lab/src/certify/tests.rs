@@ -239,6 +239,7 @@ fn the_estimators_composition_does_what_the_controller_does() {
                 format!("law.virtual_damping_n_m_s_per_rad={damping}"),
                 format!("wall.k_desired_n_m_per_rad={k}"),
                 format!("law.estimator.delay_s={delay_s}"),
+                "law.impact.share_of_momentum=0".to_owned(),
                 "law.guard.on=false".to_owned(),
             ])
             .unwrap();

@@ -26,6 +26,8 @@ fn estimated(k_desired: f64, damping: f64) -> Scene {
     scene.law.estimator.bandwidth_hz = 57.96;
     scene.law.estimator.delay_s = 5.327e-4;
     scene.law.estimator.inertia_kg_m2 = 1.166e-4;
+    // Found before there was a pulse at the touch.
+    scene.law.impact.share_of_momentum = 0.0;
     scene
 }
 

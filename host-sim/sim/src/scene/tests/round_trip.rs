@@ -226,6 +226,7 @@ fn every_number_ends_in_its_unit() {
             "limit_of_force_per_ms",
             "limit_of_penetration_per_ms",
             "share_of_damping",
+            "share_of_momentum",
             "scale"
         ]
     );
