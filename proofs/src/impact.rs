@@ -84,16 +84,19 @@ property! {
         assume!(s, wanted >= Force::zero() && wanted <= impact.limit, "Law");
         let before = impact;
         let force = impact.with_pulse(sample, wanted);
-        if sample.e <= Position::zero() || sample.moved <= Position::zero() {
-            assert!(force == wanted && impact.left == Force::zero());
-            return;
-        }
+        let comes = sample.e > Position::zero() && sample.moved > Position::zero();
         let touch = before.outside == before.apart;
-        let given = if touch { (before.brake * sample.moved).towards_zero() } else { before.left };
+        let given = match (comes, touch) {
+            (false, _) => Force::zero(),
+            (true, true) => (before.brake * sample.moved).towards_zero(),
+            (true, false) => before.left,
+        };
         let played = N::of_signal(force.0) - N::of_signal(wanted.0);
         assert!(N::of_signal(impact.left.0) + played == N::of_signal(given.0));
-        cover!(s, touch && played > 0, "a touch");
-        cover!(s, !touch && played > 0, "a pulse that went on");
+        assert!(comes || (force == wanted && impact.left == Force::zero()));
+        cover!(s, !comes && before.left > Force::zero(), "what is left is dropped");
+        cover!(s, comes && touch && played > 0, "a touch");
+        cover!(s, comes && !touch && played > 0, "a pulse that went on");
     }
 }
 property! {

@@ -23,6 +23,8 @@ fn settings() -> DeviceSettings {
     settings.limits.fade_in_s = Si::lit("0.05");
     // A damper's force follows every count, and the current loop smooths it. So only the spring's force is compared.
     settings.law.virtual_damping_n_m_s_per_rad = Si::ZERO;
+    // A pulse at the touch stops a light knob before the wall, and the spring never shows.
+    settings.law.impact.share_of_momentum = Si::ZERO;
     settings.encoder.counts_per_rev = COUNTS;
     settings
 }
@@ -40,6 +42,7 @@ fn said() -> Scene {
         });
         scene.timing.computational_delay_s = 7.5e-5;
         scene.law.virtual_damping_n_m_s_per_rad = 0.0;
+        scene.law.impact.share_of_momentum = 0.0;
     };
     Scene::load("thesis-knob").unwrap().with(change).unwrap()
 }

@@ -37,10 +37,14 @@ impl<N: Number> Impact<N> {
             self.left = Force::zero();
             return force;
         }
-        if self.outside == self.apart {
-            self.left = (self.brake * sample.moved).towards_zero();
-        }
+        let touch = self.outside == self.apart;
         self.outside = 0;
+        if touch {
+            self.left = (self.brake * sample.moved).towards_zero();
+        } else if self.left == Force::zero() {
+            // The rest of a contact, in as few instructions as possible.
+            return force;
+        }
         if sample.moved <= Position::zero() {
             self.left = Force::zero();
         }

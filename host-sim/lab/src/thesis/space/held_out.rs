@@ -430,7 +430,7 @@ mod tests {
     fn a_wall_beyond_a_limit_has_its_cause() {
         // With the pulse at the touch no wall gives energy to the hand.
         let mut law = OMEGA3_WALL.settings(RATE_HZ, Mechanism::Cartesian.force_n());
-        law.impact.momentum = Si::ZERO;
+        law.impact.momentum = touchstone_control::Si::ZERO;
         let drawn = Drawn {
             surface: PressedSurface::Plane([0.0; 3], [0.0, 0.6, 0.8]),
             grip: 0.3,
