@@ -23,6 +23,7 @@ use crate::scorecard::reference::Reference;
 use crate::scorecard::rivals::Rival;
 use cost::{Cost, Judgement};
 use parameters::{Axis, at, axes};
+use touchstone_control::choices::StatesKind;
 use touchstone_sim::error::Result;
 use touchstone_sim::scene::Scene;
 
@@ -110,9 +111,47 @@ pub fn tune(
         enough: 0.0,
         seed: options.seed,
     };
-    let tuned = search_by(scene, rival, reference, &judgement, looks, &mut progress);
+    let mut tuned = search_by(scene, rival, reference, &judgement, looks, &mut progress);
+    choose_pulse(scene, &mut tuned, &judgement);
     Ok(no_worse_than_own(scene, tuned, &judgement))
 }
+
+/// Pulses at the touch that are tried, as shares of the device's momentum.
+const PULSES: [f64; 4] = [0.3, 0.5, 0.7, 1.0];
+
+/// Gives the tuned wall the pulse at the touch with the least cost over all devices, of those with which no measure is beyond its
+/// limit that was within it. A wall with little damping bounces off a device of half the inertia if its pulse is large. A law on
+/// measured states, and a scene without a pulse, stay without one.
+fn choose_pulse(scene: &Scene, tuned: &mut Tuned, judgement: &Judgement) {
+    let asked = scene.law.impact.share_of_momentum > 0.0;
+    if !asked || tuned.scene.law.states != StatesKind::Estimated {
+        return;
+    }
+    let whole = Judgement::new(scene, tuned.reference, false);
+    let costs = |scene: &Scene| [judgement.cost(scene), whole.cost(scene)];
+    let without = costs(&tuned.scene);
+    let (mut least, mut chosen) = (without, tuned.scene.clone());
+    let inertias = scene.device.inertia_kg_m2 / tuned.scene.law.estimator.inertia_kg_m2;
+    for pulse in PULSES {
+        let mut tried = tuned.scene.clone();
+        tried.law.impact.share_of_momentum =
+            parameters::rounded((pulse * inertias).min(MOST_PULSE));
+        let found = costs(&tried);
+        let mut both = found.iter().zip(&without);
+        let holds = both.all(|(found, without)| found.worst <= without.worst.max(1.0));
+        if holds && found[1].value <= least[1].value {
+            (least, chosen) = (found, tried);
+        }
+    }
+    tuned.evaluations += PULSES.len() as u64;
+    let share = chosen.law.impact.share_of_momentum;
+    let pulse = ("law.impact.share_of_momentum", share);
+    (tuned.scene, tuned.worst) = (chosen, least[0].worst);
+    tuned.parameters.push(pulse);
+}
+
+/// Largest value of the setting `law.impact.share_of_momentum`.
+const MOST_PULSE: f64 = 2.0;
 
 /// Returns the tuned settings, or the scene's own law settings with the tuned energy guard if these are better. All devices are
 /// simulated for this comparison, even after a quick search.
@@ -259,7 +298,6 @@ const KNOWN: [&[(&str, f64)]; 3] = [
         ("law.estimator.bandwidth_hz", 1.25),
         ("law.estimator.delay_s", 1.9),
         ("law.estimator.inertia_kg_m2", 0.95),
-        ("law.impact.share_of_momentum", 0.1),
     ],
     &[
         ("law.limit_of_penetration_per_ms", 0.97),
@@ -270,7 +308,6 @@ const KNOWN: [&[(&str, f64)]; 3] = [
         ("law.virtual_damping_n_m_s_per_rad", 1.05),
         ("law.estimator.bandwidth_hz", 0.93),
         ("law.estimator.inertia_kg_m2", 1.5),
-        ("law.impact.share_of_momentum", 0.1),
     ],
     &[
         ("law.limit_of_penetration_per_ms", 0.196),
@@ -285,6 +322,5 @@ const KNOWN: [&[(&str, f64)]; 3] = [
         ("law.estimator.bandwidth_hz", 1.14),
         ("law.estimator.delay_s", 1.47),
         ("law.estimator.inertia_kg_m2", 0.69),
-        ("law.impact.share_of_momentum", 3.3),
     ],
 ];

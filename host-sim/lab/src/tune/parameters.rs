@@ -45,10 +45,6 @@ macro_rules! parameter {
 /// fifth.
 const FASTEST_BANDWIDTH: f64 = 0.19;
 
-/// Share of the estimator inertia's momentum that the pulse at the touch takes away where the search starts. A damped wall holds more
-/// for every device; an undamped one bounces off a device of half the inertia.
-pub(crate) const PULSE: f64 = 0.3;
-
 /// The settings that are tuned for a law on the device and wall of a scene.
 #[must_use]
 pub fn axes(rival: &Rival, scene: &Scene) -> Vec<Axis> {
@@ -197,7 +193,6 @@ fn of_estimator(scene: &Scene) -> Vec<Axis> {
             2.0 / rate,
         ),
         axis(parameter!(estimator.inertia_kg_m2), j, 0.25 * j, 4.0 * j),
-        axis(parameter!(impact.share_of_momentum), PULSE, 1e-3, 2.0),
     ]
 }
 
@@ -206,6 +201,8 @@ fn of_estimator(scene: &Scene) -> Vec<Axis> {
 #[must_use]
 pub fn at(rival: &Rival, scene: &Scene, axes: &[Axis], point: &[f64]) -> Scene {
     let mut scene = rival.to_tune(scene);
+    // The pulse at the touch is chosen after the search.
+    scene.law.impact.share_of_momentum = 0.0;
     for (axis, x) in axes.iter().zip(point) {
         let value = (axis.start * x.exp()).clamp(axis.least, axis.most);
         *(axis.parameter.of)(&mut scene.law) = rounded(value);

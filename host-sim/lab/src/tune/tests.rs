@@ -136,7 +136,7 @@ fn of_the_best_points_none_is_better_than_another() {
     let axes = axes(rival, &scene);
     let tuned = super::Tuned {
         rival,
-        scene: at(rival, &scene, &axes, &[-0.29, 0.02, -0.47, 0.03, -6.0]),
+        scene: at(rival, &scene, &axes, &[-0.29, 0.02, -0.47, 0.03]),
         parameters: Vec::new(),
         worst: 0.0,
         evaluations: 0,
@@ -223,7 +223,7 @@ fn a_wall_that_fails_says_why() {
         rival,
         &scene,
         &axes(rival, &scene),
-        &[-0.29, 0.02, -0.47, 0.03, -6.0],
+        &[-0.29, 0.02, -0.47, 0.03],
     );
     assert_eq!(fails(&good), None);
     // A guard without energy to give reduces every force.
