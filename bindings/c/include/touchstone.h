@@ -256,7 +256,8 @@ ts_status ts_settings_set(ts_settings *settings,
 /*
  Sets the encoder's resolution, which speed estimator and energy guard use: counts per turn with all edges counted, at least 1.
  */
-ts_status ts_settings_set_counts_per_rev(ts_settings *settings, uint32_t counts_per_rev);
+ts_status ts_settings_set_counts_per_rev(ts_settings *settings,
+                                         uint32_t counts_per_rev);
 
 /*
  Checks all settings of a virtual wall together. If they are refused, `message` gets the reason in one line, with the setting's
