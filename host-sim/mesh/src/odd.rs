@@ -219,8 +219,8 @@ impl Mesh {
             ));
         } else if edges.same_way == 0 && volume < 0.0 {
             notes.push(format!(
-                "its volume is {} cm³: it is inside out, and nothing is felt from outside; flip its normals",
-                short(1e6 * volume, 3)
+                "its volume is {:.3} cm³: it is inside out, and nothing is felt from outside; flip its normals",
+                1e6 * volume
             ));
         } else if edges.same_way == 0
             && let (turned @ 1.., parts) = self.inside_out()
@@ -232,7 +232,7 @@ impl Mesh {
         let [least, most] = self.bounds_m();
         let [low, high] = workspace_m;
         let reach_m = (Vector::from_array(high) - Vector::from_array(low)).length();
-        let mm = |metres: [f64; 3]| metres.map(|value| short(1e3 * value, 1)).join(", ");
+        let mm = |metres: [f64; 3]| metres.map(|value| format!("{:.1}", 1e3 * value)).join(", ");
         if self.size_m() < LEAST_M {
             notes.push(format!(
                 "it is {:.4} mm across: is --mesh-unit-m its unit?",
@@ -250,18 +250,10 @@ impl Mesh {
             ));
         } else if self.size_m() > MOST_TIMES * reach_m {
             notes.push(format!(
-                "it is {} m across, where the device reaches {reach_m:.3} m: is --mesh-unit-m its unit?",
-                short(self.size_m(), 0)
+                "it is {:.0} m across, where the device reaches {reach_m:.3} m: is --mesh-unit-m its unit?",
+                self.size_m()
             ));
         }
         notes
-    }
-}
-
-/// A number with this many decimals; an amount beyond ten millions with an exponent, not with thirty digits.
-fn short(value: f64, decimals: usize) -> String {
-    match value.abs() < 1e7 {
-        true => format!("{value:.decimals$}"),
-        false => format!("{value:.3e}"),
     }
 }
