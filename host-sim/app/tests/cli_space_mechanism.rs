@@ -171,9 +171,15 @@ fn what_is_wrong_with_it_is_one_line() {
         "dof = 3\n[law]\nk_desired_n_per_mm = 900\n",
     )
     .unwrap();
+    std::fs::write(folder.join("c.toml"), "name = \"x\"\ndof = 3.0\n").unwrap();
+    std::fs::write(folder.join("d.toml"), "dof = \"3\"\n").unwrap();
+    std::fs::write(folder.join("e.toml"), "dof = 2\n").unwrap();
     for (arguments, parts) in [
         (&["run", "a.toml"][..], &["a.toml:3:", "detla", "delta"][..]),
         (&["run", "b.toml"], &["b.toml:3:", "at most 50"]),
+        (&["run", "c.toml"], &["c.toml:2: dof: must be 3, is 3.0"]),
+        (&["run", "d.toml"], &["d.toml:1: dof: must be 3, is \"3\""]),
+        (&["run", "e.toml"], &["e.toml:1: dof: must be 3"]),
         (&["run", BALL, "--law", "sfa"], &["--law", "three axes"]),
         (
             &["thesis", "--mechanism", "delta"],

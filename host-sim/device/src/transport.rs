@@ -69,7 +69,10 @@ fn remedy(kind: serialport::ErrorKind, said: &str) -> &'static str {
         _ if said.contains("busy") => {
             "another program has it: close that one, or choose another port with --port"
         }
-        _ if said.contains("typewriter") || said.contains("Is a directory") => {
+        _ if ["typewriter", "Is a directory", "symbolic links"]
+            .iter()
+            .any(|part| said.contains(part)) =>
+        {
             "it is no serial port: choose one with --port, `touchstone doctor` lists them"
         }
         Io(ErrorKind::PermissionDenied) => "`touchstone doctor` shows how to get the permission",
@@ -203,6 +206,11 @@ mod tests {
             ),
             (Unknown, "Not a typewriter", "it is no serial port"),
             (Unknown, "Is a directory", "it is no serial port"),
+            (
+                Unknown,
+                "Too many symbolic links encountered",
+                "it is no serial port",
+            ),
             (Unknown, "Input/output error", "close what else uses it"),
         ] {
             assert!(remedy(kind, said).contains(part), "{said}");

@@ -196,9 +196,12 @@ pub fn main(options: &Options) -> Result<ExitCode> {
     tell!("device    {}", sheet.name);
     if let Some(mesh) = &mesh {
         tell!(
-            "mesh      {} triangles, {:.1} mm across, {} left out for having no area",
+            "mesh      {} triangles, {} mm across, {} left out for having no area",
             mesh.triangles(),
-            1e3 * mesh.size_m(),
+            match mesh.size_m() < 1e4 {
+                true => format!("{:.1}", 1e3 * mesh.size_m()),
+                false => format!("{:.3e}", 1e3 * mesh.size_m()),
+            },
             mesh.left_out()
         );
         let reach = sheet.workspace;

@@ -59,6 +59,11 @@ fn other_tools_read_what_was_written() {
     ];
     run_in(&here, &[&sweep[..], &axes[..], &measures[..]].concat()).ended(0);
     files.push("sweep/cells.csv".to_owned());
+    let boundary =
+        "boundary press-hold --columns 2 --rows 2 --delays 0 --ticks 1000 -q --out boundary";
+    let boundary: Vec<&str> = boundary.split(' ').collect();
+    run_in(&here, &boundary).ended(0);
+    files.push("boundary/cells.csv".to_owned());
     let programme = ["scorecard", "thesis-knob", "--grip", "light", "-q"];
     run_in(
         &here,
